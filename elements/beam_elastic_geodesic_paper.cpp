@@ -1,0 +1,5 @@
+#include "elements/beam_elastic_instances.hpp"
+
+namespace mbd::beam {
+template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, PaperForm>(const SpectralTable&, bool);
+}

@@ -1,0 +1,71 @@
+// What an element kernel is: a pure function of (constants, node states, environment) to residual and
+// tangent, written once on a scalar type S. It knows nothing of dof numbers, sparsity, time stepping
+// or XML. ElementBatch (element_batch.hpp) gathers, evaluates and hands over.
+#pragma once
+
+#include <span>
+
+#include "libmbd/core/se3.hpp"
+#include "libmbd/core/signal.hpp"
+#include "libmbd/core/types.hpp"
+
+namespace mbd {
+
+enum class Want { residual, tangent };
+
+template <class S>
+struct NodeState {
+  Pose<S> H;
+  Vector6<S> V;     // only for elements that need rates
+  Vector6<S> Vdot;
+};
+
+// What acts on all elements at once.
+struct Environment {
+  double t = 0.0;                        // [s]
+  double load_factor = 1.0;              // on every load
+  std::span<const SignalValue> signals;  // values at t
+};
+
+// Weights of dr/dV and dr/dVdot in the rate tangent D of an element.
+struct RateWeights {
+  double V = 0.0;
+  double A = 0.0;
+};
+
+// Residual and tangent of an element of n nodes (n = Eigen::Dynamic: a run-time count up to max_n).
+template <class S, int n, int max_n = n>
+struct ElementOutput {
+  static constexpr int size = n == Eigen::Dynamic ? Eigen::Dynamic : 6 * n;
+  static constexpr int options = Eigen::ColMajor | Eigen::DontAlign;
+  using Vector = Eigen::Matrix<S, size, 1, options, 6 * max_n, 1>;
+  using Square = Eigen::Matrix<S, size, size, options, 6 * max_n, 6 * max_n>;
+
+  Vector r;  // internal minus external forces, 6 per node, body frames [N, N.m]
+  Square K;  // dr/dU
+  Square D;  // weights.V dr/dV + weights.A dr/dVdot
+};
+
+// The contract:
+//   Shared, Data            constants of the batch and of one element
+//   nodes, max_nodes        count of nodes (or Eigen::Dynamic and its bound)
+//   has_K, has_D            which tangents exist; an absent one costs nothing
+//   needs_rates             whether V and Vdot are gathered
+//   node_count(shared)      the count at run time
+//   evaluate<want>(shared, data, node states, environment, weights, out) -> margin: how far the element
+//       is from the limit of its validity; not positive is out of range (1 where there is no limit)
+//   energies(shared, data, node states, environment)
+template <class E>
+concept Element = requires(const typename E::Shared& shared, const typename E::Data& data,
+                           const NodeState<double>* x, const Environment& env, RateWeights w,
+                           typename E::template Output<double>& out) {
+  { E::nodes } -> std::convertible_to<int>;
+  { E::has_K } -> std::convertible_to<bool>;
+  { E::has_D } -> std::convertible_to<bool>;
+  { E::needs_rates } -> std::convertible_to<bool>;
+  { E::node_count(shared) } -> std::convertible_to<int>;
+  { E::template evaluate<Want::residual>(shared, data, x, env, w, out) } -> std::convertible_to<double>;
+  { E::template evaluate<Want::tangent>(shared, data, x, env, w, out) } -> std::convertible_to<double>;
+};
+
+}  // namespace mbd

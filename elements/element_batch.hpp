@@ -1,0 +1,156 @@
+// Gather -> evaluate -> hand over, once for every element type.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "elements/element.hpp"
+#include "libmbd/core/batch.hpp"
+
+namespace mbd {
+
+// Base: Batch, or an interface derived from it.
+template <Element E, class Base = Batch>
+class ElementBatch : public Base {
+ public:
+  ElementBatch(std::string type, typename E::Shared shared)
+      : type_(std::move(type)), shared_(std::move(shared)), n_(E::node_count(shared_)) {}
+
+  // Node indices as in State; the ground (0) is allowed. `name` is for messages.
+  void add(const typename E::Data& data, std::span<const int> nodes, std::string name) {
+    data_.push_back(data);
+    nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+    names_.push_back(std::move(name));
+  }
+
+  std::string_view type() const override { return type_; }
+  Index size() const override { return static_cast<Index>(data_.size()); }
+  std::size_t bytes() const override {
+    return data_.size() * sizeof(typename E::Data) + nodes_.size() * sizeof(int);
+  }
+
+  const typename E::Shared& shared() const { return shared_; }
+  typename E::Shared& shared() { return shared_; }  // while building
+  const typename E::Data& data(Index e) const { return data_[static_cast<std::size_t>(e)]; }
+
+  void connect(BlockGraph& graph) override {
+    first_slot_ = graph.contributions.size();
+    for (std::size_t e = 0; e < data_.size(); ++e) {
+      const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+      for (int b = 0; b < n_; ++b)
+        for (int a = 0; a < n_; ++a) graph.contributions.push_back({node[a] - 1, node[b] - 1});
+    }
+  }
+
+  bool residual(const State& state, VecX& r) const override {
+    return run<Want::residual>(state, {}, r, {});
+  }
+  bool linearize(const State& state, const TangentWeights& weights, VecX& r,
+                 std::span<const Slot> slots) const override {
+    return run<Want::tangent>(state, weights, r, slots);
+  }
+
+  std::string out_of_range(const State& state) const override {
+    const Environment env = environment(state);
+    typename E::template Output<double> out;
+    for (std::size_t e = 0; e < data_.size(); ++e) {
+      NodeStates x;
+      gather(state, e, x);
+      if (!(E::template evaluate<Want::residual>(shared_, data_[e], x.data(), env, RateWeights{}, out) > 0.0)) {
+        return names_[e];
+      }
+    }
+    return {};
+  }
+
+  Energies energies(const State& state) const override {
+    Energies sum;
+    if constexpr (requires(const NodeState<double>* x, Environment env) {
+                    E::energies(shared_, data_[0], x, env);
+                  }) {
+      const Environment env = environment(state);
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        NodeStates x;
+        gather(state, e, x);
+        const Energies one = E::energies(shared_, data_[e], x.data(), env);
+        sum.kinetic += one.kinetic;
+        sum.strain += one.strain;
+        sum.potential += one.potential;
+      }
+    }
+    return sum;
+  }
+
+  static constexpr int max_nodes = E::template Output<double>::Vector::MaxRowsAtCompileTime / 6;
+  using NodeStates = std::array<NodeState<double>, static_cast<std::size_t>(max_nodes)>;
+
+  void gather(const State& state, std::size_t e, NodeStates& x) const {
+    const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+    for (int a = 0; a < count(); ++a) {
+      const auto A = static_cast<std::size_t>(a);
+      const auto k = static_cast<std::size_t>(node[a]);
+      x[A].H = state.pose[k];
+      if constexpr (E::needs_rates) {
+        if (state.V.empty()) {
+          x[A].V.setZero();
+          x[A].Vdot.setZero();
+        } else {
+          x[A].V = state.V[k];
+          x[A].Vdot = state.Vdot[k];
+        }
+      }
+    }
+  }
+
+ private:
+  int count() const { return E::nodes == Eigen::Dynamic ? n_ : E::nodes; }
+
+  static Environment environment(const State& state) {
+    return {state.t, state.load_factor, state.signals};
+  }
+
+  template <Want want>
+  bool run(const State& state, const TangentWeights& weights, VecX& r, std::span<const Slot> slots) const {
+    const Environment env = environment(state);
+    const RateWeights rates{weights.V, weights.A};
+    typename E::template Output<double> out;
+    NodeStates x;
+    double margin = 1.0;
+    for (std::size_t e = 0; e < data_.size(); ++e) {
+      gather(state, e, x);
+      const double m = E::template evaluate<want>(shared_, data_[e], x.data(), env, rates, out);
+      margin = m < margin ? m : margin;
+      const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+      for (int a = 0; a < count(); ++a) r.segment<6>(6 * node[a]) += out.r.template segment<6>(6 * a);
+      if constexpr (want == Want::tangent) {
+        const auto n = static_cast<std::size_t>(n_);
+        const Slot* slot = &slots[first_slot_ + e * n * n];
+        for (int b = 0; b < count(); ++b) {
+          for (int a = 0; a < count(); ++a, ++slot) {
+            Eigen::Map<Mat6, 0, Eigen::OuterStride<>> S(slot->data, Eigen::OuterStride<>(slot->ld));
+            if constexpr (E::has_K) S += weights.U * out.K.template block<6, 6>(6 * a, 6 * b);
+            if constexpr (E::has_D) {
+              if (weights.T_inv.empty()) {
+                S += out.D.template block<6, 6>(6 * a, 6 * b);
+              } else {
+                S += out.D.template block<6, 6>(6 * a, 6 * b)
+                         .lazyProduct(weights.T_inv[static_cast<std::size_t>(node[b])]);
+              }
+            }
+          }
+        }
+      }
+    }
+    return margin > 0.0;
+  }
+
+  std::string type_;
+  typename E::Shared shared_;
+  int n_;
+  std::vector<typename E::Data> data_;
+  std::vector<int> nodes_;  // n_ an element
+  std::vector<std::string> names_;
+  std::size_t first_slot_ = 0;
+};
+
+}  // namespace mbd

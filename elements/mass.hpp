@@ -1,0 +1,69 @@
+// Inertia of what moves with a node: M the 6x6 mass matrix in the node's frame.
+//
+// Beams are integrated on their GLL points (formulation.md 3: with the N Gauss points a free bar has a
+// singular mass matrix), so the inertia of a beam is a mass at each node, M_a = w_a J_a M; a rigid body
+// is a mass at its node too, M = Ad^T M_c Ad. One kernel serves both, and all that shares a node is
+// added up once, at compile.
+//
+//   r = M Vdot - V~^T M V       dr/dVdot = M,   dr/dV = -( V~^T M + (M V)^U )                      (1)
+//   kinetic energy 1/2 V^T M V; HB 39-40. Depends on no pose: body-frame variables.
+// Not used: consistent mass with N + 1 Gauss points; it couples nodes in the tangent, and body-frame
+// velocities interpolated between nodes do not conserve momentum exactly. GLL sums do.
+#pragma once
+
+#include "elements/element.hpp"
+#include "libmbd/core/batch.hpp"
+
+namespace mbd {
+
+struct Mass {
+  static constexpr const char* name = "inertia";
+  static constexpr int nodes = 1;
+  static constexpr bool has_K = false;
+  static constexpr bool has_D = true;
+  static constexpr bool needs_rates = true;
+
+  struct Shared {};
+  struct Data {
+    Mat6 M;  // [kg, kg.m, kg.m2], node frame
+  };
+  template <class S>
+  using Output = ElementOutput<S, 1>;
+
+  static int node_count(const Shared&) { return 1; }
+
+  template <Want want, class S>
+  static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment&, RateWeights w,
+                    Output<S>& out) {
+    const Matrix6<S> M = data.M.cast<S>();
+    const Vector6<S> p = times<S>(M, x[0].V);
+    out.r = times<S>(M, x[0].Vdot) - twist_hat_transpose_times(x[0].V, p);
+    if constexpr (want == Want::tangent) {
+      const Matrix6<S> G = twist_hat(x[0].V).transpose().lazyProduct(M) + wrench_hat(p);
+      out.D = S(w.A) * M - S(w.V) * G;
+    }
+    return S(1);
+  }
+
+  static Energies energies(const Shared&, const Data& data, const NodeState<double>* x, const Environment&) {
+    const Vec6 p = data.M * x[0].V;
+    return {.kinetic = 0.5 * x[0].V.dot(p), .strain = 0.0, .potential = 0.0};
+  }
+};
+
+// Mass matrix about a reference point of a body of mass m, mass centre c and inertia J about it
+// (all in the reference frame): [ m I, -m c~ ; m c~, J - m c~ c~ ].
+inline Mat6 rigid_mass(double m, const Vec3& c, const Mat3& J) {
+  const Mat3 C = hat(c);
+  Mat6 M;
+  M << m * Mat3::Identity(), -m * C, m * C, J - m * C * C;
+  return M;
+}
+
+// The mass matrix seen from a frame in which the body's own frame is at H: Ad(H^-1)^T M Ad(H^-1).
+inline Mat6 transformed_mass(const Mat6& M, const Pose<double>& H) {
+  const Mat6 Ad = adjoint_inverse(H).matrix();
+  return Ad.transpose() * M * Ad;
+}
+
+}  // namespace mbd

@@ -1,0 +1,19 @@
+// A prescribed rotation phi(t) of b relative to a about e3, added to a revolute or cylindrical joint.
+//
+//   sin(theta - phi) = -sin(phi) a1.b1 + cos(phi) a2.b1 = 0       (moment about e3)
+// Needs no turn counter: it holds modulo pi, and the state moves continuously. phi, its rate and its
+// acceleration come from a signal; a rate law is integrated to position first (signal.hpp).
+#pragma once
+
+#include "joints/joint.hpp"
+
+namespace mbd::joint {
+
+struct DrivenRotation {
+  static constexpr const char* name = "driven rotation";
+  static constexpr std::array rows{angle()};
+  static constexpr bool has_axis = true;
+  static constexpr bool has_angle = false;
+};
+
+}  // namespace mbd::joint

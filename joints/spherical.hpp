@@ -1,0 +1,17 @@
+// Spherical joint: the origins of a and b coincide, three rotations left free.
+//
+//   x_b = 0 (three forces, b axes)
+#pragma once
+
+#include "joints/joint.hpp"
+
+namespace mbd::joint {
+
+struct Spherical {
+  static constexpr const char* name = "spherical";
+  static constexpr std::array rows{position(1), position(2), position(3)};
+  static constexpr bool has_axis = false;
+  static constexpr bool has_angle = false;
+};
+
+}  // namespace mbd::joint

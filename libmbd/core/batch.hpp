@@ -1,0 +1,66 @@
+// A batch: contiguous elements or joints of one type, behind one virtual call per evaluation.
+// Rows of the residual: 6 per node (node 0, the ground, first: what lands there is the reaction of the
+// ground and is not solved for), then the multipliers.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libmbd/core/linear_solver.hpp"
+#include "libmbd/core/state.hpp"
+#include "libmbd/core/types.hpp"
+
+namespace mbd {
+
+// What the tangent multiplies: S = U dr/dU + (V dr/dV + A dr/dVdot) T^-1(Q) in the dynamic rows, with
+// dU the body-frame increments of the nodes. Constraint rows and columns are not weighted, so U is also
+// the scale of the multipliers (formulation.md 4). Statics: {1, 0, 0}.
+struct TangentWeights {
+  double U = 1.0;
+  double V = 0.0;
+  double A = 0.0;
+  std::span<const Mat6> T_inv = {};  // by node; empty for the identity
+};
+
+struct Energies {
+  double kinetic = 0.0;    // [J]
+  double strain = 0.0;     // [J]
+  double potential = 0.0;  // of gravity, zero at the inertial origin [J]
+  double total() const { return kinetic + strain + potential; }
+};
+
+class Batch {
+ public:
+  virtual ~Batch() = default;
+
+  virtual std::string_view type() const = 0;  // e.g. "beam elastic, geodesic, energy form, N = 3"
+  virtual Index size() const = 0;             // number of elements or joints
+  virtual std::size_t bytes() const = 0;      // of data, indices and slots
+
+  // Appends this batch's contributions to the graph; they keep the place they get there.
+  virtual void connect(BlockGraph& graph) = 0;
+
+  // Adds internal minus external forces to the dynamic rows of r and sets the batch's constraint rows.
+  // False if an element is outside the range in which its formulation holds (out_of_range names it).
+  virtual bool residual(const State& state, VecX& r) const = 0;
+
+  // The same residual, to the last bit, and its tangent.
+  virtual bool linearize(const State& state, const TangentWeights& weights, VecX& r,
+                         std::span<const Slot> slots) const = 0;
+
+  // The first element out of range, or an empty string.
+  virtual std::string out_of_range(const State& /*state*/) const { return {}; }
+
+  // Constraint rows at velocity level, gdot = B V + g_t, and the part of gddot without Vdot,
+  // (d/dt B) V + (d/dt) g_t. Only joints have them.
+  virtual void constraint_rates(const State& /*state*/, VecX& /*gdot*/, VecX& /*gddot_rest*/) const {}
+
+  // Updates the turn counters of `after`, less than half a turn on from `before`.
+  virtual void count_turns(const State& /*before*/, State& /*after*/) const {}
+
+  virtual Energies energies(const State& /*state*/) const { return {}; }
+};
+
+}  // namespace mbd

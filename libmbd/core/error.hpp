@@ -1,0 +1,26 @@
+// Errors a user can mend: thrown before the first step, never from inside one (see style.md: numbers
+// that go wrong inside a step are returned in a report).
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace mbd {
+
+// Where a thing was said: the file and line of a model, or an empty file for one built in C++.
+struct Source {
+  std::string file;
+  int line = 0;
+};
+
+// What is wrong, where, and what to do about it.
+class Error : public std::runtime_error {
+ public:
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  Error(const Source& source, const std::string& message)
+      : std::runtime_error(source.file.empty()
+                               ? message
+                               : source.file + ":" + std::to_string(source.line) + ": " + message) {}
+};
+
+}  // namespace mbd

@@ -1,0 +1,113 @@
+// Arithmetic expressions of a model file: `5*deg`, `t<6 ? 0.3*(1-cos(pi*t/6)) : 0.6`.
+//
+// Grammar, loosest binding first:
+//
+//   choice      = condition '?' choice ':' choice | disjunction       right associative
+//   disjunction = conjunction { '||' conjunction }
+//   conjunction = negation { '&&' negation }
+//   negation    = '!' negation | comparison                           so !t<1 is !(t<1)
+//   comparison  = sum [ ('<' '<=' '>' '>=' '==' '!=') sum ]           one, not a chain
+//   sum         = product { ('+' '-') product }
+//   product     = sign { ('*' '/') sign }
+//   sign        = ('-' '+') sign | power                              so -2^2 is -(2^2)
+//   power       = primary [ '^' sign ]                                right associative
+//   primary     = number | name | function '(' choice {',' choice} ')' | '(' choice ')'
+//
+// Names: the parameters given; the constants pi and deg (= pi/180: 5*deg is an angle in rad);
+// the variable t (time, s) where the caller allows it. Functions: sin cos tan asin acos atan
+// atan2(y,x) sinh cosh tanh exp log ln (both natural) log10 sqrt pow(x,p) abs min(x,y) max(x,y),
+// and, of constants only, floor ceil round. Numbers and conditions are different types.
+//
+// Derivatives. The value comes with its exact first and second time derivative (taylor.hpp). They
+// exist between the switching times of the conditions, the *breakpoints*; at a breakpoint they are
+// one-sided limits, and the caller says which side. A condition in t therefore compares terms
+// affine in t, a t + b, so that its switching time is known; < and <= (> and >=) mean the same, and
+// == and != in t, true at an instant only, are refused. The same holds for the kinks of abs, min
+// and max: their arguments must be constant or affine in t. Other functions are taken to be smooth:
+// the cut of atan2 and kinks such as that of sqrt(sin(t)^2) are not detected.
+//
+// Not used: comparisons of general functions of t with root finding (a root can be missed, and its
+// position depends on a tolerance); truth values as 0 and 1 (t*(t<1) hides a jump from the reader).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libmbd/core/taylor.hpp"
+
+namespace mbd {
+
+// Named constants of a model.
+using Parameters = std::map<std::string, double, std::less<>>;
+
+// What an expression may depend on besides parameters.
+enum class Variables { none, time };
+
+// The limit taken at a breakpoint: from earlier or from later times.
+enum class Side { left, right };
+
+enum class Opcode : std::uint8_t;  // defined in expression.cpp
+
+// An expression, checked and compiled to a postfix program. Immutable; evaluation is const, thread
+// safe and allocates nothing.
+class Expression {
+ public:
+  // Compiles `text`. Constant parts are folded; a branch that a constant condition excludes is
+  // checked for grammar and names only, so `k>0 ? 1/k : 0` is valid for k = 0.
+  //
+  // Throws Error (without source; the caller adds it) naming the text, the column (in characters,
+  // from 1), what was found, what was expected and the remedy: for bad grammar, unknown names, a
+  // condition where a number is needed or the reverse, conditions whose switching times are not
+  // known, t where it is not allowed, a constant part that is not finite (1/0, sqrt(-1)), more than
+  // 200 levels of nesting or 100 000 bytes.
+  //
+  // Switching times within 4 rounding units of each other (0.3 and 0.1+0.2) are one breakpoint.
+  static Expression parse(std::string_view text, const Parameters& parameters, Variables allowed);
+
+  // Whether `name` is t, a constant or a function, and so cannot name a parameter.
+  static bool is_reserved(std::string_view name);
+
+  bool is_constant() const;
+
+  // The value of a constant expression, always finite. Throws Error if it depends on t.
+  double value() const;
+
+  // Value and time derivatives at t [s]. At a breakpoint, the limit from `side`. Outside the domain
+  // of a function (sqrt(t) at t < 0) or at a pole the result is not finite and returned as it is.
+  Taylor2 operator()(double t, Side side = Side::right) const { return evaluate(t, side); }
+
+  // The same for S = double and long double.
+  template <class S>
+  Taylor<S> evaluate(S t, Side side = Side::right) const;
+
+  // Times at which a condition or a kink switches [s], ascending. What can be reached only where
+  // another condition excludes it may be listed too.
+  std::span<const double> breakpoints() const { return breakpoints_; }
+
+  const std::string& text() const { return text_; }
+
+ private:
+  class Parser;
+
+  struct Instruction {
+    Opcode op;
+    std::int32_t target;  // where a jump goes; for constants, used by the parser
+    double value;         // constant, exponent or switching time
+  };
+
+  Expression() = default;
+
+  std::string text_;                  // as given
+  std::vector<Instruction> program_;  // postfix, with forward jumps
+  std::vector<double> breakpoints_;   // [s], ascending, distinct
+};
+
+extern template Taylor<double> Expression::evaluate(double, Side) const;
+extern template Taylor<long double> Expression::evaluate(long double, Side) const;
+
+}  // namespace mbd

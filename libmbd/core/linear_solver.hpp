@@ -1,0 +1,63 @@
+// The interface between assembly and linear algebra (design.md 1.7): the System hands over a graph of
+// blocks and the list of contributions, asks once for the place of each, and adds dense blocks there.
+// What stands behind it (scalar sparse LU, block elimination along the graph) is the solver's business.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "libmbd/core/types.hpp"
+
+namespace mbd {
+
+// A square block matrix as a graph. Block -1 is the ground: what is added there is thrown away.
+struct BlockGraph {
+  enum class Kind : char { node, multiplier };
+  struct Block {
+    int size = 0;
+    Kind kind = Kind::node;
+  };
+  struct Contribution {
+    int row = 0;
+    int column = 0;
+  };
+  std::vector<Block> blocks;                // in the order of the unknowns
+  std::vector<Contribution> contributions;  // several may share a place
+};
+
+// Where a contribution is added: column-major, `ld` apart.
+struct Slot {
+  double* data = nullptr;
+  Index ld = 0;
+};
+
+enum class FactorStatus { ok, poor_pivot, singular };
+
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+
+  // Symbolic analysis, once. Slots stay valid until the next call.
+  virtual void analyze(const BlockGraph& graph) = 0;
+
+  // One slot for each contribution, in order.
+  virtual std::span<const Slot> slots() const = 0;
+
+  virtual void set_zero() = 0;
+
+  // Numerical factorisation of what has been added. On `singular`, singular_row() names the unknown
+  // with the worst pivot, or is -1.
+  virtual FactorStatus factor() = 0;
+  virtual Index singular_row() const = 0;
+
+  // x := S^-1 x, with the last factorisation that was ok.
+  virtual void solve(std::span<double> x) const = 0;
+
+  // Estimate of 1 / (|S| |S^-1|) of the last factorisation.
+  virtual double reciprocal_condition() const = 0;
+
+  virtual Index nonzeros() const = 0;
+};
+
+}  // namespace mbd

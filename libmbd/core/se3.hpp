@@ -1,0 +1,406 @@
+// Rotations and rigid-body motions: exp, log, T, T^-1 on SO(3) and SE(3), on any scalar.
+//
+// Conventions (formulation.md 1, libmbd/NOTATION.md): a pose H = (p, r) takes section or body axes to
+// inertial ones; six-vectors are [linear; angular], wrenches [force; moment], body frame; increments
+// are H <- H exp(U). With x~ the cross-product matrix and V = [v; w],
+//   V~ = [ w~ v~ ; 0 w~ ],   V~^T Q = Q^U V  with  Q = [n; m],  Q^U = [ 0 n~ ; n~ m~ ]          (1)
+//   exp(U): R = exp(psi~),  r = T(-psi) u                                                      (2)
+//   d exp(U) = exp(U) (T(U) dU)~;   T^-1(U) = I + U~/2 + a2 U~ U~                              (3)
+//   T^-1 is a dual matrix A + eps B: it acts as [ A B ; 0 A ]
+//
+// Coefficients, with x = theta^2 (each has a series below a threshold at which the closed form has lost
+// less than a digit, so that the whole range of angles is accurate to a few ulp):
+//   s(x)  = sin(theta/2)/theta      b(x) = (1 - cos theta)/theta^2 = 2 s^2
+//   c(x)  = (theta - sin theta)/theta^3
+//   a2(x) = (1 - (theta/2) cot(theta/2))/theta^2, its first and second derivative in x.
+// Not used: rotation matrices as state (nine numbers that drift), Rodrigues vectors (singular at pi).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "libmbd/core/types.hpp"
+
+namespace mbd {
+
+// x~: x~ y = x cross y.
+template <class Derived>
+MBD_INLINE Matrix3<typename Derived::Scalar> hat(const Eigen::MatrixBase<Derived>& x) {
+  using S = typename Derived::Scalar;
+  Matrix3<S> m;  // by coefficients: a comma initialiser is not free in a kernel
+  m(0, 0) = m(1, 1) = m(2, 2) = S(0);
+  m(2, 1) = x(0), m(1, 2) = -x(0);
+  m(0, 2) = x(1), m(2, 0) = -x(1);
+  m(1, 0) = x(2), m(0, 1) = -x(2);
+  return m;
+}
+
+// Half the axial vector of M - M^T: axial(x~) = x.
+template <class S>
+Vector3<S> axial(const Matrix3<S>& M) {
+  return S(0.5) * Vector3<S>(M(2, 1) - M(1, 2), M(0, 2) - M(2, 0), M(1, 0) - M(0, 1));
+}
+
+template <class S>
+MBD_INLINE Vector3<S> linear(const Vector6<S>& x) {
+  return x.template head<3>();
+}
+template <class S>
+MBD_INLINE Vector3<S> angular(const Vector6<S>& x) {
+  return x.template tail<3>();
+}
+
+template <class S>
+MBD_INLINE Vector6<S> six(const Vector3<S>& linear, const Vector3<S>& angular) {
+  Vector6<S> x;
+  x.template head<3>() = linear;
+  x.template tail<3>() = angular;
+  return x;
+}
+
+// A pose, or a relative motion.
+template <class S>
+struct Pose {
+  Quaternion<S> p = Quaternion<S>(S(1), S(0), S(0), S(0));  // unit quaternion
+  Vector3<S> r = Vector3<S>::Zero();                        // [m]
+
+  MBD_INLINE Matrix3<S> R() const {
+    const S x = p.x(), y = p.y(), z = p.z(), w = p.w();
+    const S x2 = x + x, y2 = y + y, z2 = z + z;
+    const S xx = x2 * x, yy = y2 * y, zz = z2 * z;
+    const S xy = x2 * y, xz = x2 * z, yz = y2 * z;
+    const S wx = x2 * w, wy = y2 * w, wz = z2 * w;
+    Matrix3<S> R;
+    R(0, 0) = S(1) - (yy + zz), R(0, 1) = xy - wz, R(0, 2) = xz + wy;
+    R(1, 0) = xy + wz, R(1, 1) = S(1) - (xx + zz), R(1, 2) = yz - wx;
+    R(2, 0) = xz - wy, R(2, 1) = yz + wx, R(2, 2) = S(1) - (xx + yy);
+    return R;
+  }
+
+  template <class T>
+  Pose<T> cast() const {
+    return {Quaternion<T>(T(p.w()), T(p.x()), T(p.y()), T(p.z())), r.template cast<T>()};
+  }
+};
+
+// The sign of x with sign(0) = 1, as a number: branch-free where S can be a pack.
+template <class S>
+S sign_of(const S& x) {
+  return x < S(0) ? S(-1) : S(1);
+}
+
+template <class S>
+Pose<S> operator*(const Pose<S>& a, const Pose<S>& b) {
+  return {a.p * b.p, a.r + a.p * b.r};
+}
+
+// A point given in the frame of H, in the base frame.
+template <class S>
+Vector3<S> operator*(const Pose<S>& H, const Vector3<S>& x) {
+  return H.r + H.p * x;
+}
+
+template <class S>
+Pose<S> inverse(const Pose<S>& a) {
+  const Quaternion<S> p = a.p.conjugate();
+  return {p, -(p * a.r)};
+}
+
+// p_j^-1 p_k of unit quaternions.
+template <class S>
+MBD_INLINE Quaternion<S> relative_rotation(const Quaternion<S>& a, const Quaternion<S>& b) {
+  return Quaternion<S>(a.w() * b.w() + a.x() * b.x() + a.y() * b.y() + a.z() * b.z(),
+                       a.w() * b.x() - a.x() * b.w() - a.y() * b.z() + a.z() * b.y(),
+                       a.w() * b.y() - a.y() * b.w() - a.z() * b.x() + a.x() * b.z(),
+                       a.w() * b.z() - a.z() * b.w() - a.x() * b.y() + a.y() * b.x());
+}
+
+// H_j^-1 H_k, with the difference of positions taken first: no loss far from the origin.
+template <class S>
+Pose<S> relative(const Pose<S>& Hj, const Pose<S>& Hk) {
+  return {relative_rotation(Hj.p, Hk.p), Hj.p.conjugate() * (Hk.r - Hj.r)};
+}
+
+// A + eps B of 3x3 blocks; acts on six-vectors as [ A B ; 0 A ].
+template <class S>
+struct DualMatrix {
+  Matrix3<S> A = Matrix3<S>::Identity();
+  Matrix3<S> B = Matrix3<S>::Zero();
+
+  Vector6<S> operator*(const Vector6<S>& x) const {
+    return six<S>(A * linear(x) + B * angular(x), A * angular(x));
+  }
+  // [ A B ; 0 A ]^T W, for wrenches.
+  Vector6<S> transpose_times(const Vector6<S>& W) const {
+    return six<S>(A.transpose() * linear(W), B.transpose() * linear(W) + A.transpose() * angular(W));
+  }
+  DualMatrix transposed_parts() const { return {A.transpose(), B.transpose()}; }
+  Matrix6<S> matrix() const {
+    Matrix6<S> m;
+    m.template topLeftCorner<3, 3>() = A;
+    m.template topRightCorner<3, 3>() = B;
+    m.template bottomLeftCorner<3, 3>().setZero();
+    m.template bottomRightCorner<3, 3>() = A;
+    return m;
+  }
+};
+
+// The adjoint of g = (R, r): takes a twist in g's frame to the base frame, as R + eps r~R.
+template <class S>
+DualMatrix<S> adjoint(const Pose<S>& g) {
+  const Matrix3<S> R = g.R();
+  return {R, hat(g.r) * R};
+}
+// The adjoint of g^-1: R^T - eps R^T r~.
+template <class S>
+DualMatrix<S> adjoint_inverse(const Pose<S>& g) {
+  const Matrix3<S> Rt = g.R().transpose();
+  return {Rt, -Rt * hat(g.r)};
+}
+
+// M x as a sum of columns: inlined, in vector registers.
+template <class S>
+MBD_INLINE Vector6<S> times(const Matrix6<S>& M, const Vector6<S>& x) {
+  return M.col(0) * x(0) + M.col(1) * x(1) + M.col(2) * x(2) + M.col(3) * x(3) + M.col(4) * x(4) + M.col(5) * x(5);
+}
+
+// V~ (6x6).
+template <class S>
+Matrix6<S> twist_hat(const Vector6<S>& V) {
+  return DualMatrix<S>{hat(angular(V)), hat(linear(V))}.matrix();
+}
+// Q^U (6x6), equation (1).
+template <class S>
+Matrix6<S> wrench_hat(const Vector6<S>& Q) {
+  Matrix6<S> m;
+  const Matrix3<S> n = hat(linear(Q));
+  m.template topLeftCorner<3, 3>().setZero();
+  m.template topRightCorner<3, 3>() = n;
+  m.template bottomLeftCorner<3, 3>() = n;
+  m.template bottomRightCorner<3, 3>() = hat(angular(Q));
+  return m;
+}
+// V~^T Q without forming V~.
+template <class S>
+MBD_INLINE Vector6<S> twist_hat_transpose_times(const Vector6<S>& V, const Vector6<S>& Q) {
+  const Vector3<S> v = linear(V), w = angular(V), n = linear(Q), m = angular(Q);
+  return six<S>(n.cross(w), n.cross(v) + m.cross(w));
+}
+
+namespace detail {
+
+template <class S, std::size_t n>
+S horner(const std::array<double, n>& coefficients, const S& x) {
+  S y = S(coefficients[n - 1]);
+  for (std::size_t i = n - 1; i-- > 0;) y = y * x + S(coefficients[i]);
+  return y;
+}
+
+// Power series with terms sign^i / (2i + first)!, long enough for x < 4 (relative 1e-17).
+template <std::size_t n>
+constexpr std::array<double, n> factorial_series(int first) {
+  std::array<double, n> c{};
+  long double f = 1.0L;
+  for (int k = 2; k <= first; ++k) f *= k;
+  for (std::size_t i = 0; i < n; ++i) {
+    c[i] = static_cast<double>((i % 2 == 0 ? 1.0L : -1.0L) / f);
+    const int k = first + 2 * static_cast<int>(i);
+    f *= static_cast<long double>(k + 1) * static_cast<long double>(k + 2);
+  }
+  return c;
+}
+
+// a2(x) = sum_n 2 zeta(2n) / (2 pi)^(2n) x^(n-1); radius 4 pi^2.
+inline constexpr std::size_t a2_terms = 24;
+constexpr std::array<double, a2_terms> a2_series() {
+  std::array<double, a2_terms> c{};
+  constexpr long double pi2 = 4.0L * std::numbers::pi_v<long double> * std::numbers::pi_v<long double>;
+  // zeta(2), zeta(4), zeta(6), zeta(8) in closed form; direct sums converge for the others.
+  constexpr long double pi = std::numbers::pi_v<long double>;
+  long double power = 1.0L;
+  for (std::size_t i = 0; i < a2_terms; ++i) {
+    const int m = 2 * static_cast<int>(i + 1);
+    power /= pi2;
+    long double zeta = 0.0L;
+    if (m == 2) zeta = pi * pi / 6.0L;
+    else if (m == 4) zeta = pi * pi * pi * pi / 90.0L;
+    else if (m == 6) zeta = pi * pi * pi * pi * pi * pi / 945.0L;
+    else if (m == 8) zeta = pi * pi * pi * pi * pi * pi * pi * pi / 9450.0L;
+    else {
+      for (int k = 80; k >= 1; --k) {
+        long double t = 1.0L;
+        for (int j = 0; j < m; ++j) t /= static_cast<long double>(k);
+        zeta += t;
+      }
+    }
+    c[i] = static_cast<double>(2.0L * zeta * power);
+  }
+  return c;
+}
+template <std::size_t n>
+constexpr std::array<double, n - 1> differentiate(const std::array<double, n>& c) {
+  std::array<double, n - 1> d{};
+  for (std::size_t i = 1; i < n; ++i) d[i - 1] = static_cast<double>(i) * c[i];
+  return d;
+}
+template <std::size_t m, std::size_t n>
+constexpr std::array<double, m> truncate(const std::array<double, n>& c) {
+  std::array<double, m> d{};
+  for (std::size_t i = 0; i < m; ++i) d[i] = c[i];
+  return d;
+}
+
+}  // namespace detail
+
+// cos(theta/2) and s = sin(theta/2)/theta.
+template <class S>
+void half_angle(const S& x, S& cosine, S& s) {
+  using std::cos, std::sin, std::sqrt;
+  // sin(y)/y and cos(y) with y = theta/2: series in y^2 = x/4.
+  static constexpr auto sine_series = detail::factorial_series<9>(1);
+  static constexpr auto cosine_series = detail::factorial_series<9>(0);
+  if (x < S(1.0)) {
+    const S y2 = S(0.25) * x;
+    s = S(0.5) * detail::horner(sine_series, y2);
+    cosine = detail::horner(cosine_series, y2);
+  } else {
+    const S theta = sqrt(x);
+    s = sin(S(0.5) * theta) / theta;
+    cosine = cos(S(0.5) * theta);
+  }
+}
+
+// c(x) = (theta - sin theta)/theta^3.
+template <class S>
+S sine_remainder(const S& x) {
+  using std::sin, std::sqrt;
+  static constexpr auto series = detail::factorial_series<13>(3);
+  static constexpr auto short_series = detail::truncate<6>(series);
+  if (x < S(0.05)) return detail::horner(short_series, x);
+  if (x < S(4.0)) return detail::horner(series, x);
+  const S theta = sqrt(x);
+  return (theta - sin(theta)) / (x * theta);
+}
+
+// a2(x) and its first two derivatives in x.
+template <class S>
+struct A2 {
+  S a, da, dda;
+};
+template <class S>
+A2<S> a2_coefficients(const S& x, bool derivatives = true) {
+  using std::cos, std::sin, std::sqrt;
+  static constexpr auto f = detail::a2_series();
+  static constexpr auto df = detail::differentiate(f);
+  static constexpr auto ddf = detail::differentiate(df);
+  static constexpr auto f_short = detail::truncate<8>(f);
+  static constexpr auto df_short = detail::truncate<8>(df);
+  static constexpr auto ddf_short = detail::truncate<8>(ddf);
+  if (x < S(0.3)) {
+    if (!derivatives) return {detail::horner(f_short, x), S(0), S(0)};
+    return {detail::horner(f_short, x), detail::horner(df_short, x), detail::horner(ddf_short, x)};
+  }
+  if (x < S(6.0)) {
+    if (!derivatives) return {detail::horner(f, x), S(0), S(0)};
+    return {detail::horner(f, x), detail::horner(df, x), detail::horner(ddf, x)};
+  }
+  // h = y cot y, y = theta/2:  a2 = (1 - h)/x,  h' = (4h/x - 1/sin^2 y)/8.
+  const S y = S(0.5) * sqrt(x);
+  const S sine = sin(y);
+  const S h = y * cos(y) / sine;
+  const S inverse_s2 = S(1) / (sine * sine);
+  const S a = (S(1) - h) / x;
+  const S dh = (S(4) * h / x - inverse_s2) / S(8);
+  const S da = (-dh - a) / x;
+  const S ddh = (S(4) * dh / x - S(4) * h / (x * x) + h * inverse_s2 / x) / S(8);
+  return {a, da, (-ddh - S(2) * da) / x};
+}
+
+// --- SO(3) ---
+
+// exp(psi~) as a unit quaternion.
+template <class S>
+Quaternion<S> exp_so3(const Vector3<S>& psi) {
+  S cosine, s;
+  half_angle(S(psi.squaredNorm()), cosine, s);
+  return Quaternion<S>(cosine, s * psi(0), s * psi(1), s * psi(2));
+}
+
+// Rotation vector of length <= pi. Either sign of p gives the same.
+template <class S>
+Vector3<S> log_so3(const Quaternion<S>& p) {
+  using std::atan2, std::sqrt;
+  const S sign = sign_of(S(p.w()));
+  const Vector3<S> e = sign * p.vec();
+  const S e0 = sign * p.w();
+  const S s2 = e.squaredNorm();
+  // 2 asin(s)/s = 2 sum (2n)!/(4^n n!^2 (2n+1)) s^2n, for |e| < 0.24 (28 degrees)
+  static constexpr auto series = [] {
+    std::array<double, 13> c{};
+    long double f = 2.0L;
+    for (std::size_t n = 0; n < c.size(); ++n) {
+      c[n] = static_cast<double>(f / static_cast<long double>(2 * n + 1));
+      f *= static_cast<long double>(2 * n + 1) / static_cast<long double>(2 * n + 2);
+    }
+    return c;
+  }();
+  if (s2 < S(0.0585)) return detail::horner(series, s2) * e;
+  const S s = sqrt(s2);
+  return (S(2) * atan2(s, e0) / s) * e;
+}
+
+// --- SE(3) ---
+
+// T^-1(U), equation (3).
+template <class S>
+DualMatrix<S> T_inverse(const Vector6<S>& U) {
+  const Vector3<S> u = linear(U), psi = angular(U);
+  const A2<S> k = a2_coefficients(S(psi.squaredNorm()));
+  const Matrix3<S> P = hat(psi), L = hat(u);
+  const Matrix3<S> PP = P * P;
+  const S da = S(2) * k.da * psi.dot(u);  // dual part of a2
+  return {Matrix3<S>::Identity() + S(0.5) * P + k.a * PP,
+          S(0.5) * L + k.a * (L * P + P * L) + da * PP};
+}
+
+// T(U) = I - b U~ + c U~ U~, the dual inverse of T^-1.
+template <class S>
+DualMatrix<S> T_of(const Vector6<S>& U) {
+  const Vector3<S> u = linear(U), psi = angular(U);
+  const S x = psi.squaredNorm();
+  S cosine, s;
+  half_angle(x, cosine, s);
+  const S b = S(2) * s * s;
+  const S c = sine_remainder(x);
+  // B = -A (T^-1)_B A: avoids the derivatives of b and c, which cancel at small angles.
+  const Matrix3<S> P = hat(psi);
+  const Matrix3<S> A = Matrix3<S>::Identity() - b * P + c * (P * P);
+  return {A, -A * T_inverse(U).B * A};
+}
+
+// exp(U), equation (2).
+template <class S>
+Pose<S> exp_se3(const Vector6<S>& U) {
+  const Vector3<S> u = linear(U), psi = angular(U);
+  const S x = psi.squaredNorm();
+  S cosine, s;
+  half_angle(x, cosine, s);
+  const Vector3<S> pu = psi.cross(u);
+  return {Quaternion<S>(cosine, s * psi(0), s * psi(1), s * psi(2)),
+          u + (S(2) * s * s) * pu + sine_remainder(x) * psi.cross(pu)};
+}
+
+// log(g) with rotation of length <= pi.
+template <class S>
+Vector6<S> log_se3(const Pose<S>& g) {
+  const Vector3<S> psi = log_so3(g.p);
+  const S a = a2_coefficients(S(psi.squaredNorm()), false).a;
+  const Vector3<S> pr = psi.cross(g.r);
+  return six<S>(g.r - S(0.5) * pr + a * psi.cross(pr), psi);
+}
+
+// Rescales to a unit quaternion (first-order formula: p is one already but for round-off).
+inline void renormalize(Pose<double>& H) { H.p.coeffs() *= 1.5 - 0.5 * H.p.squaredNorm(); }
+
+}  // namespace mbd

@@ -1,0 +1,81 @@
+// Scalar functions of time that drive joints and loads.
+//
+// A signal gives f, ḟ, f̈. It is a constant, an expression in t, or a rate law
+//
+//   (1)  f(t) = f0 + ∫_{t_begin}^{t} r(s) ds,     ḟ = r,     f̈ = ṙ,
+//
+// for which r and ṙ are exact (expression.hpp) and only f is approximated: between breakpoints of
+// r, on panels [m − h, m + h] halved until the Chebyshev expansion of r to degree 24 is resolved,
+//
+//   (2)  r = Σ a_k T_k(x),  x = (t − m)/h,        (3)  ∫ r dt = h Σ b_k T_k(x),
+//   (4)  b_1 = a_0 − a_2/2,  b_k = (a_{k−1} − a_{k+1})/(2k) for k > 1,  b_0: (3) is 0 at x = −1,
+//
+// summed by Clenshaw's recurrence. So f has no state, does not depend on the integrator's step,
+// and costs a binary search and one short recurrence.
+//
+// Accuracy: |error| ≤ 1e-15 max(1, |f|). Sampling and evaluation are in long double, because the
+// rounding of r in double would, with a large phase (sin(100 t) at 1000 s: 1e-11), exceed this.
+// Where long double rounds too coarsely as well, its measured rounding error bounds the accuracy.
+// Limit: each piece between breakpoints is sampled at 400 points at least; a pulse much narrower
+// than 1/400 of the piece can be missed and should be enclosed in conditions.
+//
+// Not used: integrating r along with the motion (f would inherit the error of the time steps, and
+// statics has none); double arithmetic with compensated sums (the error of r and of x remains).
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "libmbd/core/expression.hpp"
+
+namespace mbd {
+
+struct SignalValue {
+  double f;      // value
+  double fdot;   // first time derivative   [1/s]
+  double fddot;  // second time derivative  [1/s²]
+};
+
+// A time at which a signal is not twice continuously differentiable.
+struct Jump {
+  double t;        // [s]
+  int derivative;  // the lowest derivative that jumps: 0 f, 1 ḟ, 2 f̈
+  double size;     // its right limit minus its left limit; not finite if one of them is not
+};
+
+// A function of time. Immutable, cheap to copy; evaluation is const, thread safe and allocates
+// nothing.
+class Signal {
+ public:
+  static Signal constant(double f);
+
+  static Signal from_expression(Expression f);
+
+  // Equation (1) on [t_begin, t_end] (finite, t_begin < t_end) [s]. Throws Error if the interval or
+  // f0 is unusable, and, naming the time, if the rate is not finite or cannot be resolved on panels
+  // of 1e-10 of the interval (a pole, an undeclared jump, a frequency beyond 1e5 panels).
+  static Signal from_rate(Expression rate, double f0, double t_begin, double t_end);
+
+  // Value and derivatives at t [s]; at a breakpoint, the limit from `side`. Values that are not
+  // finite are returned as they are: whoever steps checks them. A rate law throws Error outside its
+  // interval, of which 16 rounding units at either end are forgiven to accumulated step times.
+  SignalValue operator()(double t, Side side = Side::right) const;
+
+  // The jumps in ascending time, inside the interval for a rate law. A breakpoint counts if a limit
+  // is not finite or the difference exceeds 1e-10 of the signal's magnitude on the adjacent pieces.
+  std::vector<Jump> jumps() const;
+
+  bool is_constant() const;
+
+ private:
+  class RateLaw;
+  using Law = std::variant<double, Expression, std::shared_ptr<const RateLaw>>;
+
+  explicit Signal(Law law) : law_(std::move(law)) {}
+
+  Law law_;
+};
+
+}  // namespace mbd

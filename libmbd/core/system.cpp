@@ -1,0 +1,118 @@
+#include "libmbd/core/system.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace mbd {
+
+System::System() { add_node("ground", Pose<double>{}); }
+
+Index System::add_node(std::string name, const Pose<double>& pose) {
+  node_names_.push_back(std::move(name));
+  reference_.push_back(pose);
+  return nodes() - 1;
+}
+
+Index System::add_constraint(ConstraintInfo info) {
+  info.first_row = multipliers_;
+  multipliers_ += info.rows;
+  constraints_.push_back(std::move(info));
+  return constraints_.back().first_row;
+}
+
+Index System::add_signal(Signal signal) {
+  signals_.push_back(std::move(signal));
+  return static_cast<Index>(signals_.size()) - 1;
+}
+
+Index System::add_angle() { return angles_++; }
+
+void System::add_batch(std::unique_ptr<Batch> batch) { batches_.push_back(std::move(batch)); }
+
+void System::finish(bool with_rates, double length_scale) {
+  with_rates_ = with_rates;
+  length_scale_ = length_scale;
+  graph_ = {};
+  for (Index n = 1; n < nodes(); ++n) graph_.blocks.push_back({6, BlockGraph::Kind::node});
+  for (const ConstraintInfo& c : constraints_)
+    graph_.blocks.push_back({static_cast<int>(c.rows), BlockGraph::Kind::multiplier});
+  for (const auto& batch : batches_) batch->connect(graph_);
+}
+
+State System::reference_state() const {
+  State state;
+  state.pose = reference_;
+  if (with_rates_) {
+    state.V.assign(reference_.size(), Vec6::Zero());
+    state.Vdot.assign(reference_.size(), Vec6::Zero());
+  }
+  state.lambda = VecX::Zero(multipliers_);
+  state.signals.resize(signals_.size());
+  state.turns.assign(static_cast<std::size_t>(angles_), 0);
+  set_time(state, 0.0);
+  return state;
+}
+
+void System::set_time(State& state, double t) const {
+  state.t = t;
+  for (std::size_t i = 0; i < signals_.size(); ++i) state.signals[i] = signals_[i](t);
+}
+
+bool System::residual(const State& state, VecX& r) const {
+  r.setZero(rows());
+  bool in_range = true;
+  for (const auto& batch : batches_) in_range &= batch->residual(state, r);
+  return in_range;
+}
+
+bool System::linearize(const State& state, const TangentWeights& weights, VecX& r, LinearSolver& S) const {
+  r.setZero(rows());
+  S.set_zero();
+  bool in_range = true;
+  for (const auto& batch : batches_) in_range &= batch->linearize(state, weights, r, S.slots());
+  return in_range;
+}
+
+std::string System::out_of_range(const State& state) const {
+  for (const auto& batch : batches_) {
+    if (std::string name = batch->out_of_range(state); !name.empty()) return name;
+  }
+  return {};
+}
+
+void System::constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const {
+  gdot.setZero(multipliers_);
+  gddot_rest.setZero(multipliers_);
+  for (const auto& batch : batches_) batch->constraint_rates(state, gdot, gddot_rest);
+}
+
+void System::count_turns(const State& before, State& after) const {
+  for (const auto& batch : batches_) batch->count_turns(before, after);
+}
+
+Energies System::energies(const State& state) const {
+  Energies sum;
+  for (const auto& batch : batches_) {
+    const Energies one = batch->energies(state);
+    sum.kinetic += one.kinetic;
+    sum.strain += one.strain;
+    sum.potential += one.potential;
+  }
+  return sum;
+}
+
+std::string System::name_of(Index row) const {
+  static constexpr std::array components{"force 1", "force 2", "force 3", "moment 1", "moment 2", "moment 3"};
+  if (row < 0 || row >= rows()) return "no equation";
+  if (row < 6 * nodes())
+    return fmt::format("{}, {}", node_name(row / 6), components[static_cast<std::size_t>(row % 6)]);
+  const Index multiplier = row - 6 * nodes();
+  for (const ConstraintInfo& c : constraints_) {
+    if (multiplier < c.first_row + c.rows)
+      return fmt::format("{}, {}", c.name, c.row_names[static_cast<std::size_t>(multiplier - c.first_row)]);
+  }
+  return "no equation";
+}
+
+}  // namespace mbd

@@ -1,0 +1,108 @@
+#include "libmbd/front/expect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libmbd/front/spelling.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double nearness = 1e-9;  // of a time to a sample time, relative to the duration
+
+std::string describe(const ExpectScene& expect, bool timed) {
+  switch (expect.of) {
+    case ExpectScene::Of::minimum:
+      return "min " + expect.quantity;
+    case ExpectScene::Of::maximum:
+      return "max " + expect.quantity;
+    case ExpectScene::Of::value_at:
+      break;
+  }
+  return timed ? fmt::format("{} at {}", expect.quantity, expect.at) : expect.quantity;
+}
+
+void check_time(const ExpectScene& expect, const Scene& scene) {
+  if (!scene.transient) {
+    if (expect.at != 0.0)
+      throw Error(expect.source,
+                  fmt::format("expect {}: there is no <transient>, so the only time is 0, not {}",
+                              expect.quantity, expect.at));
+    return;
+  }
+  const auto& [source, duration, step, rho, tolerance] = *scene.transient;
+  const double steps = std::round(expect.at / step);
+  if (expect.at > duration * (1.0 + nearness))
+    throw Error(expect.source, fmt::format("expect {}: at={} is after the end of the run at {} s",
+                                           expect.quantity, expect.at, duration));
+  if (std::abs(steps * step - expect.at) > nearness * duration)
+    throw Error(expect.source,
+                fmt::format("expect {}: at={} is not a whole number of steps of {} s; the nearest "
+                            "sample times are {} and {}",
+                            expect.quantity, expect.at, step, std::floor(expect.at / step) * step,
+                            std::ceil(expect.at / step) * step));
+}
+
+}  // namespace
+
+Expectations::Expectations(const Scene& scene, const Model& model) {
+  const std::vector<Column> known = columns(model);
+  nearness_ = scene.transient ? nearness * scene.transient->duration : 0.0;
+  for (const ExpectScene& expect : scene.expects) {
+    const std::size_t column = find_column(known, expect.quantity, expect.source, "expect");
+    if (expect.of == ExpectScene::Of::value_at) check_time(expect, scene);
+    watches_.push_back({column, expect.of, expect.at});
+    results_.push_back({expect.source, describe(expect, scene.transient.has_value()), expect.value,
+                        std::nullopt, expect.tolerance, expect.reference});
+  }
+}
+
+void Expectations::accepted(const Sample& sample) {
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    const Watch& watch = watches_[i];
+    const double value = sample.row[watch.column];
+    std::optional<double>& got = results_[i].got;
+    switch (watch.of) {
+      case ExpectScene::Of::value_at:
+        if (std::abs(sample.row[0] - watch.at) <= nearness_) got = value;
+        break;
+      case ExpectScene::Of::minimum:
+        got = std::min(got.value_or(value), value);
+        break;
+      case ExpectScene::Of::maximum:
+        got = std::max(got.value_or(value), value);
+        break;
+    }
+  }
+}
+
+std::size_t find_column(std::span<const Column> columns, const std::string& name,
+                        const Source& source, const std::string& who) {
+  std::vector<std::string_view> known;
+  for (const Column& column : columns) {
+    if (column.name == name) return known.size();
+    known.emplace_back(column.name);
+  }
+  throw Error(source, who + ": \"" + name + "\" is not a column of the results" +
+                          suggest(name, known, "columns") + "; a <record> makes more of them");
+}
+
+std::string to_text(std::span<const ExpectResult> results) {
+  std::size_t width = 8;
+  for (const ExpectResult& result : results) width = std::max(width, result.what.size());
+  std::string text = fmt::format("      {:<{}}  {:>18}  {:>18}  {:>10}  {:>10}\n", "expected",
+                                 width, "value", "got", "difference", "tolerance");
+  for (const ExpectResult& result : results) {
+    const std::string got = result.got ? fmt::format("{:.12g}", *result.got) : "not reached";
+    const std::string difference =
+        result.got ? fmt::format("{:.2e}", *result.got - result.expected) : "";
+    text += fmt::format("{:<4}  {:<{}}  {:>18.12g}  {:>18}  {:>10}  {:>10.2e}\n",
+                        result.pass() ? "ok" : "FAIL", result.what, width, result.expected, got,
+                        difference, result.tolerance);
+  }
+  return text;
+}
+
+}  // namespace mbd

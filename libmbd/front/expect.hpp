@@ -1,0 +1,42 @@
+// Expected numbers of a scene, checked while it runs.
+#pragma once
+
+#include <vector>
+
+#include "libmbd/front/observers.hpp"
+#include "libmbd/front/report.hpp"
+
+namespace mbd {
+
+// Takes each expected value at its sample time, and extremes as the run goes; no history is kept.
+class Expectations : public Observer {
+ public:
+  // Throws Error for a quantity that is not a column, or a time that is not a sample time of the scene
+  // to 1e-9 of its duration.
+  Expectations(const Scene& scene, const Model& model);
+
+  void accepted(const Sample& sample) override;
+
+  // Of what has been accepted so far.
+  const std::vector<ExpectResult>& results() const { return results_; }
+
+ private:
+  struct Watch {
+    std::size_t column = 0;
+    ExpectScene::Of of = ExpectScene::Of::value_at;
+    double at = 0.0;  // [s]
+  };
+
+  std::vector<Watch> watches_;
+  std::vector<ExpectResult> results_;
+  double nearness_ = 0.0;  // [s]
+};
+
+// The column of that name. Throws Error naming what asks for it, the nearest spelling and all columns.
+std::size_t find_column(std::span<const Column> columns, const std::string& name,
+                        const Source& source, const std::string& who);
+
+// A table of expected and computed numbers, one line each, for people.
+std::string to_text(std::span<const ExpectResult> results);
+
+}  // namespace mbd

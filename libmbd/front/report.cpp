@@ -1,0 +1,116 @@
+#include "libmbd/front/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace mbd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json(const Seconds& s) { return {{"wall", s.wall}, {"cpu", s.cpu}}; }
+
+Json json(const Energies& e) {
+  return {{"kinetic", e.kinetic},
+          {"strain", e.strain},
+          {"potential", e.potential},
+          {"total", e.total()}};
+}
+
+Json json(const WorstConstraint& worst) {
+  return {{"largest", worst.value}, {"time", worst.time}, {"where", worst.where}};
+}
+
+Json json(const Counters& c) {
+  return {{"steps", c.steps},
+          {"iterations", c.iterations},
+          {"residuals", c.residuals},
+          {"tangents", c.tangents},
+          {"factorizations", c.factorizations}};
+}
+
+Json settings(const RunReport& report) {
+  Json all = Json::object();
+  Json& parameters = all["parameters"] = Json::object();
+  for (const auto& [name, value] : report.parameters) parameters[name] = value;
+  if (report.statics)
+    all["static"] = {{"steps", report.statics->steps}, {"tolerance", report.statics->tolerance}};
+  if (report.transient)
+    all["transient"] = {{"method", "generalized-alpha"},
+                        {"duration", report.transient->duration},
+                        {"step", report.transient->step},
+                        {"rho_infinity", report.transient->rho_infinity},
+                        {"tolerance", report.newton.tolerance},
+                        {"multiplier_tolerance", report.newton.multiplier_tolerance},
+                        {"max_iterations", report.newton.max_iterations}};
+  return all;
+}
+
+}  // namespace
+
+std::string_view version() { return MBD_VERSION; }
+
+bool ExpectResult::pass() const { return got && std::abs(*got - expected) <= tolerance; }
+
+bool RunReport::as_expected() const {
+  return complete() && std::all_of(expects.begin(), expects.end(),
+                                   [](const ExpectResult& result) { return result.pass(); });
+}
+
+std::string to_json(const RunReport& report) {
+  Json all;
+  all["model"] = report.model;
+  all["file"] = report.file;
+  all["version"] = version();
+  all["date"] = report.date;
+  all["status"] = !report.complete()     ? "failed"
+                  : report.as_expected() ? "complete"
+                                         : "complete, not as expected";
+  all["failure"] = report.complete() ? Json() : Json(report.failure);
+  all["notes"] = report.notes;
+  all["reached"] = {{"time", report.t}, {"load_factor", report.load_factor}, {"rows", report.rows}};
+  all["settings"] = settings(report);
+
+  Json batches = Json::array();
+  for (const BatchReport& batch : report.batches)
+    batches.push_back({{"type", batch.type}, {"size", batch.size}, {"bytes", batch.bytes}});
+  all["counts"] = {{"nodes", report.nodes},
+                   {"unknowns", report.unknowns},
+                   {"multipliers", report.multipliers},
+                   {"batches", batches}};
+
+  Json solver = Json::object();
+  if (report.statics) solver["static"] = json(report.static_counters);
+  if (report.transient) {
+    solver["transient"] = json(report.transient_counters);
+    solver["transient"]["most_iterations_in_a_step"] = report.most_iterations;
+  }
+  all["solver"] = solver;
+
+  all["sampled_states"] = report.sampled_states;
+  all["constraint_residuals"] = {{"position", json(report.position)},
+                                 {"velocity", json(report.velocity)}};
+  all["energy"] = {{"start", json(report.energy_start)},
+                   {"end", json(report.energy_end)},
+                   {"least_total", report.energy_least},
+                   {"most_total", report.energy_most}};
+  all["seconds"] = {{"compile", json(report.compile)},
+                    {"static", json(report.equilibrium)},
+                    {"transient", json(report.integration)},
+                    {"output", json(report.output)}};
+
+  Json expects = Json::array();
+  for (const ExpectResult& expect : report.expects)
+    expects.push_back({{"quantity", expect.what},
+                       {"expected", expect.expected},
+                       {"got", expect.got ? Json(*expect.got) : Json()},
+                       {"tolerance", expect.tolerance},
+                       {"pass", expect.pass()},
+                       {"source", expect.reference}});
+  all["expectations"] = expects;
+  // Names from a model may hold bytes that are not UTF-8: replaced, not refused.
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace mbd

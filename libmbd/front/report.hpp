@@ -1,0 +1,82 @@
+// What a run says of itself, and report.json.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "libmbd/core/batch.hpp"
+#include "libmbd/front/scene.hpp"
+#include "solvers/report.hpp"
+
+namespace mbd {
+
+std::string_view version();  // of the library, "0.1.0"
+
+struct Seconds {
+  double wall = 0.0;
+  double cpu = 0.0;  // of all threads
+};
+
+struct BatchReport {
+  std::string type;
+  Index size = 0;         // elements or joints
+  std::size_t bytes = 0;  // of their data
+};
+
+// Largest violation of a constraint over the sampled states.
+struct WorstConstraint {
+  double value = 0.0;
+  double time = 0.0;  // [s]
+  std::string where;  // "revolute 'C', force 1"
+};
+
+// An expected number and what the run gave.
+struct ExpectResult {
+  Source source;
+  std::string what;  // "C.displacement.3 at 0.999"
+  double expected = 0.0;
+  std::optional<double> got;  // empty: the run did not come that far
+  double tolerance = 0.0;
+  std::string reference;
+  bool pass() const;
+};
+
+struct RunReport {
+  std::string model, file, date;
+  std::vector<std::pair<std::string, double>> parameters;
+  std::optional<StaticScene> statics;
+  std::optional<TransientScene> transient;
+  NewtonOptions newton;  // of the transient
+
+  std::string failure;             // empty: all went well (expectations apart)
+  std::vector<std::string> notes;  // what a user should know of a run that went well
+  double t = 0.0;                  // reached [s]
+  double load_factor = 1.0;        // reached
+  long rows = 0;                   // of history.csv: accepted states
+
+  Index nodes = 0, unknowns = 0, multipliers = 0;
+  std::vector<BatchReport> batches;
+  Counters static_counters, transient_counters;
+  int most_iterations = 0;  // in one time step
+
+  // Of states sampled evenly, the last among them.
+  int sampled_states = 0;
+  WorstConstraint position, velocity;            // |g| [m, rad], |gdot| [m/s, rad/s]
+  Energies energy_start, energy_end;             // [J]
+  double energy_least = 0.0, energy_most = 0.0;  // total [J]
+
+  Seconds compile, equilibrium, integration, output;  // of the parts; output is in no other
+  std::vector<ExpectResult> expects;
+  std::vector<std::filesystem::path> results;  // files written
+
+  bool complete() const { return failure.empty(); }
+  bool as_expected() const;  // complete, and every expectation met
+};
+
+std::string to_json(const RunReport& report);
+
+}  // namespace mbd

@@ -1,0 +1,312 @@
+#include "libmbd/front/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <memory>
+
+#include "libmbd/front/expect.hpp"
+#include "libmbd/front/plot.hpp"
+#include "solvers/generalized_alpha.hpp"
+#include "solvers/initial.hpp"
+#include "solvers/klu_solver.hpp"
+#include "solvers/statics.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double largest_steps = 1e12;
+constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
+
+class Stopwatch {
+ public:
+  // Since the last call, or the construction.
+  Seconds lap() {
+    const auto wall = std::chrono::steady_clock::now();
+    const std::clock_t cpu = std::clock();
+    const Seconds result{std::chrono::duration<double>(wall - wall_).count(),
+                         static_cast<double>(cpu - cpu_) / CLOCKS_PER_SEC};
+    wall_ = wall;
+    cpu_ = cpu;
+    return result;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
+  std::clock_t cpu_ = std::clock();
+};
+
+Seconds& operator+=(Seconds& sum, const Seconds& more) {
+  sum.wall += more.wall;
+  sum.cpu += more.cpu;
+  return sum;
+}
+
+std::string now() {
+  const std::time_t time = std::time(nullptr);
+  char text[32] = "";
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
+  return text;
+}
+
+// "revolute 'C', force 1" of a row of State::lambda.
+std::string constraint_name(const System& system, Index row) {
+  for (const ConstraintInfo& info : system.constraints())
+    if (row >= info.first_row && row < info.first_row + info.rows)
+      return info.name + ", " + info.row_names[static_cast<std::size_t>(row - info.first_row)];
+  return {};
+}
+
+// Constraint residuals and energies of some states.
+void monitor(const System& system, const State& state, RunReport& report) {
+  const ConstraintResiduals now = constraint_residuals(system, state);
+  const auto keep_worst = [&](WorstConstraint& worst, double value, Index row) {
+    if (row >= 0 && (worst.where.empty() || value > worst.value))
+      worst = {value, state.t, constraint_name(system, row)};
+  };
+  keep_worst(report.position, now.position, now.position_row);
+  keep_worst(report.velocity, now.velocity, now.velocity_row);
+  const Energies energies = system.energies(state);
+  if (report.sampled_states++ == 0) {
+    report.energy_start = energies;
+    report.energy_least = report.energy_most = energies.total();
+  }
+  report.energy_end = energies;
+  report.energy_least = std::min(report.energy_least, energies.total());
+  report.energy_most = std::max(report.energy_most, energies.total());
+}
+
+// Times at which a load jumps, or the acceleration of a drive: there the integrator starts afresh,
+// otherwise its order falls to one (formulation.md 4).
+std::vector<double> restart_times(const Scene& scene) {
+  std::vector<double> times;
+  const double end = scene.transient->duration;
+  const auto add = [&](const Signal& signal, int derivative) {
+    for (const Jump& jump : signal.jumps())
+      if (jump.t > 0.0 && jump.t < end && jump.derivative == derivative) times.push_back(jump.t);
+  };
+  for (const LoadScene& load : scene.loads)
+    for (const auto* components : {&load.force, &load.moment})
+      if (*components)
+        for (const Expression& component : **components) add(Signal::from_expression(component), 0);
+  for (const DriveScene& drive : scene.drives) {
+    if (drive.rate) add(Signal::from_expression(*drive.rate), 1);
+    if (drive.angle) add(Signal::from_expression(*drive.angle), 2);
+  }
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+// One run under way: the model, who watches it, and the report that grows.
+class Run {
+ public:
+  Run(const Scene& scene, const RunOptions& options) : scene_(scene), options_(options) {
+    if (!scene.statics && !scene.transient)
+      throw Error(
+          Source{scene.file, 1},
+          "model \"" + scene.name + "\": nothing to do; give <static/>, <transient …/> or both");
+    report_.model = scene.name;
+    report_.file = scene.file;
+    report_.date = now();
+    report_.parameters = scene.parameters;
+    report_.statics = scene.statics;
+    report_.transient = scene.transient;
+    if (scene.transient) steps_ = number_of_steps(*scene.transient);
+    if (scene.transient && scene.transient->tolerance)
+      report_.newton.tolerance = *scene.transient->tolerance;
+
+    model_ = compile(scene);
+    columns_ = columns(model_);
+    row_.resize(columns_.size());
+    expectations_ = std::make_unique<Expectations>(scene, model_);
+    observers_.push_back(expectations_.get());
+    if (options.output) open_output(*options.output);
+    observers_.insert(observers_.end(), options.observers.begin(), options.observers.end());
+
+    const System& system = *model_.system;
+    report_.nodes = system.nodes();
+    report_.unknowns = system.unknowns();
+    report_.multipliers = system.multipliers();
+    for (const auto& batch : system.batches())
+      report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
+    report_.compile = watch_.lap();
+  }
+
+  RunReport go() {
+    State state = model_.initial;
+    if (find_equilibrium(state)) {
+      if (scene_.transient)
+        integrate(state);
+      else if (accept(state, true))
+        report_.output += watch_.lap();
+    }
+    report_.t = state.t;
+    report_.load_factor = state.load_factor;
+    finish();
+    return std::move(report_);
+  }
+
+ private:
+  void open_output(const std::filesystem::path& directory) {
+    make_directory(directory);
+    std::error_code code;
+    for (const char* name : {"report.json", "history.svg"})  // of an earlier run
+      std::filesystem::remove(directory / name, code);
+    plot_ = std::make_unique<HistoryPlot>(directory / "history.svg", scene_, model_);
+    history_ = std::make_unique<HistoryWriter>(directory / "history.csv", scene_.name, columns_);
+    observers_.push_back(history_.get());
+    observers_.push_back(plot_.get());
+    report_.results = {directory / "history.csv", directory / "history.svg",
+                       directory / "report.json"};
+  }
+
+  bool find_equilibrium(State& state) {
+    if (!scene_.statics) return true;
+    StaticOptions options;
+    options.steps = scene_.statics->steps;
+    options.newton.tolerance = scene_.statics->tolerance;
+    const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+    const StaticReport result = solve_statics(*model_.system, *solver, options, state);
+    report_.static_counters = result.counters;
+    report_.equilibrium = watch_.lap();
+    if (!result.converged) report_.failure = "static equilibrium: " + result.failure;
+    return result.converged;
+  }
+
+  void integrate(State& state) {
+    const System& system = *model_.system;
+    const TransientScene& transient = *scene_.transient;
+    check_initial_state(system, state);
+    if (transient.rho_infinity == 1.0)
+      report_.notes.push_back(
+          "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
+          "and may "
+          "diverge in long runs; 0.9 is safer");
+    GeneralizedAlpha integrator(system, make_klu_solver(),
+                                {transient.step, transient.rho_infinity, report_.newton});
+    const std::vector<double> restarts = restart_times(scene_);
+    auto restart = restarts.begin();
+    const long every = (steps_ + most_monitored - 1) / most_monitored;
+
+    StepReport step = integrator.start(state);
+    if (!step.converged) report_.failure = "initial accelerations: " + step.failure;
+    report_.integration += watch_.lap();
+    bool going = step.converged && accept(state, true);
+    for (long n = 1; n <= steps_ && going; ++n) {
+      step = integrator.step(state);
+      if (step.converged && restart != restarts.end() &&
+          *restart <= state.t + 1e-9 * transient.step)
+        step = start_afresh(integrator, state, restart, restarts.end(), step.iterations);
+      if (!step.converged) {
+        report_.failure =
+            fmt::format("step {} of {}, t = {:.9g} s: {}", n, steps_, state.t, step.failure);
+        break;
+      }
+      report_.most_iterations = std::max(report_.most_iterations, step.iterations);
+      report_.integration += watch_.lap();
+      going = accept(state, n % every == 0 || n == steps_);
+      if (options_.progress)
+        options_.progress({state.t, transient.duration, n, steps_, step.iterations});
+      report_.output += watch_.lap();
+    }
+    if (!report_.complete() && report_.rows > 0) monitor(system, state, report_);
+    report_.integration += watch_.lap();
+    report_.transient_counters = integrator.counters();
+  }
+
+  using Times = std::vector<double>::const_iterator;
+  StepReport start_afresh(GeneralizedAlpha& integrator, State& state, Times& next, Times end,
+                          int iterations) {
+    const double slack = 1e-9 * scene_.transient->step;
+    const double jump = *next;
+    while (next != end && *next <= state.t + slack) ++next;
+    if (jump < state.t - slack)
+      report_.notes.push_back(
+          fmt::format("a load or drive jumps at {:.9g} s, between two time steps, which costs "
+                      "accuracy; a step of "
+                      "which it is a multiple does not",
+                      jump));
+    else
+      model_.system->set_time(state, std::max(state.t, jump));
+    StepReport result = integrator.start(state);
+    result.iterations += iterations;
+    return result;
+  }
+
+  // Shows a state to the observers. False ends the run.
+  bool accept(const State& state, bool monitored) {
+    if (const Index bad = sample_row(model_, state, row_); bad >= 0) {
+      report_.failure = fmt::format("column {} of the results is not finite at t = {:.9g} s",
+                                    columns_[static_cast<std::size_t>(bad)].name, state.t);
+      return false;
+    }
+    try {
+      for (Observer* const observer : observers_) observer->accepted({model_, state, row_});
+    } catch (const Error& error) {
+      report_.failure = error.what();
+      return false;
+    }
+    ++report_.rows;
+    if (monitored) monitor(*model_.system, state, report_);
+    return true;
+  }
+
+  void finish() {
+    report_.expects = expectations_->results();
+    for (Observer* const observer : observers_) {
+      try {
+        observer->finished(report_);
+      } catch (const Error& error) {
+        if (report_.complete()) report_.failure = error.what();
+      }
+    }
+    report_.output += watch_.lap();
+    if (!options_.output) return;
+    try {
+      write_file(*options_.output / "report.json", to_json(report_));
+    } catch (const Error& error) {
+      if (report_.complete()) report_.failure = error.what();
+    }
+    std::erase_if(report_.results, [](const auto& file) { return !std::filesystem::exists(file); });
+  }
+
+  const Scene& scene_;
+  const RunOptions& options_;
+  Stopwatch watch_;
+  RunReport report_;
+  long steps_ = 0;
+  Model model_;
+  std::vector<Column> columns_;
+  std::vector<double> row_;
+  std::unique_ptr<Expectations> expectations_;
+  std::unique_ptr<HistoryWriter> history_;
+  std::unique_ptr<HistoryPlot> plot_;
+  std::vector<Observer*> observers_;
+};
+
+}  // namespace
+
+long number_of_steps(const TransientScene& transient) {
+  const double steps = std::round(transient.duration / transient.step);
+  if (!(steps <= largest_steps))
+    throw Error(transient.source, fmt::format("transient: {} s in steps of {} s are too many steps",
+                                              transient.duration, transient.step));
+  if (steps < 1.0 ||
+      std::abs(steps * transient.step - transient.duration) > 1e-9 * transient.duration) {
+    const double above = std::ceil(transient.duration / transient.step);
+    throw Error(transient.source,
+                fmt::format("transient: duration={} is not a whole number of steps of {} s; with "
+                            "step=\"{}/{:.0f}\" it is, or with duration=\"{:.0f}*{}\"",
+                            transient.duration, transient.step, transient.duration, above, above,
+                            transient.step));
+  }
+  return static_cast<long>(steps);
+}
+
+RunReport run(const Scene& scene, const RunOptions& options) { return Run(scene, options).go(); }
+
+}  // namespace mbd

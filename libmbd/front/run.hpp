@@ -1,0 +1,36 @@
+// Runs a scene from its start to its end: compile, equilibrium, time steps, results.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "libmbd/front/observers.hpp"
+#include "libmbd/front/report.hpp"
+#include "libmbd/front/scene.hpp"
+
+namespace mbd {
+
+struct Progress {
+  double t = 0.0, duration = 0.0;  // [s]
+  long step = 0, steps = 0;
+  int iterations = 0;  // of this step
+};
+
+struct RunOptions {
+  std::optional<std::filesystem::path> output = {};  // directory of history.csv, .svg, report.json
+  std::vector<Observer*> observers = {};             // more of them; they must outlive the run
+  std::function<void(const Progress&)> progress = {};  // after each time step
+};
+
+// Throws Error for what is wrong with the scene or the directory, before the first step. What goes wrong
+// later ends the run and is told in RunReport::failure; the results up to there are kept.
+// A scene without <transient> has one accepted state, its equilibrium.
+RunReport run(const Scene& scene, const RunOptions& options = {});
+
+// Number of steps of a transient. Throws Error when the duration is not a whole number of steps to 1e-9
+// of itself: a shorter last step would change the integrator's error and is not what was asked for.
+long number_of_steps(const TransientScene& transient);
+
+}  // namespace mbd

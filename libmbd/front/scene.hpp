@@ -1,0 +1,170 @@
+// What a model says: plain data, SI units, each item with its place in the file. A Scene is made by
+// the XML reader or by a C++ program; compile() turns it into a Model. Nothing here computes.
+//
+// Vectors are inertial (i1 i2 i3) in the reference configuration unless a member says otherwise.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "elements/beam_elastic_batch.hpp"
+#include "libmbd/core/error.hpp"
+#include "libmbd/core/expression.hpp"
+#include "libmbd/core/metrics.hpp"
+#include "libmbd/core/spectral.hpp"
+#include "libmbd/core/types.hpp"
+
+namespace mbd {
+
+// A place things attach to: "ground", a body's reference frame ("top"), or a parameter of a beam
+// ("bar2.start", "bar2.end", "bar2@0.5"; 0 at the start, 1 at the end of the reference line).
+struct Place {
+  enum class Kind { ground, body, beam };
+  Kind kind = Kind::ground;
+  std::string name;        // of the body or beam; empty for ground
+  double parameter = 0.0;  // beam only, in [0, 1]
+};
+
+struct Section {
+  Source source;
+  std::string name;
+  Mat6 stiffness = Mat6::Zero();  // D: [N1 Q2 Q3 M1 M2 M3] vs [gamma; kappa]   [N, N.m, N.m2]
+  std::optional<Mat6> mass;       // M per unit length about the reference line  [kg/m, kg, kg.m]
+};
+
+// A straight reference line.
+struct Straight {
+  Vec3 from = Vec3::Zero();  // [m]
+  Vec3 to = Vec3::Zero();    // [m]
+};
+
+// A circular reference line: `from` turned about the line through `center` along `axis`.
+struct Arc {
+  Vec3 from = Vec3::Zero();    // [m]
+  Vec3 center = Vec3::Zero();  // [m]
+  Vec3 axis = Vec3::UnitZ();   // right-handed; need not be a unit vector, must be perpendicular to from - center
+  double angle = 0.0;          // subtended angle, > 0  [rad]
+};
+
+struct BeamScene {
+  Source source;
+  std::string name;
+  std::string section;
+  std::variant<Straight, Arc> line;
+  Vec3 normal = Vec3::UnitZ();  // b3 at the start, made perpendicular to the tangent; b2 = b3 x b1
+  int elements = 1;             // equal in reference length, before boundaries are added at attachments
+  int order = 3;                // N, 1 … 8: N + 1 nodes an element
+  Metric metric = Metric::geodesic;
+  Rule rule = Rule::gauss;
+  Form form = Form::energy;
+};
+
+struct BodyScene {
+  Source source;
+  std::string name;
+  std::optional<Place> attached_to;     // fixed to this place's node; otherwise a free body
+  Vec3 at = Vec3::Zero();               // reference point of a free body [m]
+  Mat3 orientation = Mat3::Identity();  // columns: body axes of a free body in inertial axes
+  double mass = 0.0;                    // [kg]
+  Vec3 center = Vec3::Zero();           // mass centre from the reference point, body axes [m]
+  Mat3 inertia = Mat3::Zero();          // about the mass centre, body axes [kg.m2]
+  Vec3 velocity = Vec3::Zero();         // initial, of the reference point, inertial axes [m/s]; free bodies only
+  Vec3 angular_velocity = Vec3::Zero(); // initial, body axes [rad/s]; free bodies only
+};
+
+struct JointScene {
+  Source source;
+  std::string kind;  // "fixed", "revolute", "cylindrical", "spherical"
+  std::string name;
+  Place a, b;
+  std::optional<Vec3> at;    // joint's point [m]; default: the point of b (of a if b is the ground)
+  std::optional<Vec3> axis;  // required by kinds that have one, refused by others
+};
+
+struct DriveScene {
+  Source source;
+  std::string joint;               // a revolute or cylindrical joint
+  std::optional<Expression> rate;  // rotation rate of b relative to a about the axis [rad/s]; or
+  std::optional<Expression> angle; // the rotation itself [rad]
+};
+
+struct LoadScene {
+  Source source;
+  std::string name;
+  Place at;
+  std::optional<std::array<Expression, 3>> force;   // dead: fixed inertial direction, expressions of t [N]
+  std::optional<std::array<Expression, 3>> moment;  // dead, inertial axes [N.m]
+};
+
+struct Gravity {
+  Source source;
+  Vec3 acceleration = Vec3::Zero();  // [m/s2]
+};
+
+struct StaticScene {
+  Source source;
+  int steps = 1;            // first size of the load steps: 1/steps
+  double tolerance = 1e-12; // relative, on increments
+};
+
+struct TransientScene {
+  Source source;
+  double duration = 0.0;       // [s]
+  double step = 0.0;           // [s]
+  double rho_infinity = 0.0;   // spectral radius at infinite frequency, [0, 1]
+  std::optional<double> tolerance;  // of Newton's increments, relative; default: the stepper's own
+};
+
+// One line of output: quantities of a place or of a joint, at every accepted step (or every n-th).
+struct RecordScene {
+  Source source;
+  std::string name;
+  std::optional<Place> at;
+  std::optional<std::string> joint;
+  std::vector<std::string> quantities;
+};
+
+// A panel of history.svg: column names of history.csv; x defaults to "time".
+struct PlotScene {
+  Source source;
+  std::string x = "time";
+  std::vector<std::string> y;
+  double x_scale = 1.0, y_scale = 1.0;
+  std::string x_label, y_label, title;
+  std::optional<std::array<double, 2>> x_range;
+};
+
+// A number the model must give: of a column of history.csv, its value at one time or an extreme over
+// the run.
+struct ExpectScene {
+  Source source;
+  std::string quantity;
+  enum class Of { value_at, minimum, maximum } of = Of::value_at;
+  double at = 0.0;         // [s]
+  double value = 0.0;
+  double tolerance = 0.0;  // absolute
+  std::string reference;   // where the number comes from
+};
+
+struct Scene {
+  std::string file;  // for messages; empty when built in C++
+  std::string name;
+  std::vector<std::pair<std::string, double>> parameters;
+  std::vector<Section> sections;
+  std::vector<BeamScene> beams;
+  std::vector<BodyScene> bodies;
+  std::vector<JointScene> joints;
+  std::vector<DriveScene> drives;
+  std::vector<LoadScene> loads;
+  std::optional<Gravity> gravity;
+  std::optional<StaticScene> statics;      // equilibrium at t = 0, before the transient if there is one
+  std::optional<TransientScene> transient;
+  std::vector<RecordScene> records;
+  std::vector<PlotScene> plots;
+  std::vector<ExpectScene> expects;
+};
+
+}  // namespace mbd

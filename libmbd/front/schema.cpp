@@ -1,0 +1,359 @@
+#include "libmbd/front/schema.hpp"
+
+#include <algorithm>
+
+#include "joints/joint_list.hpp"
+
+namespace mbd::schema {
+namespace {
+
+constexpr std::string_view top = "mbd";
+constexpr std::string_view anywhere = "mbd repeat";
+
+constexpr Range unit_interval{0.0, 1.0};
+constexpr Range at_least_one{1.0, 1e6};
+constexpr std::string_view metrics = "matrix quaternion geodesic";
+constexpr std::string_view rules = "gauss gauss_lobatto";
+constexpr std::string_view forms = "energy paper";
+
+// --- attributes of each element: name, kind, unit, default, meaning, range, sizes, choices ---
+
+constexpr Attribute mbd_attributes[] = {
+    {"name", Kind::name, "", required, "name of the model, for reports"},
+};
+
+constexpr Attribute parameter_attributes[] = {
+    {"name", Kind::name, "", required, "a word that expressions below may use"},
+    {"value", Kind::number, "", required, "its value, unless --set gives another"},
+};
+
+constexpr Attribute section_attributes[] = {
+    {"name", Kind::name, "", required, "name beams refer to"},
+};
+
+constexpr Attribute stiffness_attributes[] = {
+    {"EA", Kind::number, "N", optional, "D11, axial", positive},
+    {"GA2", Kind::number, "N", optional, "D22, shear along b2", positive},
+    {"GA3", Kind::number, "N", optional, "D33, shear along b3", positive},
+    {"GJ", Kind::number, "N.m2", optional, "D44, torsion", positive},
+    {"EI2", Kind::number, "N.m2", optional, "D55, bending about b2", positive},
+    {"EI3", Kind::number, "N.m2", optional, "D66, bending about b3", positive},
+    {"D12", Kind::number, "N", "0", "coupling; D21 is the same, and so below"},
+    {"D13", Kind::number, "N", "0", "coupling"},
+    {"D14", Kind::number, "N.m", "0", "coupling of extension and twist"},
+    {"D15", Kind::number, "N.m", "0", "coupling of extension and bending about b2"},
+    {"D16", Kind::number, "N.m", "0", "coupling of extension and bending about b3"},
+    {"D23", Kind::number, "N", "0", "coupling"},
+    {"D24", Kind::number, "N.m", "0", "coupling"},
+    {"D25", Kind::number, "N.m", "0", "coupling of shear along b2 and bending about b2"},
+    {"D26", Kind::number, "N.m", "0", "coupling"},
+    {"D34", Kind::number, "N.m", "0", "coupling"},
+    {"D35", Kind::number, "N.m", "0", "coupling"},
+    {"D36", Kind::number, "N.m", "0", "coupling of shear along b3 and bending about b3"},
+    {"D45", Kind::number, "N.m2", "0", "coupling"},
+    {"D46", Kind::number, "N.m2", "0", "coupling"},
+    {"D56", Kind::number, "N.m2", "0", "coupling"},
+};
+
+constexpr Attribute mass_attributes[] = {
+    {"per_length", Kind::number, "kg/m", required, "mass per unit length", positive},
+    {"inertia",
+     Kind::numbers,
+     "kg.m",
+     required,
+     "per length about the reference line: J11 J22 J33 [J12 J13 J23]",
+     any,
+     {3, 6}},
+    {"center", Kind::numbers, "m", "0 0", "mass centre in the section: x2 x3", any, {2, 2}},
+};
+
+// Of every beam, after its reference line.
+constexpr Attribute mesh_attributes[] = {
+    {"normal", Kind::numbers, "", required,
+     "b3 at the start; its part along the reference line does not matter"},
+    {"elements", Kind::count, "", "1", "spectral elements of equal length", at_least_one},
+    {"order", Kind::count, "", "3", "order N: N + 1 nodes an element", Range{1.0, 8.0}},
+    {"metric", Kind::choice, "", "geodesic", "interpolation of motion", any, {3, 3}, metrics},
+    {"rule", Kind::choice, "", "gauss", "quadrature; gauss_lobatto locks", any, {3, 3}, rules},
+    {"form",
+     Kind::choice,
+     "",
+     "energy",
+     "elastic force: gradient of a discrete energy, or the paper's",
+     any,
+     {3, 3},
+     forms},
+};
+
+constexpr Attribute beam_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among beams and bodies"},
+    {"section", Kind::text, "", required, "name of its section"},
+    {"from", Kind::numbers, "m", required, "start of the reference line"},
+    {"to", Kind::numbers, "m", required, "end of the reference line"},
+};
+
+constexpr Attribute arc_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among beams and bodies"},
+    {"section", Kind::text, "", required, "name of its section"},
+    {"from", Kind::numbers, "m", required, "start of the reference line"},
+    {"center", Kind::numbers, "m", required, "centre of the circle"},
+    {"axis", Kind::numbers, "", required, "the line runs right-handed about it"},
+    {"angle", Kind::number, "rad", required, "subtended angle", positive},
+};
+
+constexpr Attribute body_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among beams and bodies"},
+    {"attached_to", Kind::place, "", optional,
+     "the place it is fixed to; its axes are those of the place"},
+    {"at", Kind::numbers, "m", optional, "reference point of a free body (default 0 0 0)"},
+    {"orientation",
+     Kind::numbers,
+     "",
+     optional,
+     "of a free body: rotation vector [rad], or matrix row by row",
+     any,
+     {3, 9}},
+    {"mass", Kind::number, "kg", required, "mass", not_negative},
+    {"center", Kind::numbers, "m", "0 0 0", "mass centre from the reference point, body axes"},
+    {"inertia",
+     Kind::numbers,
+     "kg.m2",
+     required,
+     "matrix xx yy zz [xy xz yz] about the mass centre, body axes",
+     any,
+     {3, 6}},
+    {"velocity", Kind::numbers, "m/s", optional,
+     "of the reference point of a free body at the start, inertial axes (default 0 0 0)"},
+    {"angular_velocity", Kind::numbers, "rad/s", optional,
+     "of a free body at the start, body axes (default 0 0 0)"},
+};
+
+constexpr Attribute joint_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among joints"},
+    {"between", Kind::places, "", required, "the two places a and b it joins"},
+    {"at", Kind::numbers, "m", optional,
+     "its point (default: that of b, or of a when b is the ground)"},
+};
+
+// Of the joints that have an axis.
+constexpr Attribute axis_attributes[] = {
+    {"axis", Kind::numbers, "", required,
+     "direction of its axis; angles turn right-handed about it"},
+};
+
+constexpr Attribute drive_attributes[] = {
+    {"joint", Kind::text, "", required, "name of a joint with an angle"},
+    {"rate", Kind::signal, "rad/s", optional,
+     "rotation rate of b relative to a; the angle starts at 0 (one of rate, angle)"},
+    {"angle", Kind::signal, "rad", optional, "rotation of b relative to a (one of rate, angle)"},
+};
+
+constexpr Attribute load_attributes[] = {
+    {"name", Kind::name, "", optional, "name, for messages"},
+    {"at", Kind::place, "", required, "where it acts"},
+    {"force", Kind::signals, "N", optional, "dead force, inertial axes"},
+    {"moment", Kind::signals, "N.m", optional, "dead moment, inertial axes"},
+};
+
+constexpr Attribute gravity_attributes[] = {
+    {"acceleration", Kind::numbers, "m/s2", required, "of free fall, inertial axes"},
+};
+
+constexpr Attribute static_attributes[] = {
+    {"steps", Kind::count, "", "1", "the first load step is 1/steps of all loads", at_least_one},
+    {"tolerance", Kind::number, "", "1e-12", "of Newton's increments, relative", positive},
+};
+
+constexpr Attribute transient_attributes[] = {
+    {"duration", Kind::number, "s", required, "simulated time, a whole number of steps", positive},
+    {"step", Kind::number, "s", required, "time step", positive},
+    {"rho_infinity", Kind::number, "", "0",
+     "spectral radius of the integrator at infinite frequency: 0 damps most, 1 nothing",
+     unit_interval},
+    {"tolerance", Kind::number, "", optional,
+     "of Newton's increments, relative (default: the integrator's own)", positive},
+};
+
+constexpr Attribute record_attributes[] = {
+    {"name", Kind::name, "", required, "first part of its columns in history.csv"},
+    {"at", Kind::place, "", optional, "a place (one of at, joint)"},
+    {"joint", Kind::text, "", optional, "name of a joint (one of at, joint)"},
+    {"quantities", Kind::names, "", required, "what to write, separated by blanks"},
+};
+
+constexpr Attribute plot_attributes[] = {
+    {"x", Kind::text, "", "time", "a column of history.csv"},
+    {"y", Kind::names, "", required, "columns of history.csv, one curve each"},
+    {"x_scale", Kind::number, "", "1", "factor on x"},
+    {"y_scale", Kind::number, "", "1", "factor on y"},
+    {"x_label", Kind::text, "", optional, "default: the column and its unit"},
+    {"y_label", Kind::text, "", optional, "default: the column and its unit"},
+    {"title", Kind::text, "", optional, "written above the panel"},
+    {"x_range", Kind::numbers, "", optional, "ends of the x axis, scaled", any, {2, 2}},
+};
+
+constexpr Attribute expect_attributes[] = {
+    {"quantity", Kind::text, "", required, "a column of history.csv"},
+    {"of",
+     Kind::choice,
+     "",
+     "value",
+     "its value at one time, or an extreme over the run",
+     any,
+     {3, 3},
+     "value minimum maximum"},
+    {"at", Kind::number, "s", optional, "time of the value, a whole number of steps", not_negative},
+    {"value", Kind::number, "", required, "what it must be"},
+    {"tolerance", Kind::number, "", required, "by how much it may differ", positive},
+    {"source", Kind::text, "", required, "where the number comes from"},
+    {"when", Kind::names, "", optional,
+     "parameter=value: checked only when the parameters have these values"},
+};
+
+constexpr Attribute repeat_attributes[] = {
+    {"count", Kind::count, "", required, "how often its contents are read", Range{0.0, 1e6}},
+    {"index", Kind::name, "", "i",
+     "parameter that counts from 0; {i+1} in names and places becomes its value"},
+};
+
+using Of = Quantity::Of;
+constexpr Quantity of_places[] = {
+    {"position", "m", 3, "inertial axes"},
+    {"displacement", "m", 3, "from the reference configuration, inertial axes"},
+    {"displacement_local", "m", 3, "the same, in the present axes of the section or body"},
+    {"rotation", "rad", 3, "rotation vector from the reference configuration, inertial axes"},
+    {"velocity", "m/s", 3, "inertial axes"},
+    {"velocity_local", "m/s", 3, "the same, in the present axes of the section or body"},
+    {"angular_velocity", "rad/s", 3, "inertial axes"},
+    {"angular_velocity_local", "rad/s", 3, "the same, in the present axes of the section or body"},
+    {"acceleration", "m/s2", 3, "inertial axes"},
+    {"force", "N", 3, "resultants N1 Q2 Q3 of a beam, section axes", Of::beam_place},
+    {"moment", "N.m", 3, "resultants M1 M2 M3 of a beam, section axes", Of::beam_place},
+};
+constexpr Quantity of_joints[] = {
+    {"angle", "rad", 1, "rotation of b relative to a, unwrapped", Of::joint_with_angle},
+    {"rate", "rad/s", 1, "rotation rate of b relative to a", Of::joint_with_angle},
+    {"force", "N", 3, "of b on a, joint axes that move with b", Of::any_joint},
+    {"moment", "N.m", 3, "of b on a, joint axes that move with b", Of::any_joint},
+};
+
+const std::vector<JointKind>& joints() {
+  static const std::vector<JointKind> all = [] {
+    std::vector<JointKind> list;
+    joint::for_each(joint::Types{}, [&]<class J>() {
+      list.push_back({J::name, J::has_axis, J::has_angle});
+    });
+    return list;
+  }();
+  return all;
+}
+
+// Attributes, and more of them.
+std::vector<Attribute> of(std::span<const Attribute> first,
+                          std::span<const Attribute> second = {}) {
+  std::vector<Attribute> result(first.begin(), first.end());
+  result.insert(result.end(), second.begin(), second.end());
+  return result;
+}
+
+const std::vector<Element>& table() {
+  static const std::vector<Element> all = [] {
+    std::vector<Element> list = {
+        {"mbd", "", "A model. SI units, inertial axes i1 i2 i3.", of(mbd_attributes)},
+        {"parameter", top,
+         "A named number. Later expressions may use it; --set replaces its value.",
+         of(parameter_attributes)},
+        {"section", anywhere,
+         "Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3.",
+         of(section_attributes)},
+        {"stiffness", "section",
+         "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "
+         "entries by name, or all of them row by row.",
+         of(stiffness_attributes), "36 numbers"},
+        {"mass", "section",
+         "M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).",
+         of(mass_attributes)},
+        {"beam", anywhere, "A straight beam.", of(beam_attributes, mesh_attributes)},
+        {"arc", anywhere, "A beam along a circular arc: `from`, turned about the centre.",
+         of(arc_attributes, mesh_attributes)},
+        {"body", anywhere, "A rigid body, free or fixed to a place.", of(body_attributes)},
+        {"drive", anywhere, "Prescribes the angle of a joint.", of(drive_attributes)},
+        {"load", anywhere, "A force and moment at a place.", of(load_attributes)},
+        {"gravity", top, "Uniform gravity on everything that has mass.", of(gravity_attributes)},
+        {"static", top, "Static equilibrium at t = 0, before the transient if there is one.",
+         of(static_attributes)},
+        {"transient", top, "Integration in time by the generalized-alpha method.",
+         of(transient_attributes)},
+        {"record", anywhere, "Columns of history.csv.", of(record_attributes)},
+        {"plot", anywhere, "A panel of history.svg.", of(plot_attributes)},
+        {"expect", anywhere, "A number the run must give.", of(expect_attributes)},
+        {"repeat", anywhere, "Reads its contents several times.", of(repeat_attributes)},
+    };
+    const std::span<const Attribute> axis = axis_attributes, none;
+    for (const JointKind& kind : joints())
+      list.push_back({kind.name, anywhere, "A joint between two places.",
+                      of(joint_attributes, kind.has_axis ? axis : none)});
+    return list;
+  }();
+  return all;
+}
+
+template <class Range>
+auto find(const Range& range, std::string_view name) {
+  const auto it = std::find_if(std::begin(range), std::end(range),
+                               [&](const auto& entry) { return entry.name == name; });
+  return it == std::end(range) ? nullptr : &*it;
+}
+
+template <class Range>
+std::vector<std::string_view> names_of(const Range& range) {
+  std::vector<std::string_view> result;
+  for (const auto& entry : range) result.push_back(entry.name);
+  return result;
+}
+
+}  // namespace
+
+std::span<const Element> elements() { return table(); }
+std::span<const JointKind> joint_kinds() { return joints(); }
+std::span<const Quantity> place_quantities() { return of_places; }
+std::span<const Quantity> joint_quantities() { return of_joints; }
+
+const Element* find_element(std::string_view name) { return find(table(), name); }
+const Attribute* find_attribute(const Element& element, std::string_view name) {
+  return find(element.attributes, name);
+}
+const JointKind* find_joint_kind(std::string_view name) { return find(joints(), name); }
+const Quantity* find_quantity(std::span<const Quantity> quantities, std::string_view name) {
+  return find(quantities, name);
+}
+
+std::vector<std::string_view> children(std::string_view parent) {
+  std::vector<std::string_view> result;
+  for (const Element& element : table()) {
+    const std::vector<std::string_view> parents = words(element.parents);
+    if (std::find(parents.begin(), parents.end(), parent) != parents.end())
+      result.push_back(element.name);
+  }
+  return result;
+}
+
+std::vector<std::string_view> attribute_names(const Element& element) {
+  return names_of(element.attributes);
+}
+std::vector<std::string_view> names(std::span<const Quantity> quantities) {
+  return names_of(quantities);
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r\n\f\v";
+  std::vector<std::string_view> result;
+  for (std::size_t at = text.find_first_not_of(blanks); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
+    result.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(blanks, end);
+  }
+  return result;
+}
+
+}  // namespace mbd::schema

@@ -1,0 +1,93 @@
+// What a model file may say: one table of elements and their attributes. The reader, its messages, the
+// manual and the XSD come from here; a new attribute is one line here and one where it is read.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace mbd::schema {
+
+// What the text of an attribute is. Numbers are expressions of the model's parameters, signals also of
+// time t; components are separated by white space and contain none.
+enum class Kind {
+  name,     // of an item, unique among its like: letters, digits, _ and -
+  text,     // anything
+  place,    // ground, a body, or beam.start, beam.end, beam@0.5
+  places,   // two places
+  names,    // names of items, quantities or columns of history.csv
+  number,   // one expression
+  count,    // one expression, a whole number
+  numbers,  // as many expressions as `sizes` says
+  signal,   // one expression of t
+  signals,  // three expressions of t
+  choice    // one of `choices`
+};
+
+// Numbers allowed; the ends belong to it unless `open`.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool open = false;
+};
+inline constexpr Range any{};
+inline constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true};
+inline constexpr Range not_negative{0.0};
+
+// In place of a default value: what it means to leave the attribute out.
+inline constexpr std::string_view required = "(required)";
+inline constexpr std::string_view optional = "(optional)";
+
+struct Attribute {
+  std::string_view name;
+  Kind kind = Kind::text;
+  std::string_view unit;      // empty: a pure number, or no number
+  std::string_view fallback;  // `required`, `optional`, or the default as one would write it
+  std::string_view doc;
+  Range range = any;                  // of number, count and each of numbers
+  std::array<int, 2> sizes = {3, 3};  // of numbers: either
+  std::string_view choices = {};  // separated by blanks, in the order of the enum they stand for
+};
+
+struct Element {
+  std::string_view name;
+  std::string_view parents;  // elements it may stand in, separated by blanks; empty: the root
+  std::string_view doc;
+  std::vector<Attribute> attributes;
+  std::string_view content = {};  // what its text is, if it may have any
+};
+
+// One for each type of joints/joint_list.hpp.
+struct JointKind {
+  std::string_view name;
+  bool has_axis = false;
+  bool has_angle = false;  // that a <drive> can prescribe and a <record> can show
+};
+
+// Something <record> can write, and the columns it makes: name.quantity, or name.quantity.1 … .3.
+struct Quantity {
+  std::string_view name;
+  std::string_view unit;
+  int components = 3;
+  std::string_view doc;
+  enum class Of { any_place, beam_place, any_joint, joint_with_angle } of = Of::any_place;
+};
+
+std::span<const Element> elements();
+std::span<const JointKind> joint_kinds();
+std::span<const Quantity> place_quantities();
+std::span<const Quantity> joint_quantities();
+
+const Element* find_element(std::string_view name);  // nullptr when there is none; so below
+const Attribute* find_attribute(const Element& element, std::string_view name);
+const JointKind* find_joint_kind(std::string_view name);
+const Quantity* find_quantity(std::span<const Quantity> quantities, std::string_view name);
+
+std::vector<std::string_view> children(std::string_view parent);
+std::vector<std::string_view> attribute_names(const Element& element);
+std::vector<std::string_view> names(std::span<const Quantity> quantities);
+std::vector<std::string_view> words(std::string_view text);  // split at white space
+
+}  // namespace mbd::schema

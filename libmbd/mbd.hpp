@@ -1,0 +1,29 @@
+// libmbd: the one include of a program that uses the library.
+//
+//   mbd::Scene scene = mbd::read_model("model.xml");     // or fill a Scene in C++
+//   mbd::RunReport report = mbd::run(scene);             // or step a State oneself:
+//
+//   mbd::Model model = mbd::compile(scene);
+//   mbd::State state = model.initial;
+//   mbd::GeneralizedAlpha integrator(*model.system, mbd::make_klu_solver(), {.step = 1e-3});
+//   integrator.start(state);
+//   while (state.t < 1.0 && integrator.step(state).converged) { … }
+#pragma once
+
+#include "libmbd/core/error.hpp"
+#include "libmbd/core/state.hpp"
+#include "libmbd/core/system.hpp"
+#include "libmbd/core/types.hpp"
+#include "libmbd/front/expect.hpp"
+#include "libmbd/front/model.hpp"
+#include "libmbd/front/observers.hpp"
+#include "libmbd/front/plot.hpp"
+#include "libmbd/front/reader.hpp"
+#include "libmbd/front/report.hpp"
+#include "libmbd/front/run.hpp"
+#include "libmbd/front/scene.hpp"
+#include "solvers/generalized_alpha.hpp"
+#include "solvers/initial.hpp"
+#include "solvers/klu_solver.hpp"
+#include "solvers/report.hpp"
+#include "solvers/statics.hpp"

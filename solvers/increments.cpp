@@ -1,0 +1,93 @@
+#include "solvers/increments.hpp"
+
+#include <limits>
+
+namespace mbd {
+
+IncrementNorm::IncrementNorm(const System& system, const NewtonOptions& options)
+    : motions_(6 * (system.nodes() - 1)),
+      length_(system.length_scale()),
+      tolerance_(options.tolerance),
+      multiplier_tolerance_(options.multiplier_tolerance) {
+  for (const ConstraintInfo& c : system.constraints())
+    for (const bool is_position : c.is_position) is_moment_.push_back(!is_position);
+}
+
+void IncrementNorm::observe(const VecX& lambda) {
+  for (Index i = 0; i < lambda.size(); ++i) {
+    const double size = std::abs(lambda(i)) / (is_moment_[static_cast<std::size_t>(i)] ? length_ : 1.0);
+    if (size > force_ && std::isfinite(size)) force_ = size;
+  }
+}
+
+void IncrementNorm::set_floor(const State& state, double stiffness) {
+  constexpr double units = 8.0;  // of round-off
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  double farthest = length_;
+  for (const Pose<double>& H : state.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
+  tolerance_ = std::max(tolerance_, units * eps * farthest / length_);
+  force_floor_ = units * eps * farthest * stiffness;
+}
+
+double IncrementNorm::operator()(std::span<const double> increment, double multiplier_scale) const {
+  double linear = 0.0, angular = 0.0, multipliers = 0.0;
+  double sum = 0.0;  // not finite if any component is not: max() would hide a NaN
+  const auto motions = static_cast<std::size_t>(motions_);
+  for (std::size_t i = 0; i < motions; i += 6) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double u = std::abs(increment[i + k]), psi = std::abs(increment[i + 3 + k]);
+      linear = std::max(linear, u);
+      angular = std::max(angular, psi);
+      sum += u + psi;
+    }
+  }
+  for (std::size_t i = motions; i < increment.size(); ++i) {
+    const double l = std::abs(increment[i]) / (is_moment_[i - motions] ? length_ : 1.0);
+    multipliers = std::max(multipliers, l);
+    sum += l;
+  }
+  if (!std::isfinite(sum)) return std::numeric_limits<double>::quiet_NaN();
+  double e = std::max(linear / length_, angular) / tolerance_;
+  multipliers /= multiplier_scale;
+  if (multipliers > 0.0) {
+    // Before any multiplier has been met, the first increment is its own measure.
+    const double force = std::max(force_, multipliers);
+    e = std::max(e, multipliers / std::max(multiplier_tolerance_ * force, force_floor_));
+  }
+  return e;
+}
+
+double largest_stiffness(const System& system, const LinearSolver& S) {
+  double largest = 0.0;
+  const BlockGraph& graph = system.graph();
+  for (std::size_t i = 0; i < graph.contributions.size(); ++i) {
+    const auto [row, column] = graph.contributions[i];
+    if (row < 0 || column < 0) continue;
+    const auto& r = graph.blocks[static_cast<std::size_t>(row)];
+    const auto& c = graph.blocks[static_cast<std::size_t>(column)];
+    if (r.kind != BlockGraph::Kind::node || c.kind != BlockGraph::Kind::node) continue;
+    const Slot slot = S.slots()[i];
+    for (Index k = 0; k < c.size; ++k)
+      for (Index j = 0; j < r.size; ++j) largest = std::max(largest, std::abs(slot.data[k * slot.ld + j]));
+  }
+  return largest;
+}
+
+Index worst_row(const System& system, const VecX& residual) {
+  // A force, a moment over the scene's length, and a gap are compared within their kind.
+  double largest[3] = {0.0, 0.0, 0.0};
+  Index row[3] = {-1, -1, -1};
+  for (Index i = 6; i < residual.size(); ++i) {
+    const int kind = i >= 6 * system.nodes() ? 2 : (i % 6 < 3 ? 0 : 1);
+    const double size = std::abs(residual(i));
+    if (!std::isfinite(size)) return i;
+    if (row[kind] < 0 || size > largest[kind]) {
+      largest[kind] = size;
+      row[kind] = i;
+    }
+  }
+  if (largest[2] > 1e-6 * system.length_scale()) return row[2];
+  return largest[1] / system.length_scale() > largest[0] ? row[1] : row[0];
+}
+
+}  // namespace mbd

@@ -1,0 +1,45 @@
+// How large an increment of motion and multipliers is, in units of the tolerance: what Newton's iterations
+// of statics and of dynamics both stop on.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/report.hpp"
+
+namespace mbd {
+
+class IncrementNorm {
+ public:
+  IncrementNorm(const System& system, const NewtonOptions& options);
+
+  // Largest weighted component of an increment [dU; dlambda] of the unknowns, dlambda divided by
+  // `multiplier_scale`; NaN if any component is not finite.
+  double operator()(std::span<const double> increment, double multiplier_scale) const;
+
+  // Follows the size of the multipliers, against which their increments are measured.
+  void observe(const VecX& lambda);
+
+  // Round-off below which increments mean nothing: positions are known to eps times their size, forces to
+  // that times the stiffness [N/m], and, with a step h, times mass / (beta h^2). `stiffness` is the
+  // largest entry of the tangent that takes increments of motion to forces.
+  void set_floor(const State& state, double stiffness);
+
+ private:
+  Index motions_;
+  double length_, tolerance_, multiplier_tolerance_;
+  std::vector<bool> is_moment_;  // by multiplier: a moment counts as force times length
+  double force_ = 0.0;           // largest multiplier met [N]
+  double force_floor_ = 0.0;     // [N]
+};
+
+// Largest entry of the node-node blocks of what has been added to a solver; not after factor().
+double largest_stiffness(const System& system, const LinearSolver& S);
+
+// Row of a residual whose force, moment or gap is the worst, each kind in its own scale; for messages.
+Index worst_row(const System& system, const VecX& residual);
+
+}  // namespace mbd

@@ -1,0 +1,20 @@
+// Checks and completes an initial state (formulation.md 4).
+#pragma once
+
+#include "libmbd/core/system.hpp"
+
+namespace mbd {
+
+// Largest constraint violations of a state, and where.
+struct ConstraintResiduals {
+  double position = 0.0;       // max |g|     [m, rad]
+  double velocity = 0.0;       // max |gdot|  [m/s, rad/s]
+  Index position_row = -1;     // in State::lambda
+  Index velocity_row = -1;
+};
+ConstraintResiduals constraint_residuals(const System& system, const State& state);
+
+// Throws Error that names the open joint and the gap at position or velocity level.
+void check_initial_state(const System& system, const State& state);
+
+}  // namespace mbd

@@ -1,0 +1,142 @@
+#include "solvers/klu_solver.hpp"
+
+#include <klu.h>
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+
+namespace mbd {
+namespace {
+
+// All columns of a block column have the same row pattern, so a block lies in the compressed columns as a
+// dense block with the column's count as leading dimension: contributions are added in place.
+class KluSolver : public LinearSolver {
+ public:
+  KluSolver() {
+    klu_defaults(&common_);
+    common_.ordering = 0;  // AMD
+    common_.scale = 2;     // rows by their largest entry
+  }
+  ~KluSolver() override { release(); }
+  KluSolver(const KluSolver&) = delete;
+  KluSolver& operator=(const KluSolver&) = delete;
+
+  void analyze(const BlockGraph& graph) override {
+    release();
+    const std::size_t blocks = graph.blocks.size();
+    std::vector<int> first(blocks + 1, 0);
+    for (std::size_t b = 0; b < blocks; ++b) first[b + 1] = first[b] + graph.blocks[b].size;
+    n_ = first.back();
+
+    std::vector<std::vector<int>> rows(blocks);  // row blocks of each block column
+    int largest = 1;
+    for (const auto& [row, column] : graph.contributions) {
+      if (row >= 0 && column >= 0) rows[static_cast<std::size_t>(column)].push_back(row);
+    }
+    for (const auto& block : graph.blocks) largest = std::max(largest, block.size);
+
+    Ap_.assign(1, 0);
+    Ai_.clear();
+    std::vector<Index> start(blocks), height(blocks, 0);
+    for (std::size_t c = 0; c < blocks; ++c) {
+      auto& list = rows[c];
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+      for (const int r : list) height[c] += graph.blocks[static_cast<std::size_t>(r)].size;
+      start[c] = static_cast<Index>(Ai_.size());
+      for (int k = 0; k < graph.blocks[c].size; ++k) {
+        for (const int r : list) {
+          const auto R = static_cast<std::size_t>(r);
+          for (int i = first[R]; i < first[R + 1]; ++i) Ai_.push_back(i);
+        }
+        Ap_.push_back(static_cast<int>(Ai_.size()));
+      }
+    }
+    Ax_.assign(Ai_.size(), 0.0);
+    trash_.assign(static_cast<std::size_t>(largest * largest), 0.0);
+
+    slots_.clear();
+    slots_.reserve(graph.contributions.size());
+    for (const auto& [row, column] : graph.contributions) {
+      if (row < 0 || column < 0) {
+        slots_.push_back({trash_.data(), largest});
+        continue;
+      }
+      const auto C = static_cast<std::size_t>(column);
+      Index offset = start[C];
+      for (const int r : rows[C]) {
+        if (r == row) break;
+        offset += graph.blocks[static_cast<std::size_t>(r)].size;
+      }
+      slots_.push_back({Ax_.data() + offset, height[C]});
+    }
+    symbolic_ = klu_analyze(n_, Ap_.data(), Ai_.data(), &common_);
+    if (symbolic_ == nullptr && n_ > 0) singular_row_ = -1;
+  }
+
+  std::span<const Slot> slots() const override { return slots_; }
+
+  void set_zero() override { std::fill(Ax_.begin(), Ax_.end(), 0.0); }
+
+  // A refactorisation keeps the pivots of the last full one; where they have become poor it is done anew.
+  FactorStatus factor() override {
+    constexpr double poor_growth = 1e-3;
+    singular_row_ = -1;
+    if (n_ == 0) return FactorStatus::ok;
+    if (symbolic_ == nullptr) return FactorStatus::singular;
+    if (numeric_ != nullptr) {
+      if (klu_refactor(Ap_.data(), Ai_.data(), Ax_.data(), symbolic_, numeric_, &common_) == 1 &&
+          common_.status == KLU_OK &&
+          klu_rgrowth(Ap_.data(), Ai_.data(), Ax_.data(), symbolic_, numeric_, &common_) == 1 &&
+          common_.rgrowth > poor_growth) {
+        return FactorStatus::ok;
+      }
+      klu_free_numeric(&numeric_, &common_);
+    }
+    numeric_ = klu_factor(Ap_.data(), Ai_.data(), Ax_.data(), symbolic_, &common_);
+    if (numeric_ == nullptr || common_.status != KLU_OK) {
+      singular_row_ = common_.singular_col >= 0 && common_.singular_col < n_ ? common_.singular_col : -1;
+      if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
+      return FactorStatus::singular;
+    }
+    return FactorStatus::ok;
+  }
+
+  Index singular_row() const override { return singular_row_; }
+
+  void solve(std::span<double> x) const override {
+    if (n_ > 0) klu_solve(symbolic_, numeric_, n_, 1, x.data(), &common_);
+  }
+
+  double reciprocal_condition() const override {
+    if (n_ == 0) return 1.0;
+    auto* Ax = const_cast<double*>(Ax_.data());  // KLU's interface is not const-correct
+    if (klu_condest(const_cast<int*>(Ap_.data()), Ax, symbolic_, numeric_, &common_) != 1) return 0.0;
+    return common_.condest > 0.0 ? 1.0 / common_.condest : 0.0;
+  }
+
+  Index nonzeros() const override { return static_cast<Index>(Ai_.size()); }
+
+ private:
+  void release() {
+    if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
+    if (symbolic_ != nullptr) klu_free_symbolic(&symbolic_, &common_);
+  }
+
+  mutable klu_common common_{};  // KLU writes statistics even when solving
+  klu_symbolic* symbolic_ = nullptr;
+  klu_numeric* numeric_ = nullptr;
+  int n_ = 0;
+  Index singular_row_ = -1;
+  std::vector<int> Ap_, Ai_;
+  std::vector<double> Ax_;
+  std::vector<double> trash_;  // what is added to the ground
+  std::vector<Slot> slots_;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_klu_solver() { return std::make_unique<KluSolver>(); }
+
+}  // namespace mbd

@@ -1,0 +1,28 @@
+// Static equilibrium by load stepping: one load factor over every load, from 0 to 1.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/report.hpp"
+
+namespace mbd {
+
+struct StaticOptions {
+  int steps = 1;  // first load increment is 1/steps; halved on failure, grown when easy
+  NewtonOptions newton;
+};
+
+struct StaticReport {
+  bool converged = false;
+  double load_factor = 0.0;  // reached
+  Counters counters;
+  std::string failure;
+};
+
+// Moves `state` to equilibrium at state.t. On failure it is the last equilibrium found.
+StaticReport solve_statics(const System& system, LinearSolver& solver, const StaticOptions& options,
+                           State& state);
+
+}  // namespace mbd

@@ -1,0 +1,213 @@
+// Every model of models/ runs to its end and gives the numbers it expects; runs that go wrong keep
+// their results and say why; the command's exit status tells.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "libmbd/front/expect.hpp"
+#include "libmbd/front/reader.hpp"
+#include "libmbd/front/run.hpp"
+
+namespace mbd {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path models = fs::path(MBD_SOURCE_DIR) / "models";
+
+std::vector<std::string> all_models() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(models))
+    if (entry.path().extension() == ".xml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class Models : public testing::TestWithParam<std::string> {};
+
+TEST_P(Models, GiveWhatTheyExpect) {
+  const Scene scene = read_model(models / (GetParam() + ".xml"));
+  EXPECT_EQ(scene.name, GetParam());
+  ASSERT_FALSE(scene.expects.empty()) << "a model is a test: give it <expect> rows";
+  const RunReport report = run(scene);
+  EXPECT_TRUE(report.complete()) << report.failure;
+  EXPECT_TRUE(report.as_expected()) << to_text(report.expects);
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, Models, testing::ValuesIn(all_models()),
+                         [](const auto& model) { return model.param; });
+
+// Expectations are not vacuous: each fails when its number is moved by two tolerances.
+TEST_P(Models, WouldNoticeOtherNumbers) {
+  Scene scene = read_model(models / (GetParam() + ".xml"));
+  for (ExpectScene& expect : scene.expects) expect.value += 2.0 * expect.tolerance;
+  const RunReport report = run(scene);
+  for (const ExpectResult& result : report.expects) EXPECT_FALSE(result.pass()) << result.what;
+}
+
+// ---- runs that go wrong -----------------------------------------------------------------------
+
+Scene falling_ball() {
+  return read_model_text(R"(<mbd name="ball">
+      <body name="ball" mass="1" inertia="1 1 1"/>
+      <gravity acceleration="0 0 -9.81"/>
+      <transient duration="1" step="0.01"/>
+      <record name="ball" at="ball" quantities="position velocity"/>
+    </mbd>)");
+}
+
+class Directory : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* const info = testing::UnitTest::GetInstance()->current_test_info();
+    path_ = fs::temp_directory_path() / ("mbd_" + std::to_string(getpid()) + "_" + info->name());
+    fs::create_directories(path_);
+  }
+  void TearDown() override { fs::remove_all(path_); }
+
+  nlohmann::json json() const {
+    return nlohmann::json::parse(std::ifstream(path_ / "report.json"));
+  }
+  long rows() const {
+    std::ifstream file(path_ / "history.csv");
+    long n = 0;
+    for (std::string line; std::getline(file, line);)
+      n += line.starts_with('#') || line.starts_with("time") ? 0 : 1;
+    return n;
+  }
+
+  fs::path path_;
+};
+
+using RunOf = Directory;
+
+TEST_F(RunOf, WritesItsResults) {
+  const RunReport report = run(falling_ball(), {.output = path_});
+  EXPECT_TRUE(report.complete()) << report.failure;
+  EXPECT_EQ(report.rows, 101);
+  EXPECT_EQ(rows(), 101);
+  EXPECT_EQ(report.results.size(), 3u);
+  for (const fs::path& file : report.results) EXPECT_GT(fs::file_size(file), 500u) << file;
+  EXPECT_EQ(json()["status"], "complete");
+  EXPECT_NEAR(double(json()["energy"]["end"]["total"]), 0.0, 1e-9);
+  EXPECT_LE(int(json()["sampled_states"]), 202);
+}
+
+class EndsAfter : public Observer {
+ public:
+  explicit EndsAfter(int states) : left_(states) {}
+  void accepted(const Sample& /*sample*/) override {
+    if (left_-- == 0) throw Error("the observer has seen enough");
+  }
+  void finished(const RunReport& /*report*/) override { finished_ = true; }
+  bool finished_ = false;
+
+ private:
+  int left_;
+};
+
+TEST_F(RunOf, KeepsItsResultsWhenAnObserverEndsIt) {
+  EndsAfter observer(40);
+  const RunReport report = run(falling_ball(), {.output = path_, .observers = {&observer}});
+  EXPECT_EQ(report.failure, "the observer has seen enough");
+  EXPECT_TRUE(observer.finished_);
+  EXPECT_NEAR(report.t, 0.4, 1e-12);
+  EXPECT_EQ(rows(), 41);  // the writer comes before the user's observers
+  EXPECT_EQ(json()["status"], "failed");
+}
+
+TEST_F(RunOf, AColumnThatIsNotFiniteEndsIt) {
+  Scene scene = falling_ball();
+  const auto component = [](const char* text) {
+    return Expression::parse(text, {}, Variables::time);
+  };
+  LoadScene load;
+  load.at = {Place::Kind::body, "ball", 0.0};
+  load.force = {component("sqrt(0.5 - t)"), component("0"), component("0")};
+  scene.loads.push_back(load);
+  const RunReport report = run(scene, {.output = path_});
+  EXPECT_FALSE(report.complete());
+  EXPECT_NEAR(report.t, 0.5, 0.011);
+  EXPECT_GE(rows(), 50);
+  std::ifstream file(path_ / "history.csv");
+  for (std::string line; std::getline(file, line);)
+    EXPECT_EQ(line.find("nan"), std::string::npos) << line;
+}
+
+TEST_F(RunOf, RefusesWhatItCannotDo) {
+  Scene scene = falling_ball();
+  scene.transient.reset();
+  EXPECT_THROW(run(scene), Error);  // nothing to do
+  scene = falling_ball();
+  ExpectScene expect;
+  expect.quantity = "ball.position.3";
+  expect.at = 0.505;
+  scene.expects.push_back(expect);
+  EXPECT_THROW(run(scene), Error);  // between two samples
+  scene = falling_ball();
+  scene.plots.emplace_back().y = {"ball.positon.3"};
+  EXPECT_THROW(run(scene, {.output = path_}), Error);
+  std::ofstream(path_ / "file") << "x";
+  EXPECT_THROW(run(falling_ball(), {.output = path_ / "file"}), Error);
+}
+
+TEST_F(RunOf, NotesAJumpBetweenTwoSteps) {
+  const auto notes = [](const char* force) {
+    Scene scene = falling_ball();
+    const Expression zero = Expression::parse("0", {}, Variables::none);
+    LoadScene load;
+    load.at = {Place::Kind::body, "ball", 0.0};
+    load.force = {Expression::parse(force, {}, Variables::time), zero, zero};
+    scene.loads.push_back(load);
+    const RunReport report = run(scene);
+    EXPECT_TRUE(report.complete()) << report.failure;
+    return report.notes;
+  };
+  EXPECT_TRUE(notes("t > 0.5 ? 1 : 0").empty());
+  EXPECT_TRUE(notes("t > 0.505 ? t - 0.505 : 0").empty());  // a kink, not a jump
+  ASSERT_EQ(notes("t > 0.505 ? 1 : 0").size(), 1u);
+  EXPECT_NE(notes("t > 0.505 ? 1 : 0")[0].find("jumps at 0.505 s"), std::string::npos);
+}
+
+// ---- the command ------------------------------------------------------------------------------
+
+using Command = Directory;
+
+int status_of(const std::string& arguments) {
+  const int status =
+      std::system((std::string(MBD_PROGRAM) + " " + arguments + " > /dev/null 2>&1").c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(Command, ExitStatusTells) {
+  const std::string out = " --out " + path_.string();
+  const std::string pendulum = (models / "pendulum.xml").string();
+  EXPECT_EQ(status_of("run " + pendulum + out), 0);
+  EXPECT_EQ(status_of("run " + pendulum + " --set step=0.1" + out),
+            2);  // too coarse for its expectations
+  EXPECT_EQ(status_of("run " + pendulum + " --set stp=1" + out), 1);
+  EXPECT_EQ(status_of("run " + pendulum + " --quiet --out /proc/nowhere"), 1);
+  EXPECT_EQ(status_of("run nowhere.xml" + out), 1);
+  EXPECT_EQ(status_of("--version"), 0);
+  EXPECT_EQ(status_of("--help"), 0);
+  EXPECT_GT(status_of("run"), 99);
+  EXPECT_GT(status_of("walk " + pendulum), 99);
+}
+
+TEST_F(Command, AChainOfAnyLength) {
+  const std::string chain = (models / "chain.xml").string();
+  for (const char* const length : {"1", "3", "40"})
+    EXPECT_EQ(status_of("run " + chain + " --set N=" + length + " --out " + path_.string()), 0)
+        << length;
+}
+
+}  // namespace
+}  // namespace mbd

@@ -1,0 +1,189 @@
+// History files, reports and files as such: what is written can be read back, and what cannot be
+// written is said.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "libmbd/front/expect.hpp"
+#include "libmbd/front/observers.hpp"
+#include "libmbd/front/report.hpp"
+#include "libmbd/front/run.hpp"
+
+namespace mbd {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* const info = testing::UnitTest::GetInstance()->current_test_info();
+    directory_ = fs::temp_directory_path() / ("mbd_" + std::to_string(getpid()) + "_" +
+                                              info->test_suite_name() + "_" + info->name());
+    fs::create_directories(directory_);
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  static std::string read(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+
+  fs::path directory_;
+};
+
+using HistoryFile = Files;
+using WrittenFile = Files;
+
+const std::vector<Column> three = {{"time", "s"}, {"C.displacement.1", "m"}, {"A.angle", "rad"}};
+
+TEST_F(HistoryFile, ReadsBackExactly) {
+  const std::vector<std::vector<double>> rows = {{0.0, 1.0 / 3.0, -0.0},
+                                                 {0.1, 1e-310, std::numeric_limits<double>::max()},
+                                                 {0.1 + 0.2, -2.5e-7, 123456789.0}};
+  const fs::path file = directory_ / "history.csv";
+  {
+    HistoryWriter writer(file, "test", three);
+    for (const auto& row : rows) writer.write_row(row);
+    writer.finished({});
+    EXPECT_EQ(writer.rows(), 3);
+  }
+  std::istringstream text(read(file));
+  std::string line;
+  std::getline(text, line);
+  EXPECT_EQ(line, "# model: test");
+  std::getline(text, line);
+  EXPECT_EQ(line, "# mbd " + std::string(version()));
+  std::getline(text, line);
+  EXPECT_EQ(line, "# units: s, m, rad");
+  std::getline(text, line);
+  EXPECT_EQ(line, "time,C.displacement.1,A.angle");
+  for (const auto& row : rows) {
+    std::getline(text, line);
+    const char* at = line.c_str();
+    for (const double value : row) {
+      char* end = nullptr;
+      EXPECT_EQ(std::strtod(at, &end), value);
+      at = end + 1;
+    }
+  }
+  EXPECT_FALSE(std::getline(text, line));
+}
+
+TEST_F(HistoryFile, IsWholeRowsAtAnyTime) {
+  const fs::path file = directory_ / "history.csv";
+  HistoryWriter writer(file, "test", three);
+  EXPECT_TRUE(read(file).ends_with("A.angle\n"));  // the header is there at once
+  std::size_t last = 0;
+  for (int i = 0; i < 20000; ++i) {
+    writer.write_row(std::vector<double>{1e-3 * i, std::sin(i), std::cos(i)});
+    if (i % 1000 != 0) continue;
+    const std::string text = read(file);
+    EXPECT_EQ(text.back(), '\n');
+    EXPECT_GE(text.size(), last);
+    last = text.size();
+  }
+  EXPECT_GT(last, 500'000u);  // not kept in memory
+}
+
+TEST_F(HistoryFile, FullDiskIsSaid) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP();
+  const fs::path file = directory_ / "history.csv";
+  fs::create_symlink("/dev/full", file);
+  try {
+    HistoryWriter writer(file, "test", three);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("No space left on device"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(WrittenFile, IsReplacedAsAWhole) {
+  const fs::path file = directory_ / "report.json";
+  write_file(file, "old");
+  write_file(file, "new");
+  EXPECT_EQ(read(file), "new");
+  EXPECT_FALSE(fs::exists(directory_ / "report.json.part"));
+  EXPECT_THROW(write_file(directory_ / "nowhere" / "report.json", "x"), Error);
+}
+
+TEST_F(WrittenFile, DirectoryMustBeUsable) {
+  make_directory(directory_ / "a" / "b");
+  EXPECT_TRUE(fs::is_directory(directory_ / "a" / "b"));
+  make_directory(directory_ / "a" / "b");
+  write_file(directory_ / "file", "x");
+  EXPECT_THROW(make_directory(directory_ / "file"), Error);
+  EXPECT_THROW(make_directory(directory_ / "file" / "below"), Error);
+}
+
+TEST(Report, IsJsonAndTellsTheFailure) {
+  RunReport report;
+  report.model = "a \"name\" \xff";  // not UTF-8
+  report.transient = TransientScene{{}, 1.0, 0.1, 0.9, {}};
+  report.batches = {{"revolute", 3, 100}};
+  report.expects = {{{}, "C.x at 1", 1.0, 1.05, 0.1, "calc"},
+                    {{}, "C.y at 1", 1.0, std::nullopt, 0.1, "calc"}};
+  EXPECT_TRUE(report.expects[0].pass());
+  EXPECT_FALSE(report.expects[1].pass());
+  EXPECT_FALSE(report.as_expected());
+  nlohmann::json json = nlohmann::json::parse(to_json(report));
+  EXPECT_EQ(json["status"], "complete, not as expected");
+  EXPECT_TRUE(json["failure"].is_null());
+  EXPECT_EQ(json["settings"]["transient"]["step"], 0.1);
+  EXPECT_EQ(json["counts"]["batches"][0]["bytes"], 100);
+  EXPECT_EQ(json["expectations"][0]["got"], 1.05);
+  EXPECT_TRUE(json["expectations"][1]["got"].is_null());
+  report.failure = "step 3 of 10: …";
+  json = nlohmann::json::parse(to_json(report));
+  EXPECT_EQ(json["status"], "failed");
+  EXPECT_EQ(json["failure"], "step 3 of 10: …");
+}
+
+TEST(Report, NothingPassesThatIsNotANumber) {
+  const ExpectResult result{{}, "q", 1.0, std::numeric_limits<double>::quiet_NaN(), 1.0, ""};
+  EXPECT_FALSE(result.pass());
+}
+
+TEST(Run, DurationIsAWholeNumberOfSteps) {
+  EXPECT_EQ(number_of_steps({{}, 36.0, 9e-3, 0.0, {}}), 4000);
+  EXPECT_EQ(number_of_steps({{}, 1.0, 0.1, 0.0, {}}), 10);
+  EXPECT_EQ(number_of_steps({{}, 0.3, 0.1, 0.0, {}}), 3);
+  for (const auto& [duration, step] :
+       {std::pair{1.0, 0.3}, {1.0, 2.0}, {1.0, 1.00001}, {1.0, 1e-300}})
+    EXPECT_THROW(number_of_steps({{}, duration, step, 0.0, {}}), Error) << duration << " " << step;
+  try {
+    number_of_steps({{"m.xml", 7}, 1.0, 0.3, 0.0, {}});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "m.xml:7: transient: duration=1 is not a whole number of steps of 0.3 s; with "
+                 "step=\"1/4\" it is, "
+                 "or with duration=\"4*0.3\"");
+  }
+}
+
+TEST(Expectations, ColumnsAreFoundOrTheNearestIsNamed) {
+  EXPECT_EQ(find_column(three, "A.angle", {}, "plot"), 2u);
+  try {
+    find_column(three, "A.angel", {"m.xml", 3}, "plot");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("m.xml:3: plot: \"A.angel\" is not a column of the results; did you "
+                        "mean \"A.angle\"?"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace mbd

@@ -1,0 +1,117 @@
+// The plot: ticks, decimation that keeps extremes, and an SVG that stands.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "libmbd/front/plot.hpp"
+
+namespace mbd::plot {
+namespace {
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+Panel sine(std::size_t points, const std::string& label) {
+  Panel panel{
+      .title = "A < B & \"C\"", .x_label = "time [s]", .y_label = "u [m]", .x_is_time = true};
+  panel.curves.push_back({label, {}});
+  for (std::size_t i = 0; i < points; ++i) {
+    const double t = 10.0 * static_cast<double>(i) / static_cast<double>(points);
+    panel.curves[0].trace.add({t, std::sin(t)});
+  }
+  return panel;
+}
+
+TEST(Plot, TicksAreOneTwoFive) {
+  EXPECT_EQ(make_ticks(0, 10, 5).at, (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  EXPECT_EQ(make_ticks(0, 2.5, 5).step, 0.5);
+  EXPECT_EQ(make_ticks(-1, 1, 2).at, (std::vector<double>{-1, 0, 1}));
+  for (const double size : {1e-12, 3e-7, 0.02, 1.0, 7.3, 4e5, 9e30}) {
+    const Ticks ticks = make_ticks(-0.3 * size, 0.9 * size, 6);
+    EXPECT_GE(ticks.at.size(), 3u) << size;
+    EXPECT_LE(ticks.at.size(), 10u) << size;
+    EXPECT_GE(ticks.at.front(), -0.3 * size * (1 + 1e-9));
+    EXPECT_LE(ticks.at.back(), 0.9 * size * (1 + 1e-9));
+    const double lead = ticks.step / std::pow(10.0, std::floor(std::log10(ticks.step) + 1e-9));
+    EXPECT_TRUE(std::abs(lead - 1) < 1e-9 || std::abs(lead - 2) < 1e-9 || std::abs(lead - 5) < 1e-9)
+        << lead;
+  }
+}
+
+TEST(Plot, TraceIsBoundedAndKeepsExtremes) {
+  Trace trace(1000);
+  double least = 1e9, most = -1e9;
+  for (int i = 0; i < 200000; ++i) {
+    const double y = std::sin(0.7 * i) + (i == 123456 ? 10.0 : i == 7 ? -10.0 : 0.0);
+    trace.add({static_cast<double>(i), y});
+    least = std::min(least, y);
+    most = std::max(most, y);
+  }
+  const auto& points = trace.points();
+  EXPECT_LE(points.size(), 1000u);
+  EXPECT_GE(points.size(), 100u);
+  const auto lower = [](const Point& a, const Point& b) { return a[1] < b[1]; };
+  EXPECT_EQ((*std::max_element(points.begin(), points.end(), lower))[1], most);
+  EXPECT_EQ((*std::min_element(points.begin(), points.end(), lower))[1], least);
+  EXPECT_TRUE(std::is_sorted(points.begin(), points.end(),
+                             [](const Point& a, const Point& b) { return a[0] < b[0]; }));
+}
+
+TEST(Plot, SvgHasItsParts) {
+  Panel panel = sine(500, "C.displacement.1");
+  panel.curves.push_back({"C.displacement.2", panel.curves[0].trace});
+  const std::string svg = to_svg(std::vector<Panel>{panel, panel}, {});
+  EXPECT_TRUE(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  EXPECT_EQ(count(svg, "<g clip-path"), 2u);
+  EXPECT_EQ(count(svg, ">C.displacement.2</text>"), 2u);  // legend
+  EXPECT_EQ(count(svg, "A &lt; B &amp; &quot;C&quot;"), 2u);
+  EXPECT_EQ(count(svg, "fill=\"#ffffff\""), 1u);
+  EXPECT_GE(count(svg, "stroke-dasharray"), 2u);  // the second curve differs in grey
+  EXPECT_EQ(count(svg, "nan"), 0u);
+  EXPECT_EQ(count(svg, "inf"), 0u);
+}
+
+TEST(Plot, SizeDoesNotGrowWithTheNumberOfPoints) {
+  const std::string small = to_svg(std::vector<Panel>{sine(3000, "a")}, {});
+  const std::string large = to_svg(std::vector<Panel>{sine(300000, "a")}, {});
+  EXPECT_LT(large.size(), 3 * small.size());
+}
+
+TEST(Plot, AnglesHaveTicksAtQuarterTurns) {
+  Panel panel = sine(100, "a");
+  panel.x_range = {0.0, 2 * std::acos(-1.0)};
+  const std::string svg = to_svg(std::vector<Panel>{panel}, {});
+  for (const char* const label : {">0<", ">π/2<", ">π<", ">3π/2<", ">2π<"})
+    EXPECT_EQ(count(svg, label), label == std::string(">0<") ? 1u : 1u) << label;
+}
+
+TEST(Plot, SurvivesOddData) {
+  const double huge = std::numeric_limits<double>::max();
+  for (const std::vector<Point>& points :
+       std::vector<std::vector<Point>>{{},
+                                       {{0, 0}},
+                                       {{0, 3}, {1, 3}},
+                                       {{0, 1e-300}, {1, 2e-300}},
+                                       {{0, -huge}, {1, huge}},
+                                       {{5, 1}, {5, 2}},
+                                       {{0, 1e6}, {1, 1e6 + 1e-9}}}) {
+    Panel panel{.curves = {{"a", {}}}};
+    for (const Point& point : points) panel.curves[0].trace.add(point);
+    const std::string svg = to_svg(std::vector<Panel>{panel}, {});
+    EXPECT_EQ(count(svg, "nan"), 0u);
+    EXPECT_EQ(count(svg, "inf"), 0u);
+    EXPECT_LT(svg.size(), 20000u);
+  }
+  EXPECT_TRUE(to_svg({}, {}).ends_with("</svg>\n"));
+}
+
+}  // namespace
+}  // namespace mbd::plot

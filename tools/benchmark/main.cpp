@@ -1,0 +1,174 @@
+// Cost of the parts: `mbd_benchmark` (Google Benchmark; --benchmark_filter=… to choose).
+//   Elastic/<metric>/<form>/<N>/<want>   one element, in a batch of 8: µs per element
+//   Linear/<model>/factor|solve          one factorisation (refactor) or solve of the scaled tangent
+//   Run/<model>                          stepping of a whole model, CPU seconds
+// Times on a shared machine are noisy: compare ratios within one run.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+
+#include "elements/beam_elastic_batch.hpp"
+#include "libmbd/front/model.hpp"
+#include "libmbd/front/reader.hpp"
+#include "solvers/generalized_alpha.hpp"
+#include "solvers/klu_solver.hpp"
+#include "solvers/statics.hpp"
+
+namespace {
+
+using namespace mbd;
+
+// Throws away what is added: the cost of the kernel and of handing over, not of a solver.
+class Sink : public LinearSolver {
+ public:
+  void analyze(const BlockGraph& graph) override { slots_.assign(graph.contributions.size(), {block_, 6}); }
+  std::span<const Slot> slots() const override { return slots_; }
+  void set_zero() override {}
+  FactorStatus factor() override { return FactorStatus::ok; }
+  Index singular_row() const override { return -1; }
+  void solve(std::span<double>) const override {}
+  double reciprocal_condition() const override { return 1.0; }
+  Index nonzeros() const override { return 0; }
+
+ private:
+  double block_[36] = {};
+  std::vector<Slot> slots_;
+};
+
+void elastic(benchmark::State& bench, Metric metric, Form form, int order, bool tangent) {
+  constexpr int elements = 8;
+  auto batch = make_beam_elastic(metric, form, Rule::gauss, order);
+  System system;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Mat6 D = Mat6::Zero();
+  D.diagonal() << 1e7, 2.5e6, 2.5e6, 246.0, 309.0, 309.0;
+  D(0, 3) = D(3, 0) = -8676.0;
+  D(1, 4) = D(4, 1) = D(2, 5) = D(5, 2) = 5013.0;
+  const int stiffness = batch->add_stiffness(D);
+  const auto& table = batch->table();
+  int last = 0;
+  for (int e = 0; e < elements; ++e) {
+    std::vector<int> nodes;
+    std::vector<Pose<double>> poses;
+    for (int k = 0; k <= order; ++k) {
+      Pose<double> H;
+      H.r(0) = 0.06 * (e + 0.5 * (1.0 + table.nodes.points[static_cast<std::size_t>(k)]));
+      poses.push_back(H);
+      if (e == 0 || k > 0) last = static_cast<int>(system.add_node("node", H));
+    }
+    for (int k = 0; k <= order; ++k) nodes.push_back(last - (order - k));
+    batch->add_element(std::vector<double>(static_cast<std::size_t>(order) + 1, 0.03), poses, nodes, stiffness, 0, "element");
+  }
+  system.add_batch(std::move(batch));
+  system.finish(false, 1.0);
+  State state = system.reference_state();
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    Vec6 u;
+    for (Index i = 0; i < 6; ++i) u(i) = 1e-3 * uniform(random);
+    state.pose[n] = state.pose[n] * exp_se3(u);
+  }
+  Sink sink;
+  sink.analyze(system.graph());
+  VecX r;
+  for (auto _ : bench) {
+    if (tangent) system.linearize(state, {}, r, sink);
+    else system.residual(state, r);
+    benchmark::DoNotOptimize(r.data());
+    benchmark::ClobberMemory();
+  }
+  bench.counters["us_per_element"] =
+      benchmark::Counter(elements * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+Scene load(const std::string& name) { return read_model(std::string(MBD_SOURCE_DIR) + "/models/" + name + ".xml"); }
+
+void linear(benchmark::State& bench, const std::string& name, bool factor) {
+  const Model model = compile(load(name));
+  auto solver = make_klu_solver();
+  solver->analyze(model.system->graph());
+  VecX r;
+  const double h = 1e-3;
+  model.system->linearize(model.initial, {.U = 0.25 * h * h, .V = 0.5 * h, .A = 1.0, .T_inv = {}}, r, *solver);
+  solver->factor();
+  VecX x = VecX::Random(model.system->unknowns());
+  for (auto _ : bench) {
+    if (factor) {
+      benchmark::DoNotOptimize(solver->factor());
+    } else {
+      VecX y = x;
+      solver->solve({y.data(), static_cast<std::size_t>(y.size())});
+      benchmark::DoNotOptimize(y.data());
+    }
+  }
+  bench.counters["unknowns"] = static_cast<double>(model.system->unknowns());
+  bench.counters["nonzeros"] = static_cast<double>(solver->nonzeros());
+}
+
+void run(benchmark::State& bench, const std::string& name) {
+  const Scene scene = load(name);
+  for (auto _ : bench) {
+    const Model model = compile(scene);
+    State state = model.initial;
+    if (scene.statics) {
+      auto solver = make_klu_solver();
+      if (!solve_statics(*model.system, *solver, {.steps = scene.statics->steps, .newton = {}}, state).converged)
+        bench.SkipWithError("statics failed");
+    }
+    GeneralizedAlpha stepper(*model.system, make_klu_solver(),
+                             {.step = scene.transient->step, .rho_infinity = scene.transient->rho_infinity, .newton = {}});
+    stepper.start(state);
+    const long steps = std::lround(scene.transient->duration / scene.transient->step);
+    for (long i = 0; i < steps; ++i) {
+      if (!stepper.step(state).converged) {
+        bench.SkipWithError("a step failed");
+        break;
+      }
+    }
+    const Counters& c = stepper.counters();
+    bench.counters["steps"] = static_cast<double>(c.steps);
+    bench.counters["iterations_per_step"] = static_cast<double>(c.iterations) / static_cast<double>(c.steps);
+    bench.counters["factorizations"] = static_cast<double>(c.factorizations);
+  }
+}
+
+void register_all() {
+  const std::pair<Metric, const char*> metrics[] = {
+      {Metric::matrix, "matrix"}, {Metric::quaternion, "quaternion"}, {Metric::geodesic, "geodesic"}};
+  const std::pair<Form, const char*> forms[] = {{Form::energy, "energy"}, {Form::paper, "paper"}};
+  for (const auto& [metric, metric_name] : metrics) {
+    for (const auto& [form, form_name] : forms) {
+      for (int order = 2; order <= 6; ++order) {
+        for (const bool tangent : {false, true}) {
+          benchmark::RegisterBenchmark(fmt::format("Elastic/{}/{}/{}/{}", metric_name, form_name, order,
+                                                   tangent ? "residual+tangent" : "residual")
+                                           .c_str(),
+                                       elastic, metric, form, order, tangent);
+        }
+      }
+    }
+  }
+  for (const char* model : {"four_bar", "shaft", "chain"}) {
+    for (const bool factor : {true, false}) {
+      benchmark::RegisterBenchmark(fmt::format("Linear/{}/{}", model, factor ? "factor" : "solve").c_str(), linear,
+                                   std::string(model), factor)
+          ->Unit(benchmark::kMicrosecond);
+    }
+  }
+  for (const char* model : {"four_bar", "shaft"}) {
+    benchmark::RegisterBenchmark(fmt::format("Run/{}", model).c_str(), run, std::string(model))
+        ->Unit(benchmark::kMillisecond);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  register_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
