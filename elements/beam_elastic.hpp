@@ -64,8 +64,8 @@ struct Elastic {
   };
 
   template <Want want, class S>
-  static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x, const Environment&,
-                    RateWeights, Output<S>& out) {
+  static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x,
+                    const Environment&, RateWeights, Output<S>& out) {
     Work<S> work;
     residual(shared, data, x, work, out);
     if constexpr (want == Want::tangent) tangent(shared, data, work, out);
@@ -108,8 +108,9 @@ struct Elastic {
   // Not inlined, so that the residual is the same machine code, and the same to the last bit, with and
   // without the tangent.
   template <class S>
-  [[gnu::noinline, gnu::flatten]] static void residual(const Shared& shared, const Data& data, const NodeState<S>* x,
-                                         Work<S>& work, Output<S>& out) {
+  [[gnu::noinline, gnu::flatten]] static void residual(const Shared& shared, const Data& data,
+                                                       const NodeState<S>* x, Work<S>& work,
+                                                       Output<S>& out) {
     const int order = shared.table.order();
     const int pairs = order * (order + 1) / 2;
     const int points = shared.table.points;
@@ -131,7 +132,8 @@ struct Elastic {
 
   template <class S>
   static Vector6<S> strain(const Data& data, int i, int pairs, const Motion<Metric, N, S>& motion) {
-    return curvature<N, S>(data, i, pairs, motion.q) - data.K0[static_cast<std::size_t>(i)].template cast<S>();
+    return curvature<N, S>(data, i, pairs, motion.q) -
+           data.K0[static_cast<std::size_t>(i)].template cast<S>();
   }
 
   // (1)
@@ -148,7 +150,8 @@ struct Elastic {
       const auto P = static_cast<std::size_t>(p);
       W[P].setZero();
       for (int i = 0; i < points; ++i)
-        W[P] += S(data.c[static_cast<std::size_t>(i * Z::max_pairs + p)]) * weighted[static_cast<std::size_t>(i)];
+        W[P] += S(data.c[static_cast<std::size_t>(i * Z::max_pairs + p)]) *
+                weighted[static_cast<std::size_t>(i)];
     }
   }
 
@@ -160,10 +163,11 @@ struct Elastic {
     std::size_t p = 0;
     for (int j = 0; j < order; ++j) {
       for (int k = j + 1; k <= order; ++k, ++p) {
-        Vector6<S> Fk, minus_Fj;
-        motion.pair[p].forces(W[p], Fk, minus_Fj);
-        out.r.template segment<6>(6 * k) += Fk;
-        out.r.template segment<6>(6 * j) -= minus_Fj;
+        const PairForces<S> f = motion.pair[p].forces(W[p]);
+        out.r.template segment<3>(6 * k) += f.force_k;
+        out.r.template segment<3>(6 * k + 3) += f.moment_k;
+        out.r.template segment<3>(6 * j) -= f.minus_force_j;
+        out.r.template segment<3>(6 * j + 3) -= f.minus_moment_j;
       }
     }
   }
@@ -188,14 +192,15 @@ struct Elastic {
 
   // (3) or (5)
   template <class S>
-  [[gnu::noinline, gnu::flatten]] static void tangent(const Shared& shared, const Data& data, const Work<S>& work,
-                                                      Output<S>& out) {
+  [[gnu::noinline, gnu::flatten]] static void tangent(const Shared& shared, const Data& data,
+                                                      const Work<S>& work, Output<S>& out) {
     const auto& [motion, force, full, W] = work;
     const int order = shared.table.order();
     const int rows = 6 * (order + 1);
     const int points = shared.table.points;
     // Bbar_i^T: columns are contiguous and as long as the element has unknowns.
-    using Strip = Eigen::Matrix<S, Output<S>::size, 6, Eigen::ColMajor | Eigen::DontAlign, 6 * Z::max_nodes, 6>;
+    using Strip = Eigen::Matrix<S, Output<S>::size, 6, Eigen::ColMajor | Eigen::DontAlign,
+                                6 * Z::max_nodes, 6>;
     std::array<Strip, Z::max_points> Bt, X;
     std::array<DualMatrix<S>, Z::max_pairs> T;
     for (int i = 0; i < points; ++i) Bt[static_cast<std::size_t>(i)].setZero(rows, 6);
@@ -224,12 +229,14 @@ struct Elastic {
         X[I].noalias() = Bt[I].lazyProduct(wD);
       } else {
         // row blocks: w l'_a D Bbar + w J l_a (K~^T D + S^U) Bbar
-        const Matrix6<S> turned = S(data.wJ[I]) * (twist_hat(full[I]).transpose().lazyProduct(D) + wrench_hat(force[I]));
+        const Matrix6<S> turned =
+            S(data.wJ[I]) * (twist_hat(full[I]).transpose().lazyProduct(D) + wrench_hat(force[I]));
         const Matrix6<S> along = S(shared.table.w[I]) * D;
         X[I].resize(rows, 6);
         for (int a = 0; a <= order; ++a) {
           const auto ia = static_cast<std::size_t>(i * Z::max_nodes + a);
-          X[I].template middleRows<6>(6 * a) = S(shared.table.dl[ia]) * along + S(shared.table.l[ia]) * turned;
+          X[I].template middleRows<6>(6 * a) =
+              S(shared.table.dl[ia]) * along + S(shared.table.l[ia]) * turned;
         }
       }
     }
@@ -241,8 +248,8 @@ struct Elastic {
       for (int i = 0; i < points; ++i) {
         const Strip& x = X[static_cast<std::size_t>(i)];
         const Strip& b = Bt[static_cast<std::size_t>(i)];
-        column += x.col(0) * b(c, 0) + x.col(1) * b(c, 1) + x.col(2) * b(c, 2) + x.col(3) * b(c, 3) +
-                  x.col(4) * b(c, 4) + x.col(5) * b(c, 5);
+        column += x.col(0) * b(c, 0) + x.col(1) * b(c, 1) + x.col(2) * b(c, 2) +
+                  x.col(3) * b(c, 3) + x.col(4) * b(c, 4) + x.col(5) * b(c, 5);
       }
       out.K.col(c) = column;
     }
@@ -250,10 +257,8 @@ struct Elastic {
       p = 0;
       for (int j = 0; j < order; ++j) {
         for (int k = j + 1; k <= order; ++k, ++p) {
-          Vector6<S> Fk, minus_Fj;
-          motion.pair[p].forces(W[p], Fk, minus_Fj);
-          const PairTangent<S> t =
-              pair_tangent(motion.g(p), Fk, linearized_force(motion.pair[p], T[p], W[p]));
+          const PairTangent<S> t = pair_tangent(motion.g[p], motion.pair[p].forces(W[p]).on_k(),
+                                                linearized_force(motion.pair[p], T[p], W[p]));
           out.K.template block<6, 6>(6 * k, 6 * k) += t.kk;
           out.K.template block<6, 6>(6 * k, 6 * j) += t.kj;
           out.K.template block<6, 6>(6 * j, 6 * k) += t.jk;

@@ -9,15 +9,18 @@ namespace beam {
 template <class MetricType, class FormType>
 std::unique_ptr<BeamElasticBatch> make_elastic(const SpectralTable& table, bool run_time_order);
 
-extern template std::unique_ptr<BeamElasticBatch> make_elastic<MatrixMetric, EnergyForm>(const SpectralTable&, bool);
-extern template std::unique_ptr<BeamElasticBatch> make_elastic<MatrixMetric, PaperForm>(const SpectralTable&, bool);
-extern template std::unique_ptr<BeamElasticBatch> make_elastic<QuaternionMetric, EnergyForm>(const SpectralTable&,
-                                                                                             bool);
-extern template std::unique_ptr<BeamElasticBatch> make_elastic<QuaternionMetric, PaperForm>(const SpectralTable&,
-                                                                                            bool);
-extern template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, EnergyForm>(const SpectralTable&,
-                                                                                           bool);
-extern template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, PaperForm>(const SpectralTable&, bool);
+extern template std::unique_ptr<BeamElasticBatch> make_elastic<MatrixMetric, EnergyForm>(
+    const SpectralTable&, bool);
+extern template std::unique_ptr<BeamElasticBatch> make_elastic<MatrixMetric, PaperForm>(
+    const SpectralTable&, bool);
+extern template std::unique_ptr<BeamElasticBatch> make_elastic<QuaternionMetric, EnergyForm>(
+    const SpectralTable&, bool);
+extern template std::unique_ptr<BeamElasticBatch> make_elastic<QuaternionMetric, PaperForm>(
+    const SpectralTable&, bool);
+extern template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, EnergyForm>(
+    const SpectralTable&, bool);
+extern template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, PaperForm>(
+    const SpectralTable&, bool);
 
 }  // namespace beam
 
@@ -25,8 +28,8 @@ std::unique_ptr<BeamElasticBatch> make_beam_elastic(Metric metric, Form form, Ru
                                                     bool run_time_order) {
   using namespace beam;
   if (order < 1 || order > max_order)
-    throw Error("the order of a beam element must lie in 1 … " + std::to_string(max_order) + ", not " +
-                std::to_string(order));
+    throw Error("the order of a beam element must lie in 1 … " + std::to_string(max_order) +
+                ", not " + std::to_string(order));
   const SpectralTable table = spectral_table(order, rule);
   const bool energy = form == Form::energy;
   switch (metric) {
@@ -36,7 +39,8 @@ std::unique_ptr<BeamElasticBatch> make_beam_elastic(Metric metric, Form form, Ru
     case Metric::quaternion:
       return energy ? make_elastic<QuaternionMetric, EnergyForm>(table, run_time_order)
                     : make_elastic<QuaternionMetric, PaperForm>(table, run_time_order);
-    case Metric::geodesic: break;
+    case Metric::geodesic:
+      break;
   }
   return energy ? make_elastic<GeodesicMetric, EnergyForm>(table, run_time_order)
                 : make_elastic<GeodesicMetric, PaperForm>(table, run_time_order);

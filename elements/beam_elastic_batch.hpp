@@ -24,7 +24,8 @@ class BeamElasticBatch : public Batch {
   // of its first quadrature point (the same at all for stride 0; one index a point for stride 1).
   // Returns its index. `name` is for messages.
   virtual Index add_element(std::span<const double> J, std::span<const Pose<double>> reference,
-                            std::span<const int> nodes, int stiffness, int stride, std::string name) = 0;
+                            std::span<const int> nodes, int stiffness, int stride,
+                            std::string name) = 0;
 
   // Sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at xi in [-1, 1], section frame [N, N.m].
   virtual Vec6 resultants(const State& state, Index element, double xi) const = 0;

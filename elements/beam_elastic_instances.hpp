@@ -17,7 +17,8 @@ class ElasticBatch final : public ElementBatch<Elastic<MetricType, FormType, N>,
   explicit ElasticBatch(const SpectralTable& table)
       : Base(std::string("beam elastic, ") + MetricType::name + ", " + FormType::name +
                  ", N = " + std::to_string(table.order) +
-                 (table.rule.points.size() == table.nodes.points.size() ? ", Gauss-Lobatto" : ", Gauss"),
+                 (table.rule.points.size() == table.nodes.points.size() ? ", Gauss-Lobatto"
+                                                                        : ", Gauss"),
              typename Kernel::Shared{make_table<N>(table), {}}),
         table_(table) {}
 
@@ -26,16 +27,19 @@ class ElasticBatch final : public ElementBatch<Elastic<MetricType, FormType, N>,
     return static_cast<int>(this->shared().stiffness.size()) - 1;
   }
 
-  Index add_element(std::span<const double> J, std::span<const Pose<double>> reference, std::span<const int> nodes,
-                    int stiffness, int stride, std::string name) override {
-    this->add(make_data<MetricType, N>(table_, J, reference, stiffness, stride), nodes, std::move(name));
+  Index add_element(std::span<const double> J, std::span<const Pose<double>> reference,
+                    std::span<const int> nodes, int stiffness, int stride,
+                    std::string name) override {
+    this->add(make_data<MetricType, N>(table_, J, reference, stiffness, stride), nodes,
+              std::move(name));
     return this->size() - 1;
   }
 
   Vec6 resultants(const State& state, Index element, double xi) const override {
     typename Base::NodeStates x;
     this->gather(state, static_cast<std::size_t>(element), x);
-    return Kernel::resultants(this->shared(), this->data(element), x.data(), table_.rule.points, xi);
+    return Kernel::resultants(this->shared(), this->data(element), x.data(), table_.rule.points,
+                              xi);
   }
 
   const SpectralTable& table() const override { return table_; }
@@ -49,15 +53,24 @@ std::unique_ptr<BeamElasticBatch> make_elastic(const SpectralTable& table, bool 
 #ifndef MBD_RUNTIME_ORDER_ONLY
   if (!run_time_order) {
     switch (table.order) {
-      case 1: return std::make_unique<ElasticBatch<MetricType, FormType, 1>>(table);
-      case 2: return std::make_unique<ElasticBatch<MetricType, FormType, 2>>(table);
-      case 3: return std::make_unique<ElasticBatch<MetricType, FormType, 3>>(table);
-      case 4: return std::make_unique<ElasticBatch<MetricType, FormType, 4>>(table);
-      case 5: return std::make_unique<ElasticBatch<MetricType, FormType, 5>>(table);
-      case 6: return std::make_unique<ElasticBatch<MetricType, FormType, 6>>(table);
-      case 7: return std::make_unique<ElasticBatch<MetricType, FormType, 7>>(table);
-      case 8: return std::make_unique<ElasticBatch<MetricType, FormType, 8>>(table);
-      default: break;
+      case 1:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 1>>(table);
+      case 2:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 2>>(table);
+      case 3:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 3>>(table);
+      case 4:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 4>>(table);
+      case 5:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 5>>(table);
+      case 6:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 6>>(table);
+      case 7:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 7>>(table);
+      case 8:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 8>>(table);
+      default:
+        break;
     }
   }
 #else

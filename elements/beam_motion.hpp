@@ -39,9 +39,9 @@ struct Table {
   using Z = Sizes<N>;
   int order_ = 0;
   int points = 0;
-  std::array<double, Z::max_points> w{};                   // quadrature weights
-  std::array<double, Z::max_points * Z::max_nodes> l{};    // l_a(xi_i): [i * max_nodes + a]
-  std::array<double, Z::max_points * Z::max_nodes> dl{};   // l'_a(xi_i)
+  std::array<double, Z::max_points> w{};                  // quadrature weights
+  std::array<double, Z::max_points * Z::max_nodes> l{};   // l_a(xi_i): [i * max_nodes + a]
+  std::array<double, Z::max_points * Z::max_nodes> dl{};  // l'_a(xi_i)
 
   int order() const { return N > 0 ? N : order_; }
 };
@@ -67,17 +67,18 @@ Table<N> make_table(const SpectralTable& t) {
 template <int N>
 struct Data {
   using Z = Sizes<N>;
-  std::array<double, Z::max_points * Z::max_pairs> c{};  // equation (1): [i * max_pairs + p]      [1/m]
-  std::array<double, Z::max_points> wJ{};                // w_i J(xi_i)                            [m]
-  std::array<Vec6, Z::max_points> K0;                    // curvature of the reference             [-, 1/m]
+  std::array<double, Z::max_points * Z::max_pairs>
+      c{};                                 // equation (1): [i * max_pairs + p]      [1/m]
+  std::array<double, Z::max_points> wJ{};  // w_i J(xi_i)                            [m]
+  std::array<Vec6, Z::max_points> K0;      // curvature of the reference             [-, 1/m]
   int stiffness = 0;
   int stiffness_stride = 0;
 };
 
 // Coefficients (1) from the nodal Jacobians J_j [m]; K0 from the same formula on the reference poses.
 template <class Metric, int N>
-Data<N> make_data(const SpectralTable& t, std::span<const double> J, std::span<const Pose<double>> reference,
-                  int stiffness, int stiffness_stride) {
+Data<N> make_data(const SpectralTable& t, std::span<const double> J,
+                  std::span<const Pose<double>> reference, int stiffness, int stiffness_stride) {
   using Z = Sizes<N>;
   Data<N> data;
   data.stiffness = stiffness;
@@ -91,9 +92,12 @@ Data<N> make_data(const SpectralTable& t, std::span<const double> J, std::span<c
     Index p = 0;
     for (Index j = 0; j < t.order; ++j) {
       for (Index k = j + 1; k <= t.order; ++k, ++p) {
-        const double c = t.l_at_points(i, j) * t.d(j, k) / J[at(j)] - t.l_at_points(i, k) * t.d(k, j) / J[at(k)];
+        const double c =
+            t.l_at_points(i, j) * t.d(j, k) / J[at(j)] - t.l_at_points(i, k) * t.d(k, j) / J[at(k)];
         data.c[at(i * Z::max_pairs + p)] = c;
-        K0 += c * typename Metric::template Pair<double>(relative(reference[at(j)], reference[at(k)])).q();
+        K0 +=
+            c * typename Metric::template Pair<double>(relative(reference[at(j)], reference[at(k)]))
+                    .q();
       }
     }
     data.K0[at(i)] = K0;
@@ -106,8 +110,7 @@ template <class Metric, int N, class S>
 struct Motion {
   using Z = Sizes<N>;
   using Pair = typename Metric::template Pair<S>;
-  std::array<Quaternion<S>, Z::max_pairs> p;  // relative poses g = (p, r); no Pose: its default costs time
-  std::array<Vector3<S>, Z::max_pairs> r;
+  std::array<Pose<S>, Z::max_pairs> g;
   std::array<Pair, Z::max_pairs> pair;
   std::array<Vector6<S>, Z::max_pairs> q;
   S margin;  // min over pairs of cos(angle/2) - cos(max_angle/2)
@@ -123,17 +126,15 @@ struct Motion {
       for (int k = j + 1; k <= order; ++k, ++i) {
         const Pose<S>& Hk = node(k);
         const Vector3<S> chord = Hk.r - Hj.r;
-        p[i] = relative_rotation(Hj.p, Hk.p);
-        r[i].noalias() = Rj.transpose() * chord;
-        pair[i] = Pair(g(i));
+        set_relative_rotation(Hj.p, Hk.p, g[i].p);
+        g[i].r.noalias() = Rj.transpose() * chord;
+        pair[i] = Pair(g[i]);
         q[i] = pair[i].q();
         smallest = pair[i].e0 < smallest ? pair[i].e0 : smallest;
       }
     }
     margin = smallest - S(limit());
   }
-
-  Pose<S> g(std::size_t i) const { return {p[i], r[i]}; }
 
   static double limit() {
     static const double value = std::cos(0.5 * Metric::max_angle);
@@ -143,10 +144,12 @@ struct Motion {
 
 // Full curvature K_i at quadrature point i, less K0 if asked: the strain E_i.
 template <int N, class S>
-Vector6<S> curvature(const Data<N>& data, int i, int pairs, const std::array<Vector6<S>, Sizes<N>::max_pairs>& q) {
+Vector6<S> curvature(const Data<N>& data, int i, int pairs,
+                     const std::array<Vector6<S>, Sizes<N>::max_pairs>& q) {
   Vector6<S> K = Vector6<S>::Zero();
   for (int p = 0; p < pairs; ++p)
-    K += S(data.c[static_cast<std::size_t>(i * Sizes<N>::max_pairs + p)]) * q[static_cast<std::size_t>(p)];
+    K += S(data.c[static_cast<std::size_t>(i * Sizes<N>::max_pairs + p)]) *
+         q[static_cast<std::size_t>(p)];
   return K;
 }
 

@@ -16,7 +16,7 @@ enum class Want { residual, tangent };
 template <class S>
 struct NodeState {
   Pose<S> H;
-  Vector6<S> V;     // only for elements that need rates
+  Vector6<S> V;  // only for elements that need rates
   Vector6<S> Vdot;
 };
 
@@ -64,8 +64,12 @@ concept Element = requires(const typename E::Shared& shared, const typename E::D
   { E::has_D } -> std::convertible_to<bool>;
   { E::needs_rates } -> std::convertible_to<bool>;
   { E::node_count(shared) } -> std::convertible_to<int>;
-  { E::template evaluate<Want::residual>(shared, data, x, env, w, out) } -> std::convertible_to<double>;
-  { E::template evaluate<Want::tangent>(shared, data, x, env, w, out) } -> std::convertible_to<double>;
+  {
+    E::template evaluate<Want::residual>(shared, data, x, env, w, out)
+    } -> std::convertible_to<double>;
+  {
+    E::template evaluate<Want::tangent>(shared, data, x, env, w, out)
+    } -> std::convertible_to<double>;
 };
 
 }  // namespace mbd

@@ -56,7 +56,8 @@ class ElementBatch : public Base {
     for (std::size_t e = 0; e < data_.size(); ++e) {
       NodeStates x;
       gather(state, e, x);
-      if (!(E::template evaluate<Want::residual>(shared_, data_[e], x.data(), env, RateWeights{}, out) > 0.0)) {
+      if (!(E::template evaluate<Want::residual>(shared_, data_[e], x.data(), env, RateWeights{},
+                                                 out) > 0.0)) {
         return names_[e];
       }
     }
@@ -110,7 +111,8 @@ class ElementBatch : public Base {
   }
 
   template <Want want>
-  bool run(const State& state, const TangentWeights& weights, VecX& r, std::span<const Slot> slots) const {
+  bool run(const State& state, const TangentWeights& weights, VecX& r,
+           std::span<const Slot> slots) const {
     const Environment env = environment(state);
     const RateWeights rates{weights.V, weights.A};
     typename E::template Output<double> out;
@@ -121,7 +123,8 @@ class ElementBatch : public Base {
       const double m = E::template evaluate<want>(shared_, data_[e], x.data(), env, rates, out);
       margin = m < margin ? m : margin;
       const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
-      for (int a = 0; a < count(); ++a) r.segment<6>(6 * node[a]) += out.r.template segment<6>(6 * a);
+      for (int a = 0; a < count(); ++a)
+        r.segment<6>(6 * node[a]) += out.r.template segment<6>(6 * a);
       if constexpr (want == Want::tangent) {
         const auto n = static_cast<std::size_t>(n_);
         const Slot* slot = &slots[first_slot_ + e * n * n];

@@ -30,8 +30,8 @@ struct NodalGravity {
   static int node_count(const Shared&) { return 1; }
 
   template <Want want, class S>
-  static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x, const Environment& env,
-                    RateWeights, Output<S>& out) {
+  static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x,
+                    const Environment& env, RateWeights, Output<S>& out) {
     const Vector3<S> g = (env.load_factor * shared.g).template cast<S>();
     const Vector3<S> b = x[0].H.p.conjugate() * g;
     const Vector3<S> mc = data.mc.template cast<S>();

@@ -33,8 +33,8 @@ struct Mass {
   static int node_count(const Shared&) { return 1; }
 
   template <Want want, class S>
-  static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment&, RateWeights w,
-                    Output<S>& out) {
+  static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment&,
+                    RateWeights w, Output<S>& out) {
     const Matrix6<S> M = data.M.cast<S>();
     const Vector6<S> p = times<S>(M, x[0].V);
     out.r = times<S>(M, x[0].Vdot) - twist_hat_transpose_times(x[0].V, p);
@@ -45,7 +45,8 @@ struct Mass {
     return S(1);
   }
 
-  static Energies energies(const Shared&, const Data& data, const NodeState<double>* x, const Environment&) {
+  static Energies energies(const Shared&, const Data& data, const NodeState<double>* x,
+                           const Environment&) {
     const Vec6 p = data.M * x[0].V;
     return {.kinetic = 0.5 * x[0].V.dot(p), .strain = 0.0, .potential = 0.0};
   }

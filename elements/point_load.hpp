@@ -27,12 +27,13 @@ struct PointLoad {
   static int node_count(const Shared&) { return 1; }
 
   template <Want want, class S>
-  static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment& env, RateWeights,
-                    Output<S>& out) {
+  static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment& env,
+                    RateWeights, Output<S>& out) {
     Vector6<S> load;
     for (int i = 0; i < 6; ++i) {
       const int signal = data.signals[static_cast<std::size_t>(i)];
-      load(i) = signal < 0 ? S(0) : S(env.load_factor * env.signals[static_cast<std::size_t>(signal)].f);
+      load(i) =
+          signal < 0 ? S(0) : S(env.load_factor * env.signals[static_cast<std::size_t>(signal)].f);
     }
     const Quaternion<S> Rt = x[0].H.p.conjugate();
     const Vector3<S> f = Rt * linear(load), m = Rt * angular(load);

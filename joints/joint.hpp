@@ -11,7 +11,7 @@
 //   direction:  f = lambda [ 0 ; e_j x c ],       L = lambda [ 0 0 ; 0  e_j~ c~ ]                    (4)
 // and z = Ad(b) U_Q - Ad(g^-1) Ad(a) U_P takes them to the nodes (metrics.hpp (4)).
 //
-// lambda: what b exerts on a through the joint, resolved in b: force [N] for positions, moment [N.m] for
+// lambda: what b exerts on a through the joint (the joint exerts -lambda on b), resolved in b: force [N] for positions, moment [N.m] for
 // directions and angles (unit gradients on the solution). Rows are resolved in b, which moves with the
 // joint, so the gradient keeps still while the mechanism turns (speed.md).
 // Not used: the log of R (singular at pi, and shafts turn for ever); a_3 . b_3 = 1 (its gradient vanishes
@@ -88,7 +88,8 @@ Matrix<S, static_cast<int>(J::rows.size()), 6> gradient(const Pose<S>& g, const 
 
 // f = G^T lambda, without forming G.
 template <Joint J, class S>
-Vector6<S> wrench(const Pose<S>& g, const S& phi, const Matrix<S, static_cast<int>(J::rows.size()), 1>& lambda) {
+Vector6<S> wrench(const Pose<S>& g, const S& phi,
+                  const Matrix<S, static_cast<int>(J::rows.size()), 1>& lambda) {
   Vector3<S> force = Vector3<S>::Zero(), moment = Vector3<S>::Zero();
   const Matrix3<S> R = g.R();
   for (std::size_t n = 0; n < J::rows.size(); ++n) {
@@ -117,7 +118,8 @@ Matrix6<S> geometric_stiffness(const Pose<S>& g, const S& phi,
     if (row.kind == Row::Kind::position) {
       force(row.i - 1) += l;
     } else {
-      turning += l * (hat(Vector3<S>(Vector3<S>::Unit(row.j - 1))) * hat(direction_in_b(row, R, phi)));
+      turning +=
+          l * (hat(Vector3<S>(Vector3<S>::Unit(row.j - 1))) * hat(direction_in_b(row, R, phi)));
     }
   }
   const Matrix3<S> f = hat(force);

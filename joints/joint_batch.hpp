@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "joints/any_joint_batch.hpp"
 #include "joints/joint.hpp"
-#include "libmbd/core/batch.hpp"
 #include "libmbd/core/dual.hpp"
 
 namespace mbd::joint {
 
 template <Joint J>
-class JointBatch : public Batch {
+class JointBatch final : public AnyJointBatch {
  public:
   static constexpr int m = static_cast<int>(J::rows.size());
   using Rows = Matrix<double, m, 1>;
@@ -28,10 +28,13 @@ class JointBatch : public Batch {
     int angle = -1;        // turn counter, if the angle is followed
   };
 
-  void add(const Pose<double>& a, const Pose<double>& b, int P, int Q, int signal, Index constraint,
-           Index multiplier, Index angle) {
+  std::span<const Row> rows() const override { return J::rows; }
+
+  Index add(const Pose<double>& a, const Pose<double>& b, int P, int Q, int signal,
+            Index constraint, Index multiplier, Index angle) override {
     data_.push_back({a, b, adjoint_inverse(a).matrix(), adjoint_inverse(b).matrix(), P, Q, signal,
                      static_cast<int>(constraint), multiplier, static_cast<int>(angle)});
+    return size() - 1;
   }
 
   std::string_view type() const override { return J::name; }
@@ -45,7 +48,8 @@ class JointBatch : public Batch {
     for (const auto& block : graph.blocks) nodes += block.kind == BlockGraph::Kind::node ? 1 : 0;
     for (const Data& d : data_) {
       const int P = d.P - 1, Q = d.Q - 1, l = nodes + d.block;
-      for (const auto& c : {std::pair{P, P}, {P, Q}, {Q, P}, {Q, Q}, {P, l}, {Q, l}, {l, P}, {l, Q}})
+      for (const auto& c :
+           {std::pair{P, P}, {P, Q}, {Q, P}, {Q, Q}, {P, l}, {Q, l}, {l, P}, {l, Q}})
         graph.contributions.push_back({c.first, c.second});
     }
   }
@@ -73,7 +77,8 @@ class JointBatch : public Batch {
       add_residual(d, g, phi, f, first, r);
 
       const Matrix<double, m, 6> G = gradient<J, double>(g, phi);
-      const PairTangent<double> t = pair_tangent(g, f, geometric_stiffness<J, double>(g, phi, lambda));
+      const PairTangent<double> t =
+          pair_tangent(g, f, geometric_stiffness<J, double>(g, phi, lambda));
       const Mat6 Ad_g = adjoint_inverse(g).matrix();
       const Matrix<double, m, 6> BQ = G * d.Ad_b;
       const Matrix<double, m, 6> BP = -G * Ad_g * d.Ad_a;
@@ -107,7 +112,8 @@ class JointBatch : public Batch {
         phi = {Dual<double>{s.f, s.fdot}, Dual<double>{s.fdot, s.fddot}};
       }
       const auto g = constraint<J, D2>(
-          relative(moved(d.P) * d.a.template cast<D2>(), moved(d.Q) * d.b.template cast<D2>()), phi);
+          relative(moved(d.P) * d.a.template cast<D2>(), moved(d.Q) * d.b.template cast<D2>()),
+          phi);
       for (Index i = 0; i < m; ++i) {
         gdot(d.multiplier + i) = g(i).v.d;
         gddot_rest(d.multiplier + i) = g(i).d.d;
@@ -126,27 +132,27 @@ class JointBatch : public Batch {
     }
   }
 
-  // Free angle about e3 of joint i, unwrapped [rad]; rotation rate [rad/s].
-  double angle(const State& state, Index i) const {
+  double angle(const State& state, Index i) const override {
     const Data& d = data(i);
     const int turns = d.angle < 0 ? 0 : state.turns[static_cast<std::size_t>(d.angle)];
     return principal_angle(state, d) + 2.0 * std::numbers::pi * turns;
   }
-  // Relative twist of b with respect to a, resolved in b [m/s, rad/s].
-  Vec6 relative_velocity(const State& state, Index i) const {
+  Vec6 relative_velocity(const State& state, Index i) const override {
     const Data& d = data(i);
     const Vec6 Va = d.Ad_a * state.V[static_cast<std::size_t>(d.P)];
-    return d.Ad_b * state.V[static_cast<std::size_t>(d.Q)] - adjoint_inverse(relative_pose(state, d)) * Va;
+    return d.Ad_b * state.V[static_cast<std::size_t>(d.Q)] -
+           adjoint_inverse(relative_pose(state, d)) * Va;
   }
-  // Wrench that the joint exerts on b, at b's origin, resolved in b [N, N.m].
-  Vec6 reaction(const State& state, Index i) const {
+  Vec6 reaction(const State& state, Index i) const override {
     const Data& d = data(i);
-    return -wrench<J, double>(relative_pose(state, d), angle_of(state, d), state.lambda.segment<m>(d.multiplier));
+    return -wrench<J, double>(relative_pose(state, d), angle_of(state, d),
+                              state.lambda.segment<m>(d.multiplier));
   }
 
  private:
   static Pose<double> relative_pose(const State& state, const Data& d) {
-    return relative(state.pose[static_cast<std::size_t>(d.P)] * d.a, state.pose[static_cast<std::size_t>(d.Q)] * d.b);
+    return relative(state.pose[static_cast<std::size_t>(d.P)] * d.a,
+                    state.pose[static_cast<std::size_t>(d.Q)] * d.b);
   }
   static double angle_of(const State& state, const Data& d) {
     return d.signal < 0 ? 0.0 : state.signals[static_cast<std::size_t>(d.signal)].f;
@@ -155,15 +161,16 @@ class JointBatch : public Batch {
     const Mat3 R = relative_pose(state, d).R();
     return std::atan2(R(1, 0), R(0, 0));
   }
-  static void add_residual(const Data& d, const Pose<double>& g, double phi, const Vec6& f, Index first,
-                           VecX& r) {
+  static void add_residual(const Data& d, const Pose<double>& g, double phi, const Vec6& f,
+                           Index first, VecX& r) {
     r.segment<m>(first + d.multiplier) = constraint<J, double>(g, phi);
     r.segment<6>(6 * d.Q).noalias() += d.Ad_b.transpose() * f;
     r.segment<6>(6 * d.P).noalias() -= d.Ad_a.transpose() * adjoint_inverse(g).transpose_times(f);
   }
-  template <int rows, int cols, class Derived>
-  static void add(const Slot& slot, const Eigen::MatrixBase<Derived>& block) {
-    for (Index c = 0; c < cols; ++c) Eigen::Map<Matrix<double, rows, 1>>(slot.data + c * slot.ld) += block.col(c);
+  template <int rows, int cols>
+  static void add(const Slot& slot, const Matrix<double, rows, cols>& block) {
+    for (Index c = 0; c < cols; ++c)
+      Eigen::Map<Matrix<double, rows, 1>>(slot.data + c * slot.ld) += block.col(c);
   }
 
   std::vector<Data> data_;

@@ -10,7 +10,8 @@ namespace mbd::joint {
 
 struct Revolute {
   static constexpr const char* name = "revolute";
-  static constexpr std::array rows{position(1), position(2), position(3), direction(3, 1), direction(3, 2)};
+  static constexpr std::array rows{position(1), position(2), position(3), direction(3, 1),
+                                   direction(3, 2)};
   static constexpr bool has_axis = true;
   static constexpr bool has_angle = true;
 };

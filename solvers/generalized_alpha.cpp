@@ -14,6 +14,7 @@ constexpr double theta_floor = 1e-3;    // a contraction smaller than this was l
 constexpr double theta_memory = 0.3;    // how fast a good contraction is believed
 constexpr double theta_refactor = 0.5;  // worse: a new tangent inside the step
 constexpr double theta_fresh = 0.05;    // assumed of a new tangent
+constexpr double jump_rounding = 1e-6;  // of a step: what sums of steps can be wrong by, and more
 constexpr int iterations_refactor = 3;  // this many: a new tangent at the next step
 
 }  // namespace
@@ -38,7 +39,8 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
     throw Error(fmt::format("the time step must be positive, not {}", options.step));
   if (!(options.rho_infinity >= 0.0 && options.rho_infinity <= 1.0))
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
-  if (!system.with_rates()) throw Error("the system was compiled for statics: it has no inertia to integrate");
+  if (!system.with_rates())
+    throw Error("the system was compiled for statics: it has no inertia to integrate");
   solver_->analyze(system.graph());
   const auto n = static_cast<std::size_t>(system.nodes());
   Q_.assign(n, Vec6::Zero());
@@ -51,6 +53,7 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
 
 StepReport GeneralizedAlpha::start(State& state) {
   StepReport report;
+  system_.set_time(state, state.t, Side::right);
   // r is linear in Vdot and lambda: one solve, and one more against round-off.
   for (Vec6& a : state.Vdot) a.setZero();
   state.lambda.setZero();
@@ -62,7 +65,8 @@ StepReport GeneralizedAlpha::start(State& state) {
   if (solver_->factor() != FactorStatus::ok) {
     const Index row = solver_->singular_row();
     report.failure = fmt::format(
-        "the initial accelerations are not determined{}: a node without inertia that no joint holds, or redundant "
+        "the initial accelerations are not determined{}: a node without inertia that no joint "
+        "holds, or redundant "
         "constraints",
         row >= 0 ? " at " + system_.name_of(row + 6) : std::string());
     return report;
@@ -85,8 +89,10 @@ StepReport GeneralizedAlpha::start(State& state) {
   }
   const double h = options_.step;
   VecX unused;
-  system_.linearize(state, {.U = a_.beta * h * h, .V = 0.0, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = {}},
-                    unused, *solver_);
+  system_.linearize(
+      state,
+      {.U = a_.beta * h * h, .V = 0.0, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = {}},
+      unused, *solver_);
   norm_.set_floor(state, largest_stiffness(system_, *solver_) / (a_.beta * h * h));
   A_ = state.Vdot;
   Vdot_old_ = state.Vdot;
@@ -105,7 +111,7 @@ StepReport GeneralizedAlpha::start(State& state) {
 void GeneralizedAlpha::predict(const State& state, double t, bool extrapolate) {
   const double h = options_.step;
   end_ = state;
-  system_.set_time(end_, t);
+  system_.set_time(end_, t, Side::left);  // what acts during the step, if it ends on a jump
   if (extrapolate && history_ >= 2) {
     end_.lambda = 3.0 * (state.lambda - lambda_old_) + lambda_older_;
   } else if (extrapolate && history_ == 1) {
@@ -114,8 +120,8 @@ void GeneralizedAlpha::predict(const State& state, double t, bool extrapolate) {
   for (std::size_t n = 1; n < Q_.size(); ++n) {
     const Vec6& Vdot_i = state.Vdot[n];
     const Vec6 Vdot_f = extrapolate && history_ >= 1 ? Vec6(2.0 * Vdot_i - Vdot_old_[n]) : Vdot_i;
-    const Vec6 A_f =
-        ((1.0 - a_.alpha_f) * Vdot_f + a_.alpha_f * Vdot_i - a_.alpha_m * A_[n]) / (1.0 - a_.alpha_m);
+    const Vec6 A_f = ((1.0 - a_.alpha_f) * Vdot_f + a_.alpha_f * Vdot_i - a_.alpha_m * A_[n]) /
+                     (1.0 - a_.alpha_m);
     Q_[n] = h * state.V[n] + h * h * ((0.5 - a_.beta) * A_[n] + a_.beta * A_f);
     end_.V[n] = state.V[n] + h * ((1.0 - a_.gamma) * A_[n] + a_.gamma * A_f);
     end_.Vdot[n] = Vdot_f;
@@ -131,16 +137,18 @@ void GeneralizedAlpha::update_poses() {
 bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
   const double h = options_.step, s = a_.beta * h * h;
   for (std::size_t n = 1; n < Q_.size(); ++n) T_inv_[n] = T_inverse(Q_[n]).matrix();
-  in_range = system_.linearize(end_,
-                    {.U = s, .V = a_.gamma * h, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = T_inv_},
-                    r_, *solver_);
+  in_range = system_.linearize(
+      end_,
+      {.U = s, .V = a_.gamma * h, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = T_inv_},
+      r_, *solver_);
   ++counters_.tangents;
   ++counters_.factorizations;
   factored_ = solver_->factor() == FactorStatus::ok;
   if (!factored_) {
     const Index row = solver_->singular_row();
-    report.failure = fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
-                                 row >= 0 ? " at " + system_.name_of(row + 6) : std::string());
+    report.failure =
+        fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
+                    row >= 0 ? " at " + system_.name_of(row + 6) : std::string());
   }
   theta_ = theta_fresh;
   return factored_;
@@ -173,10 +181,12 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     ++report.iterations;
     ++counters_.iterations;
     const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s);
-    if (static_cast<std::size_t>(k) < report.increments.size()) report.increments[static_cast<std::size_t>(k)] = e;
+    if (static_cast<std::size_t>(k) < report.increments.size())
+      report.increments[static_cast<std::size_t>(k)] = e;
     report.error = e;
     if (!std::isfinite(e)) {
-      report.failure = fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
+      report.failure =
+          fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
       return false;
     }
     if (previous > 0.0) {
@@ -191,7 +201,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
 
     for (Index n = 1; n < system_.nodes(); ++n) {
       const auto N = static_cast<std::size_t>(n);
-      const Vec6 dQ = T_inverse<double>(Q_[N]) * Vec6(x_.segment<6>(6 * (n - 1)));
+      const Vec6 dQ = T_inverse_times<double>(Q_[N], x_.segment<6>(6 * (n - 1)));
       Q_[N] += dQ;
       end_.V[N] += gamma_ * dQ;
       end_.Vdot[N] += beta_ * dQ;
@@ -214,9 +224,11 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     const std::string element = system_.out_of_range(end_);
     report.failure =
         element.empty()
-            ? fmt::format("Newton's iterations do not converge (worst equation: {}); try a smaller step",
-                          system_.name_of(worst_row(system_, r_)))
-            : fmt::format("{} is bent beyond the range of its metric; give the beam more elements", element);
+            ? fmt::format(
+                  "Newton's iterations do not converge (worst equation: {}); try a smaller step",
+                  system_.name_of(worst_row(system_, r_)))
+            : fmt::format("{} is bent beyond the range of its metric; give the beam more elements",
+                          element);
   }
   return false;
 }
@@ -224,7 +236,10 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
 StepReport GeneralizedAlpha::step(State& state) {
   StepReport report;
   begin_ = state;
-  const double t = start_time_ + static_cast<double>(history_ + 1) * options_.step;
+  double t = start_time_ + static_cast<double>(history_ + 1) * options_.step;
+  for (const double jump : system_.jump_times())
+    if (std::abs(t - jump) < jump_rounding * options_.step)
+      t = jump;  // so that its left limit is taken
   predict(begin_, t, true);
   bool converged = iterate(report);
   if (!converged) {  // once more without extrapolation, with a tangent of its own
@@ -246,7 +261,8 @@ StepReport GeneralizedAlpha::step(State& state) {
 void GeneralizedAlpha::accept(State& state) {
   for (std::size_t n = 1; n < Q_.size(); ++n) {
     const Vec6 A_f =
-        ((1.0 - a_.alpha_f) * end_.Vdot[n] + a_.alpha_f * begin_.Vdot[n] - a_.alpha_m * A_[n]) / (1.0 - a_.alpha_m);
+        ((1.0 - a_.alpha_f) * end_.Vdot[n] + a_.alpha_f * begin_.Vdot[n] - a_.alpha_m * A_[n]) /
+        (1.0 - a_.alpha_m);
     A_[n] = A_f;
     renormalize(end_.pose[n]);
   }

@@ -69,19 +69,19 @@ class GeneralizedAlpha {
   IncrementNorm norm_;
   Counters counters_;
 
-  State begin_, end_;          // of the step under way
-  std::vector<Vec6> Q_;        // H_f = H_i exp(Q)
-  std::vector<Vec6> A_;        // algorithmic acceleration at the last accepted time
-  std::vector<Vec6> A_end_;    // predicted, at the end of the step
-  std::vector<Vec6> Vdot_old_; // at the accepted time before the last
+  State begin_, end_;           // of the step under way
+  std::vector<Vec6> Q_;         // H_f = H_i exp(Q)
+  std::vector<Vec6> A_;         // algorithmic acceleration at the last accepted time
+  std::vector<Vec6> A_end_;     // predicted, at the end of the step
+  std::vector<Vec6> Vdot_old_;  // at the accepted time before the last
   VecX lambda_old_, lambda_older_;
-  double start_time_ = 0.0;    // [s]
-  long history_ = 0;           // accepted steps since start()
-  std::vector<Mat6> T_inv_;    // T^-1(Q) by node
+  double start_time_ = 0.0;  // [s]
+  long history_ = 0;         // accepted steps since start()
+  std::vector<Mat6> T_inv_;  // T^-1(Q) by node
   VecX r_, x_;
   bool factored_ = false;
   bool refactor_next_ = true;
-  double theta_ = 0.1;         // contraction of the kept tangent
+  double theta_ = 0.1;  // contraction of the kept tangent
 };
 
 }  // namespace mbd

@@ -15,7 +15,8 @@ IncrementNorm::IncrementNorm(const System& system, const NewtonOptions& options)
 
 void IncrementNorm::observe(const VecX& lambda) {
   for (Index i = 0; i < lambda.size(); ++i) {
-    const double size = std::abs(lambda(i)) / (is_moment_[static_cast<std::size_t>(i)] ? length_ : 1.0);
+    const double size =
+        std::abs(lambda(i)) / (is_moment_[static_cast<std::size_t>(i)] ? length_ : 1.0);
     if (size > force_ && std::isfinite(size)) force_ = size;
   }
 }
@@ -68,7 +69,8 @@ double largest_stiffness(const System& system, const LinearSolver& S) {
     if (r.kind != BlockGraph::Kind::node || c.kind != BlockGraph::Kind::node) continue;
     const Slot slot = S.slots()[i];
     for (Index k = 0; k < c.size; ++k)
-      for (Index j = 0; j < r.size; ++j) largest = std::max(largest, std::abs(slot.data[k * slot.ld + j]));
+      for (Index j = 0; j < r.size; ++j)
+        largest = std::max(largest, std::abs(slot.data[k * slot.ld + j]));
   }
   return largest;
 }

@@ -43,17 +43,20 @@ void check_initial_state(const System& system, const State& state) {
   const ConstraintResiduals worst = constraint_residuals(system, state);
   const double tolerance = open_tolerance * std::max(1.0, system.length_scale());
   if (!(worst.position <= tolerance)) {
-    throw Error(fmt::format("{}: the joint is open by {:.6g} (m or rad) at the start; mend the geometry",
-                            system.name_of(6 * system.nodes() + worst.position_row), worst.position));
+    throw Error(
+        fmt::format("{}: the joint is open by {:.6g} (m or rad) at the start; mend the geometry",
+                    system.name_of(6 * system.nodes() + worst.position_row), worst.position));
   }
   if (!(worst.velocity <= tolerance * std::max(1.0, [&] {
-          double fastest = 0.0;
-          for (const Vec6& V : state.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
-          return fastest;
-        }()))) {
-    throw Error(fmt::format("{}: the initial velocities open the joint at {:.6g} (m/s or rad/s); give velocities "
-                            "that agree with the joints and drives",
-                            system.name_of(6 * system.nodes() + worst.velocity_row), worst.velocity));
+                            double fastest = 0.0;
+                            for (const Vec6& V : state.V)
+                              fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
+                            return fastest;
+                          }()))) {
+    throw Error(fmt::format(
+        "{}: the initial velocities open the joint at {:.6g} (m/s or rad/s); give velocities "
+        "that agree with the joints and drives",
+        system.name_of(6 * system.nodes() + worst.velocity_row), worst.velocity));
   }
 }
 

@@ -7,9 +7,9 @@ namespace mbd {
 
 // Largest constraint violations of a state, and where.
 struct ConstraintResiduals {
-  double position = 0.0;       // max |g|     [m, rad]
-  double velocity = 0.0;       // max |gdot|  [m/s, rad/s]
-  Index position_row = -1;     // in State::lambda
+  double position = 0.0;    // max |g|     [m, rad]
+  double velocity = 0.0;    // max |gdot|  [m/s, rad/s]
+  Index position_row = -1;  // in State::lambda
   Index velocity_row = -1;
 };
 ConstraintResiduals constraint_residuals(const System& system, const State& state);

@@ -3,6 +3,7 @@
 #include <klu.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 
@@ -81,25 +82,25 @@ class KluSolver : public LinearSolver {
 
   // A refactorisation keeps the pivots of the last full one; where they have become poor it is done anew.
   FactorStatus factor() override {
-    constexpr double poor_growth = 1e-3;
     singular_row_ = -1;
     if (n_ == 0) return FactorStatus::ok;
     if (symbolic_ == nullptr) return FactorStatus::singular;
     if (numeric_ != nullptr) {
       if (klu_refactor(Ap_.data(), Ai_.data(), Ax_.data(), symbolic_, numeric_, &common_) == 1 &&
-          common_.status == KLU_OK &&
-          klu_rgrowth(Ap_.data(), Ai_.data(), Ax_.data(), symbolic_, numeric_, &common_) == 1 &&
-          common_.rgrowth > poor_growth) {
+          common_.status == KLU_OK && pivots_hold()) {
         return FactorStatus::ok;
       }
       klu_free_numeric(&numeric_, &common_);
     }
     numeric_ = klu_factor(Ap_.data(), Ai_.data(), Ax_.data(), symbolic_, &common_);
     if (numeric_ == nullptr || common_.status != KLU_OK) {
-      singular_row_ = common_.singular_col >= 0 && common_.singular_col < n_ ? common_.singular_col : -1;
+      singular_row_ =
+          common_.singular_col >= 0 && common_.singular_col < n_ ? common_.singular_col : -1;
       if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
       return FactorStatus::singular;
     }
+    const auto* U = static_cast<const double*>(numeric_->Udiag);
+    pivots_.assign(U, U + n_);
     return FactorStatus::ok;
   }
 
@@ -112,7 +113,8 @@ class KluSolver : public LinearSolver {
   double reciprocal_condition() const override {
     if (n_ == 0) return 1.0;
     auto* Ax = const_cast<double*>(Ax_.data());  // KLU's interface is not const-correct
-    if (klu_condest(const_cast<int*>(Ap_.data()), Ax, symbolic_, numeric_, &common_) != 1) return 0.0;
+    if (klu_condest(const_cast<int*>(Ap_.data()), Ax, symbolic_, numeric_, &common_) != 1)
+      return 0.0;
     return common_.condest > 0.0 ? 1.0 / common_.condest : 0.0;
   }
 
@@ -124,6 +126,18 @@ class KluSolver : public LinearSolver {
     if (symbolic_ != nullptr) klu_free_symbolic(&symbolic_, &common_);
   }
 
+  // Rows are scaled, so pivots are relative; one that has shrunk this much since it was chosen lets the
+  // others grow. (klu_rgrowth says it exactly, at nearly the price of the refactorisation.)
+  bool pivots_hold() const {
+    constexpr double shrunk = 1e-3;
+    const auto* U = static_cast<const double*>(numeric_->Udiag);
+    for (std::size_t i = 0; i < pivots_.size(); ++i) {
+      if (!(std::abs(U[i]) >= shrunk * std::abs(pivots_[i]))) return false;
+    }
+    return true;
+  }
+
+  std::vector<double> pivots_;   // of the last full factorisation
   mutable klu_common common_{};  // KLU writes statistics even when solving
   klu_symbolic* symbolic_ = nullptr;
   klu_numeric* numeric_ = nullptr;

@@ -7,8 +7,8 @@
 namespace mbd {
 
 struct NewtonOptions {
-  double tolerance = 1e-10;             // on increments of motion, of the scene's length and of 1 rad
-  double multiplier_tolerance = 1e-7;   // on increments of multipliers, of the largest met
+  double tolerance = 1e-9;  // on increments of motion, of the scene's length and of 1 rad
+  double multiplier_tolerance = 1e-7;  // on increments of multipliers, of the largest met
   int max_iterations = 20;
   enum class Tangent { kept, every_iteration } tangent = Tangent::kept;
 };
@@ -24,9 +24,11 @@ struct Counters {
 struct StepReport {
   bool converged = false;
   int iterations = 0;
-  double error = 0.0;   // estimate of what is left, in units of the tolerance
-  std::array<double, 32> increments{};  // size of each iteration's increment, in units of the tolerance
-  std::string failure;  // when not converged: what happened, naming the worst equation and the remedy
+  double error = 0.0;  // estimate of what is left, in units of the tolerance
+  std::array<double, 32>
+      increments{};  // size of each iteration's increment, in units of the tolerance
+  std::string
+      failure;  // when not converged: what happened, naming the worst equation and the remedy
 };
 
 }  // namespace mbd

@@ -11,11 +11,11 @@ namespace mbd {
 namespace {
 
 constexpr double smallest_increment = 1e-6;  // of the load
-constexpr double largest_rotation = 0.5;     // [rad] of a Newton increment; larger ones are shortened
+constexpr double largest_rotation = 0.5;  // [rad] of a Newton increment; larger ones are shortened
 
 // Newton's method at a fixed load factor, with the exact tangent.
-bool equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options, State& state,
-                 Counters& counters, std::string& failure) {
+bool equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
+                 State& state, Counters& counters, std::string& failure) {
   IncrementNorm norm(system, options);
   VecX r, x(system.unknowns());
   const Index motions = 6 * (system.nodes() - 1);
@@ -30,14 +30,16 @@ bool equilibrium(const System& system, LinearSolver& solver, const NewtonOptions
     if (solver.factor() != FactorStatus::ok) {
       const Index row = solver.singular_row();
       failure = fmt::format(
-          "the tangent is singular{}: the structure can move freely there, or constraints are redundant",
+          "the tangent is singular{}: the structure can move freely there, or constraints are "
+          "redundant",
           row >= 0 ? " at " + system.name_of(row + 6) : std::string());
       return false;
     }
     x = -r.tail(x.size());
     solver.solve({x.data(), static_cast<std::size_t>(x.size())});
     double rotation = 0.0;
-    for (Index n = 0; n < motions; n += 6) rotation = std::max(rotation, x.segment<3>(n + 3).norm());
+    for (Index n = 0; n < motions; n += 6)
+      rotation = std::max(rotation, x.segment<3>(n + 3).norm());
     const double cut = rotation > largest_rotation ? largest_rotation / rotation : 1.0;
     if (cut < 1.0) x.head(motions) *= cut;
     for (Index n = 1; n < system.nodes(); ++n) {
@@ -49,14 +51,17 @@ bool equilibrium(const System& system, LinearSolver& solver, const NewtonOptions
     norm.observe(state.lambda);
     const double e = norm({x.data(), static_cast<std::size_t>(x.size())}, 1.0);
     if (!std::isfinite(e)) {
-      failure = fmt::format("the residual is not finite at {}", system.name_of(worst_row(system, r)));
+      failure =
+          fmt::format("the residual is not finite at {}", system.name_of(worst_row(system, r)));
       return false;
     }
     // Quadratic convergence: what is left after an increment e < 1 is far below the tolerance. At the
     // floor of round-off increments stop falling.
-    if (cut == 1.0 && (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3))) {
+    if (cut == 1.0 &&
+        (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3))) {
       if (const std::string element = system.out_of_range(state); !element.empty()) {
-        failure = fmt::format("{} is bent beyond the range of its metric; give the beam more elements", element);
+        failure = fmt::format(
+            "{} is bent beyond the range of its metric; give the beam more elements", element);
         return false;
       }
       return true;
@@ -70,7 +75,8 @@ bool equilibrium(const System& system, LinearSolver& solver, const NewtonOptions
 
 }  // namespace
 
-StaticReport solve_statics(const System& system, LinearSolver& solver, const StaticOptions& options, State& state) {
+StaticReport solve_statics(const System& system, LinearSolver& solver, const StaticOptions& options,
+                           State& state) {
   StaticReport report;
   solver.analyze(system.graph());
   double increment = 1.0 / std::max(1, options.steps);
@@ -90,7 +96,8 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     } else {
       increment *= 0.5;
       if (increment < smallest_increment) {
-        report.failure = fmt::format("no equilibrium beyond {:.6g} of the load: {}", report.load_factor, failure);
+        report.failure = fmt::format("no equilibrium beyond {:.6g} of the load: {}",
+                                     report.load_factor, failure);
         return report;
       }
     }

@@ -55,7 +55,8 @@ class Batch {
 
   // Constraint rows at velocity level, gdot = B V + g_t, and the part of gddot without Vdot,
   // (d/dt B) V + (d/dt) g_t. Only joints have them.
-  virtual void constraint_rates(const State& /*state*/, VecX& /*gdot*/, VecX& /*gddot_rest*/) const {}
+  virtual void constraint_rates(const State& /*state*/, VecX& /*gdot*/,
+                                VecX& /*gddot_rest*/) const {}
 
   // Updates the turn counters of `after`, less than half a turn on from `before`.
   virtual void count_turns(const State& /*before*/, State& /*after*/) const {}

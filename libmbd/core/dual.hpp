@@ -17,8 +17,8 @@ struct Dual {
   constexpr Dual(const T& value) : v(value) {}  // NOLINT: constants are duals without derivative
   constexpr Dual(const T& value, const T& derivative) : v(value), d(derivative) {}
   template <class A>
-    requires(std::is_arithmetic_v<A> && !std::is_same_v<A, T>)
-  constexpr Dual(A value) : v(static_cast<T>(value)) {}  // NOLINT
+  requires(std::is_arithmetic_v<A> && !std::is_same_v<A, T>) constexpr Dual(A value)
+      : v(static_cast<T>(value)) {}  // NOLINT
 
   constexpr Dual& operator+=(const Dual& o) { return *this = *this + o; }
   constexpr Dual& operator-=(const Dual& o) { return *this = *this - o; }

@@ -20,7 +20,8 @@ class Error : public std::runtime_error {
   Error(const Source& source, const std::string& message)
       : std::runtime_error(source.file.empty()
                                ? message
-                               : source.file + ":" + std::to_string(source.line) + ": " + message) {}
+                               : source.file + ":" + std::to_string(source.line) + ": " + message) {
+  }
 };
 
 }  // namespace mbd

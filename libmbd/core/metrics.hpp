@@ -7,7 +7,7 @@
 //   Lin = d(T^-1(q)^T W)/dz at fixed W = [ 0 Lp(n) ; Lp(n) Ld(n) + Lp(m) ]                          (3)
 //         with Lp(x) = d(A^T x)/dpsi and Ld its dual part
 // Each metric is a struct with a nested Pair<S>, made of g, that has
-//   q(), T_inverse(), forces(W, F_k, minus_F_j), e0 = cos(angle/2), and linearize(T, n, m, P, Q), which
+//   q(), T_inverse(), forces(W), e0 = cos(angle/2), and linearize(T, n, m, P, Q), which
 //   makes the blocks of (3), P = Lp(n) and Q = Ld(n) + Lp(m), given T = T_inverse().
 //
 // Validity: T^-1 of the matrix metric is singular at a relative angle of pi/2, of the others at pi; all
@@ -19,6 +19,16 @@
 namespace mbd {
 
 enum class Metric { matrix, quaternion, geodesic };
+
+// Equation (2): force and moment on k, and minus those on j. Three-vectors, because joining two of them
+// and reading the six at once waits for the stores.
+template <class S>
+struct PairForces {
+  Vector3<S> force_k, moment_k, minus_force_j, minus_moment_j;
+
+  Vector6<S> on_k() const { return six(force_k, moment_k); }
+  Vector6<S> minus_on_j() const { return six(minus_force_j, minus_moment_j); }
+};
 
 // matrix: q = [ (tr R I - R) r / 2 ; axial R ];  A = (tr R I - R^T)/2, B = (tr X I - X^T)/2, X = r~R.
 struct MatrixMetric {
@@ -34,7 +44,12 @@ struct MatrixMetric {
 
     Pair() = default;
     MBD_INLINE explicit Pair(const Pose<S>& g)
-        : e0(sign_of(S(g.p.w())) * g.p.w()), R(g.R()), X(hat(g.r) * R), trR(R.trace()), trX(X.trace()), r(g.r) {}
+        : e0(sign_of(S(g.p.w())) * g.p.w()),
+          R(g.R()),
+          X(hat(g.r) * R),
+          trR(R.trace()),
+          trX(X.trace()),
+          r(g.r) {}
 
     MBD_INLINE Vector6<S> q() const { return six<S>(S(0.5) * (trR * r - R * r), axial(R)); }
 
@@ -44,19 +59,20 @@ struct MatrixMetric {
       T.B.diagonal().array() += S(0.5) * trX;
       return T;
     }
-    MBD_INLINE void forces(const Vector6<S>& W, Vector6<S>& Fk, Vector6<S>& minus_Fj) const {
+    MBD_INLINE PairForces<S> forces(const Vector6<S>& W) const {
       const Vector3<S> n = linear(W), m = angular(W);
-      Fk = six<S>(S(0.5) * (trR * n - R * n), S(0.5) * (trX * n - X * n + trR * m - R * m));
-      minus_Fj = six<S>(S(0.5) * (trR * n - R.transpose() * n),
-                        S(0.5) * (trX * n - X.transpose() * n + trR * m - R.transpose() * m));
+      return {S(0.5) * (trR * n - R * n), S(0.5) * (trX * n - X * n + trR * m - R * m),
+              S(0.5) * (trR * n - R.transpose() * n),
+              S(0.5) * (trX * n - X.transpose() * n + trR * m - R.transpose() * m)};
     }
     // A^T x = (tr R x - R x)/2 with dR = R psi~, d tr R = -2 axial(R).psi; dX likewise.
-    MBD_INLINE void linearize(const DualMatrix<S>&, const Vector3<S>& n, const Vector3<S>& m, Matrix3<S>& P,
-                              Matrix3<S>& Q) const {
+    MBD_INLINE void linearize(const DualMatrix<S>&, const Vector3<S>& n, const Vector3<S>& m,
+                              Matrix3<S>& P, Matrix3<S>& Q) const {
       const Vector3<S> a = axial(R);
       const Matrix3<S> N = hat(n), M = hat(m);
       P = S(0.5) * R.lazyProduct(N) - n * a.transpose();
-      Q = S(0.5) * (X.lazyProduct(N) + R.lazyProduct(M)) - n * axial(X).transpose() - m * a.transpose();
+      Q = S(0.5) * (X.lazyProduct(N) + R.lazyProduct(M)) - n * axial(X).transpose() -
+          m * a.transpose();
     }
   };
 };
@@ -76,7 +92,7 @@ struct QuaternionMetric {
     MBD_INLINE explicit Pair(const Pose<S>& g) {
       const S sign = sign_of(S(g.p.w()));
       e0 = sign * g.p.w();
-      e = sign * g.p.vec();
+      e = Vector3<S>(sign * g.p.x(), sign * g.p.y(), sign * g.p.z());
       e0d = S(-0.5) * g.r.dot(e);
       ed = S(0.5) * (e0 * g.r + g.r.cross(e));
     }
@@ -88,16 +104,15 @@ struct QuaternionMetric {
       T.B.diagonal().array() += e0d;
       return T;
     }
-    MBD_INLINE void forces(const Vector6<S>& W, Vector6<S>& Fk, Vector6<S>& minus_Fj) const {
+    MBD_INLINE PairForces<S> forces(const Vector6<S>& W) const {
       const Vector3<S> n = linear(W), m = angular(W);
       const Vector3<S> sn = e0 * n, cn = e.cross(n);
       const Vector3<S> sm = e0d * n + e0 * m, cm = ed.cross(n) + e.cross(m);
-      Fk = six<S>(sn - cn, sm - cm);
-      minus_Fj = six<S>(sn + cn, sm + cm);
+      return {sn - cn, sm - cm, sn + cn, sm + cm};
     }
     // d(e0 x - e x x): de0 = -e.psi/2, de = (e0 psi + e x psi)/2
-    MBD_INLINE void linearize(const DualMatrix<S>&, const Vector3<S>& n, const Vector3<S>& m, Matrix3<S>& P,
-                              Matrix3<S>& Q) const {
+    MBD_INLINE void linearize(const DualMatrix<S>&, const Vector3<S>& n, const Vector3<S>& m,
+                              Matrix3<S>& P, Matrix3<S>& Q) const {
       P = S(0.5) * (e0 * hat(n) + product(n, e));
       Q = S(0.5) * (e0d * hat(n) + product(n, ed) + e0 * hat(m) + product(m, e));
     }
@@ -126,7 +141,9 @@ struct GeodesicMetric {
 
     Pair() = default;
     MBD_INLINE explicit Pair(const Pose<S>& g)
-        : e0(sign_of(S(g.p.w())) * g.p.w()), theta(log_so3(g.p)), k(a2_coefficients(S(theta.squaredNorm()))) {
+        : e0(sign_of(S(g.p.w())) * g.p.w()),
+          theta(log_so3(g.p)),
+          k(a2_coefficients(S(theta.squaredNorm()))) {
       const Vector3<S> c = theta.cross(g.r);
       rho = g.r - S(0.5) * c + k.a * theta.cross(c);
       tr = theta.dot(rho);
@@ -139,7 +156,7 @@ struct GeodesicMetric {
       return {Matrix3<S>::Identity() + S(0.5) * P + k.a * PP,
               S(0.5) * L + k.a * (L * P + P * L) + (S(2) * k.da * tr) * PP};
     }
-    MBD_INLINE void forces(const Vector6<S>& W, Vector6<S>& Fk, Vector6<S>& minus_Fj) const {
+    MBD_INLINE PairForces<S> forces(const Vector6<S>& W) const {
       const Vector3<S> n = linear(W), m = angular(W);
       const Vector3<S> tn = theta.cross(n), tm = theta.cross(m), rn = rho.cross(n);
       const Vector3<S> ttn = theta.cross(tn);
@@ -147,13 +164,12 @@ struct GeodesicMetric {
       const Vector3<S> even_d =
           m + k.a * (theta.cross(tm + rn) + rho.cross(tn)) + (S(2) * k.da * tr) * ttn;
       const Vector3<S> odd = S(0.5) * tn, odd_d = S(0.5) * (rn + tm);
-      Fk = six<S>(even - odd, even_d - odd_d);
-      minus_Fj = six<S>(even + odd, even_d + odd_d);
+      return {even - odd, even_d - odd_d, even + odd, even_d + odd_d};
     }
     // A^T x = x - theta x x/2 + a2 theta x (theta x x), d theta = A psi: Lp(x) = M(x) A, and the same
     // with dual parts, Ld(x) = Md(x) A + M(x) B.
-    MBD_INLINE void linearize(const DualMatrix<S>& T, const Vector3<S>& n, const Vector3<S>& m, Matrix3<S>& P,
-                              Matrix3<S>& Q) const {
+    MBD_INLINE void linearize(const DualMatrix<S>& T, const Vector3<S>& n, const Vector3<S>& m,
+                              Matrix3<S>& P, Matrix3<S>& Q) const {
       const Matrix3<S> Mn = M(n);
       const Matrix3<S> sum = Md(n) + M(m);
       P = Mn.lazyProduct(T.A);
@@ -176,7 +192,8 @@ struct GeodesicMetric {
       const Vector3<S> dttx = rho.cross(tx) + theta.cross(rho.cross(x));
       const S a_d = S(2) * k.da * tr, da_d = S(2) * k.dda * tr;
       return k.a * cubic(rho, x) + a_d * cubic(theta, x) +
-             S(2) * ((da_d * ttx + k.da * dttx) * theta.transpose() + k.da * (ttx * rho.transpose()));
+             S(2) *
+                 ((da_d * ttx + k.da * dttx) * theta.transpose() + k.da * (ttx * rho.transpose()));
     }
   };
 };

@@ -107,19 +107,26 @@ Pose<S> inverse(const Pose<S>& a) {
   return {p, -(p * a.r)};
 }
 
-// p_j^-1 p_k of unit quaternions.
+// p := a^-1 b of unit quaternions. Written by components and read so by the metrics: a copy as a vector
+// would wait for the stores.
 template <class S>
-MBD_INLINE Quaternion<S> relative_rotation(const Quaternion<S>& a, const Quaternion<S>& b) {
-  return Quaternion<S>(a.w() * b.w() + a.x() * b.x() + a.y() * b.y() + a.z() * b.z(),
-                       a.w() * b.x() - a.x() * b.w() - a.y() * b.z() + a.z() * b.y(),
-                       a.w() * b.y() - a.y() * b.w() - a.z() * b.x() + a.x() * b.z(),
-                       a.w() * b.z() - a.z() * b.w() - a.x() * b.y() + a.y() * b.x());
+MBD_INLINE void set_relative_rotation(const Quaternion<S>& a, const Quaternion<S>& b,
+                                      Quaternion<S>& p) {
+  const S aw = a.w(), ax = a.x(), ay = a.y(), az = a.z();
+  const S bw = b.w(), bx = b.x(), by = b.y(), bz = b.z();
+  p.w() = aw * bw + ax * bx + ay * by + az * bz;
+  p.x() = aw * bx - ax * bw - ay * bz + az * by;
+  p.y() = aw * by - ay * bw - az * bx + ax * bz;
+  p.z() = aw * bz - az * bw - ax * by + ay * bx;
 }
 
 // H_j^-1 H_k, with the difference of positions taken first: no loss far from the origin.
 template <class S>
 Pose<S> relative(const Pose<S>& Hj, const Pose<S>& Hk) {
-  return {relative_rotation(Hj.p, Hk.p), Hj.p.conjugate() * (Hk.r - Hj.r)};
+  Pose<S> g;
+  set_relative_rotation(Hj.p, Hk.p, g.p);
+  g.r = Hj.p.conjugate() * (Hk.r - Hj.r);
+  return g;
 }
 
 // A + eps B of 3x3 blocks; acts on six-vectors as [ A B ; 0 A ].
@@ -133,7 +140,8 @@ struct DualMatrix {
   }
   // [ A B ; 0 A ]^T W, for wrenches.
   Vector6<S> transpose_times(const Vector6<S>& W) const {
-    return six<S>(A.transpose() * linear(W), B.transpose() * linear(W) + A.transpose() * angular(W));
+    return six<S>(A.transpose() * linear(W),
+                  B.transpose() * linear(W) + A.transpose() * angular(W));
   }
   DualMatrix transposed_parts() const { return {A.transpose(), B.transpose()}; }
   Matrix6<S> matrix() const {
@@ -162,7 +170,8 @@ DualMatrix<S> adjoint_inverse(const Pose<S>& g) {
 // M x as a sum of columns: inlined, in vector registers.
 template <class S>
 MBD_INLINE Vector6<S> times(const Matrix6<S>& M, const Vector6<S>& x) {
-  return M.col(0) * x(0) + M.col(1) * x(1) + M.col(2) * x(2) + M.col(3) * x(3) + M.col(4) * x(4) + M.col(5) * x(5);
+  return M.col(0) * x(0) + M.col(1) * x(1) + M.col(2) * x(2) + M.col(3) * x(3) + M.col(4) * x(4) +
+         M.col(5) * x(5);
 }
 
 // V~ (6x6).
@@ -215,7 +224,8 @@ constexpr std::array<double, n> factorial_series(int first) {
 inline constexpr std::size_t a2_terms = 24;
 constexpr std::array<double, a2_terms> a2_series() {
   std::array<double, a2_terms> c{};
-  constexpr long double pi2 = 4.0L * std::numbers::pi_v<long double> * std::numbers::pi_v<long double>;
+  constexpr long double pi2 =
+      4.0L * std::numbers::pi_v<long double> * std::numbers::pi_v<long double>;
   // zeta(2), zeta(4), zeta(6), zeta(8) in closed form; direct sums converge for the others.
   constexpr long double pi = std::numbers::pi_v<long double>;
   long double power = 1.0L;
@@ -223,10 +233,14 @@ constexpr std::array<double, a2_terms> a2_series() {
     const int m = 2 * static_cast<int>(i + 1);
     power /= pi2;
     long double zeta = 0.0L;
-    if (m == 2) zeta = pi * pi / 6.0L;
-    else if (m == 4) zeta = pi * pi * pi * pi / 90.0L;
-    else if (m == 6) zeta = pi * pi * pi * pi * pi * pi / 945.0L;
-    else if (m == 8) zeta = pi * pi * pi * pi * pi * pi * pi * pi / 9450.0L;
+    if (m == 2)
+      zeta = pi * pi / 6.0L;
+    else if (m == 4)
+      zeta = pi * pi * pi * pi / 90.0L;
+    else if (m == 6)
+      zeta = pi * pi * pi * pi * pi * pi / 945.0L;
+    else if (m == 8)
+      zeta = pi * pi * pi * pi * pi * pi * pi * pi / 9450.0L;
     else {
       for (int k = 80; k >= 1; --k) {
         long double t = 1.0L;
@@ -345,6 +359,8 @@ Vector3<S> log_so3(const Quaternion<S>& p) {
     }
     return c;
   }();
+  static constexpr auto short_series = detail::truncate<8>(series);
+  if (s2 < S(0.0075)) return detail::horner(short_series, s2) * e;
   if (s2 < S(0.0585)) return detail::horner(series, s2) * e;
   const S s = sqrt(s2);
   return (S(2) * atan2(s, e0) / s) * e;
@@ -364,10 +380,22 @@ DualMatrix<S> T_inverse(const Vector6<S>& U) {
           S(0.5) * L + k.a * (L * P + P * L) + da * PP};
 }
 
+// T^-1(U) x without forming the matrix.
+template <class S>
+Vector6<S> T_inverse_times(const Vector6<S>& U, const Vector6<S>& x) {
+  const Vector3<S> u = linear(U), psi = angular(U), v = linear(x), w = angular(x);
+  const A2<S> k = a2_coefficients(S(psi.squaredNorm()));
+  const Vector3<S> pw = psi.cross(w), first = psi.cross(v) + u.cross(w);
+  const Vector3<S> ppw = psi.cross(pw);
+  return six<S>(v + S(0.5) * first + k.a * (psi.cross(first) + u.cross(pw)) +
+                    (S(2) * k.da * psi.dot(u)) * ppw,
+                w + S(0.5) * pw + k.a * ppw);
+}
+
 // T(U) = I - b U~ + c U~ U~, the dual inverse of T^-1.
 template <class S>
 DualMatrix<S> T_of(const Vector6<S>& U) {
-  const Vector3<S> u = linear(U), psi = angular(U);
+  const Vector3<S> psi = angular(U);
   const S x = psi.squaredNorm();
   S cosine, s;
   half_angle(x, cosine, s);

@@ -41,7 +41,8 @@ Real newton(F f, Real x) {
 std::vector<Real> gauss_points(int n) {
   std::vector<Real> x(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
-    const Real start = -std::cos(std::numbers::pi_v<Real> * (Real(i) + Real(0.75)) / (Real(n) + Real(0.5)));
+    const Real start =
+        -std::cos(std::numbers::pi_v<Real> * (Real(i) + Real(0.75)) / (Real(n) + Real(0.5)));
     x[static_cast<std::size_t>(i)] = newton(
         [n](Real y) {
           const Legendre l = legendre(n, y);

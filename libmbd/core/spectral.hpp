@@ -21,12 +21,12 @@ Quadrature gauss_lobatto_rule(int points);  // exact to degree 2 points - 3; poi
 
 // Tables of an element of order N whose nodes are the N + 1 GLL points.
 struct SpectralTable {
-  int order = 0;                // N >= 1
-  Quadrature nodes;             // GLL, N + 1
-  Quadrature rule;              // N Gauss points, or the nodes themselves
-  Eigen::MatrixXd d;            // d(j, k) = l'_k(node j)                    (N + 1 x N + 1)
-  Eigen::MatrixXd l_at_points;  // l_k at quadrature point i: (i, k)         (points x N + 1)
-  Eigen::MatrixXd dl_at_points; // l'_k at quadrature point i: (i, k)        (points x N + 1)
+  int order = 0;                 // N >= 1
+  Quadrature nodes;              // GLL, N + 1
+  Quadrature rule;               // N Gauss points, or the nodes themselves
+  Eigen::MatrixXd d;             // d(j, k) = l'_k(node j)                    (N + 1 x N + 1)
+  Eigen::MatrixXd l_at_points;   // l_k at quadrature point i: (i, k)         (points x N + 1)
+  Eigen::MatrixXd dl_at_points;  // l'_k at quadrature point i: (i, k)        (points x N + 1)
 };
 SpectralTable spectral_table(int order, Rule rule);  // throws Error for order < 1
 

@@ -12,14 +12,15 @@ namespace mbd {
 // Arrays by node; node 0 is the ground, whose pose is the identity and never changes.
 // A State of a static System has no rates: V and Vdot are empty.
 struct State {
-  double t = 0.0;                    // [s]
-  double load_factor = 1.0;          // on every load of the scene, gravity included; 1 but in load stepping
-  std::vector<Pose<double>> pose;    // H = (p, r): rotation as a unit quaternion, position, inertial [-, m]
-  std::vector<Vec6> V;               // [v; w], body frame of the node            [m/s, rad/s]
-  std::vector<Vec6> Vdot;            // its time derivative, body frame            [m/s2, rad/s2]
-  VecX lambda;                       // constraint multipliers, as each joint's file defines them [N, N.m]
+  double t = 0.0;            // [s]
+  double load_factor = 1.0;  // on every load of the scene, gravity included; 1 but in load stepping
+  std::vector<Pose<double>>
+      pose;                // H = (p, r): rotation as a unit quaternion, position, inertial [-, m]
+  std::vector<Vec6> V;     // [v; w], body frame of the node            [m/s, rad/s]
+  std::vector<Vec6> Vdot;  // its time derivative, body frame            [m/s2, rad/s2]
+  VecX lambda;             // constraint multipliers, as each joint's file defines them [N, N.m]
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)
-  std::vector<int> turns;            // whole turns of each joint angle; changed on accepted steps only
+  std::vector<int> turns;  // whole turns of each joint angle; changed on accepted steps only
 };
 
 }  // namespace mbd

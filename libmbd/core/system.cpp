@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 namespace mbd {
@@ -38,6 +39,9 @@ void System::finish(bool with_rates, double length_scale) {
   for (const ConstraintInfo& c : constraints_)
     graph_.blocks.push_back({static_cast<int>(c.rows), BlockGraph::Kind::multiplier});
   for (const auto& batch : batches_) batch->connect(graph_);
+  for (const Signal& signal : signals_)
+    for (const Jump& jump : signal.jumps()) jump_times_.push_back(jump.t);
+  std::sort(jump_times_.begin(), jump_times_.end());
 }
 
 State System::reference_state() const {
@@ -54,9 +58,9 @@ State System::reference_state() const {
   return state;
 }
 
-void System::set_time(State& state, double t) const {
+void System::set_time(State& state, double t, Side side) const {
   state.t = t;
-  for (std::size_t i = 0; i < signals_.size(); ++i) state.signals[i] = signals_[i](t);
+  for (std::size_t i = 0; i < signals_.size(); ++i) state.signals[i] = signals_[i](t, side);
 }
 
 bool System::residual(const State& state, VecX& r) const {
@@ -66,7 +70,8 @@ bool System::residual(const State& state, VecX& r) const {
   return in_range;
 }
 
-bool System::linearize(const State& state, const TangentWeights& weights, VecX& r, LinearSolver& S) const {
+bool System::linearize(const State& state, const TangentWeights& weights, VecX& r,
+                       LinearSolver& S) const {
   r.setZero(rows());
   S.set_zero();
   bool in_range = true;
@@ -103,14 +108,16 @@ Energies System::energies(const State& state) const {
 }
 
 std::string System::name_of(Index row) const {
-  static constexpr std::array components{"force 1", "force 2", "force 3", "moment 1", "moment 2", "moment 3"};
+  static constexpr std::array components{"force 1",  "force 2",  "force 3",
+                                         "moment 1", "moment 2", "moment 3"};
   if (row < 0 || row >= rows()) return "no equation";
   if (row < 6 * nodes())
     return fmt::format("{}, {}", node_name(row / 6), components[static_cast<std::size_t>(row % 6)]);
   const Index multiplier = row - 6 * nodes();
   for (const ConstraintInfo& c : constraints_) {
     if (multiplier < c.first_row + c.rows)
-      return fmt::format("{}, {}", c.name, c.row_names[static_cast<std::size_t>(multiplier - c.first_row)]);
+      return fmt::format("{}, {}", c.name,
+                         c.row_names[static_cast<std::size_t>(multiplier - c.first_row)]);
   }
   return "no equation";
 }

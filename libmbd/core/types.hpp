@@ -16,7 +16,9 @@ namespace mbd {
 using Index = Eigen::Index;
 
 template <class S, int Rows, int Cols>
-using Matrix = Eigen::Matrix<S, Rows, Cols, Eigen::DontAlign | (Rows == 1 && Cols != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;
+using Matrix =
+    Eigen::Matrix<S, Rows, Cols,
+                  Eigen::DontAlign | (Rows == 1 && Cols != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;
 
 template <class S>
 using Vector3 = Matrix<S, 3, 1>;

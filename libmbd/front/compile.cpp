@@ -10,8 +10,8 @@
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
 #include "elements/point_load.hpp"
-#include "joints/joint_batch.hpp"
-#include "joints/joint_list.hpp"
+#include "joints/any_joint_batch.hpp"
+#include "joints/driven_rotation.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/spelling.hpp"
@@ -70,33 +70,45 @@ class ReferenceLine {
       chord_ = straight->to - straight->from;
       length_ = chord_.norm();
       if (!(length_ > 0.0))
-        throw Error(beam.source, fmt::format("beam \"{}\" has no length: `from` and `to` are the same point", beam.name));
+        throw Error(beam.source,
+                    fmt::format("beam \"{}\" has no length: `from` and `to` are the same point",
+                                beam.name));
       tangent = chord_ / length_;
     } else {
       const Arc& arc = std::get<Arc>(beam.line);
       const double size = arc.axis.norm();
       if (!(size > 0.0))
-        throw Error(beam.source, fmt::format("arc \"{}\": the axis has zero length; give a direction", beam.name));
+        throw Error(
+            beam.source,
+            fmt::format("arc \"{}\": the axis has zero length; give a direction", beam.name));
       axis_ = arc.axis / size;
       start_ = arc.from;
       center_ = arc.center;
       const Vec3 radius = start_ - center_;
       if (!(radius.norm() > 0.0))
-        throw Error(beam.source, fmt::format("arc \"{}\": `from` is its center; it has no radius", beam.name));
-      if (std::abs(radius.dot(axis_)) > 1e-9 * radius.norm())
-        throw Error(beam.source, fmt::format("arc \"{}\": the axis must be perpendicular to from - center", beam.name));
-      if (!(arc.angle > 0.0))
         throw Error(beam.source,
-                    fmt::format("arc \"{}\": the angle must be positive; turn the axis round to go the other way", beam.name));
+                    fmt::format("arc \"{}\": `from` is its center; it has no radius", beam.name));
+      if (std::abs(radius.dot(axis_)) > 1e-9 * radius.norm())
+        throw Error(
+            beam.source,
+            fmt::format("arc \"{}\": the axis must be perpendicular to from - center", beam.name));
+      if (!(arc.angle > 0.0))
+        throw Error(
+            beam.source,
+            fmt::format(
+                "arc \"{}\": the angle must be positive; turn the axis round to go the other way",
+                beam.name));
       angle_ = arc.angle;
       length_ = radius.norm() * angle_;
       tangent = axis_.cross(radius).normalized();
     }
     const Vec3 b3 = beam.normal - beam.normal.dot(tangent) * tangent;
     if (!(b3.norm() > 1e-9 * beam.normal.norm()) || !(beam.normal.norm() > 0.0)) {
-      throw Error(beam.source, fmt::format("beam \"{}\": the normal ({}, {}, {}) is along the beam or zero; give a "
-                                           "direction across it",
-                                           beam.name, beam.normal(0), beam.normal(1), beam.normal(2)));
+      throw Error(
+          beam.source,
+          fmt::format("beam \"{}\": the normal ({}, {}, {}) is along the beam or zero; give a "
+                      "direction across it",
+                      beam.name, beam.normal(0), beam.normal(1), beam.normal(2)));
     }
     R_ << tangent, b3.normalized().cross(tangent), b3.normalized();
   }
@@ -123,9 +135,9 @@ struct ElementEnd {
 
 struct CompiledBeam {
   const BeamScene* scene;
-  std::vector<double> boundaries;               // parameters, with 0 and 1
-  std::vector<int> boundary_nodes;              // node at each
-  std::vector<std::vector<ElementEnd>> ends;    // elements that meet at each
+  std::vector<double> boundaries;             // parameters, with 0 and 1
+  std::vector<int> boundary_nodes;            // node at each
+  std::vector<std::vector<ElementEnd>> ends;  // elements that meet at each
 };
 
 // A node something is attached to, and the rigid frame of the place in it.
@@ -153,7 +165,8 @@ class Compiler {
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     if (!scene_.transient && !scene_.statics)
-      throw Error({scene_.file, 1}, "the scene asks for no analysis; add <static/> or <transient .../>");
+      throw Error({scene_.file, 1},
+                  "the scene asks for no analysis; add <static/> or <transient .../>");
     system_->finish(scene_.transient.has_value(), length_);
 
     Model model;
@@ -174,8 +187,11 @@ class Compiler {
       if (name.empty()) throw Error(source, fmt::format("{} has no name", what));
       const auto [other, is_new] = seen.emplace(name, &source);
       if (!is_new) {
-        throw Error(source, fmt::format("the name \"{}\" is taken{}; names of beams, bodies and joints must differ", name,
-                                        other->second->line > 0 ? fmt::format(" (line {})", other->second->line) : ""));
+        throw Error(
+            source,
+            fmt::format(
+                "the name \"{}\" is taken{}; names of beams, bodies and joints must differ", name,
+                other->second->line > 0 ? fmt::format(" (line {})", other->second->line) : ""));
       }
     };
     for (const BeamScene& b : scene_.beams) add(b.name, b.source, "a beam");
@@ -186,13 +202,17 @@ class Compiler {
   void check_sections() const {
     for (const Section& s : scene_.sections) {
       if (!is_symmetric(s.stiffness))
-        throw Error(s.source, fmt::format("section \"{}\": the stiffness is not symmetric", s.name));
+        throw Error(s.source,
+                    fmt::format("section \"{}\": the stiffness is not symmetric", s.name));
       if (!(scaled_definiteness(s.stiffness) > definite))
-        throw Error(s.source, fmt::format("section \"{}\": the stiffness is not positive definite; check signs and "
-                                          "couplings",
-                                          s.name));
+        throw Error(
+            s.source,
+            fmt::format("section \"{}\": the stiffness is not positive definite; check signs and "
+                        "couplings",
+                        s.name));
       if (s.mass && (!is_symmetric(*s.mass) || scaled_definiteness(*s.mass) < -definite))
-        throw Error(s.source, fmt::format("section \"{}\": the mass is not symmetric and positive", s.name));
+        throw Error(s.source,
+                    fmt::format("section \"{}\": the mass is not symmetric and positive", s.name));
     }
   }
 
@@ -201,15 +221,17 @@ class Compiler {
       if (s.name == beam.section) return s;
     std::vector<std::string_view> names;
     for (const Section& s : scene_.sections) names.push_back(s.name);
-    throw Error(beam.source, fmt::format("beam \"{}\": there is no section \"{}\"{}", beam.name, beam.section,
-                                         suggest(beam.section, names, "sections are")));
+    throw Error(beam.source,
+                fmt::format("beam \"{}\": there is no section \"{}\"{}", beam.name, beam.section,
+                            suggest(beam.section, names, "sections are")));
   }
 
   // --- beams ---
 
   void find_boundaries(const BeamScene& beam) {
     if (beam.elements < 1)
-      throw Error(beam.source, fmt::format("beam \"{}\" must have at least one element, not {}", beam.name, beam.elements));
+      throw Error(beam.source, fmt::format("beam \"{}\" must have at least one element, not {}",
+                                           beam.name, beam.elements));
     CompiledBeam compiled{&beam, {}, {}, {}};
     for (int e = 0; e <= beam.elements; ++e)
       compiled.boundaries.push_back(static_cast<double>(e) / beam.elements);
@@ -249,8 +271,9 @@ class Compiler {
     const BeamScene& beam = *compiled.scene;
     const Section& section = section_of(beam);
     if (scene_.transient && !section.mass)
-      throw Error(section.source, fmt::format("section \"{}\" of beam \"{}\" has no mass; a transient needs one",
-                                              section.name, beam.name));
+      throw Error(section.source,
+                  fmt::format("section \"{}\" of beam \"{}\" has no mass; a transient needs one",
+                              section.name, beam.name));
     const ReferenceLine line(beam);
     BeamElasticBatch& batch = elastic_batch(beam);
     const int stiffness = batch.add_stiffness(section.stiffness);
@@ -261,7 +284,8 @@ class Compiler {
       const Pose<double> H = line.at(s);
       include(H.r);
       masses_.push_back(Mat6::Zero());
-      return static_cast<int>(system_->add_node(fmt::format("beam '{}' node {}", beam.name, ++count), H));
+      return static_cast<int>(
+          system_->add_node(fmt::format("beam '{}' node {}", beam.name, ++count), H));
     };
 
     compiled.boundary_nodes.push_back(add_node(0.0));
@@ -277,8 +301,8 @@ class Compiler {
       }
       const double J = 0.5 * (s1 - s0) * line.length();
       const std::vector<double> Js(order + 1, J);
-      const Index element = batch.add_element(Js, poses, nodes, stiffness, 0,
-                                              fmt::format("beam '{}' element {}", beam.name, e + 1));
+      const Index element = batch.add_element(
+          Js, poses, nodes, stiffness, 0, fmt::format("beam '{}' element {}", beam.name, e + 1));
       compiled.boundary_nodes.push_back(nodes.back());
       compiled.ends[e].push_back({&batch, element, -1.0});
       compiled.ends[e + 1].push_back({&batch, element, 1.0});
@@ -306,14 +330,16 @@ class Compiler {
 
   Attachment find(const Place& place, const Source& source, std::string_view who) const {
     switch (place.kind) {
-      case Place::Kind::ground: return {0, false};
+      case Place::Kind::ground:
+        return {0, false};
       case Place::Kind::body:
-        if (const auto it = body_nodes_.find(place.name); it != body_nodes_.end()) return {it->second, false};
+        if (const auto it = body_nodes_.find(place.name); it != body_nodes_.end())
+          return {it->second, false};
         break;
       case Place::Kind::beam:
         if (!(place.parameter >= 0.0 && place.parameter <= 1.0))
-          throw Error(source, fmt::format("{}: the parameter {} of beam \"{}\" must lie in [0, 1]", who, place.parameter,
-                                          place.name));
+          throw Error(source, fmt::format("{}: the parameter {} of beam \"{}\" must lie in [0, 1]",
+                                          who, place.parameter, place.name));
         if (const CompiledBeam* beam = find_beam(place.name))
           return {beam->boundary_nodes[boundary_at(*beam, place.parameter)], true};
         break;
@@ -331,32 +357,45 @@ class Compiler {
   // --- bodies ---
 
   void add_body(const BodyScene& body) {
-    if (!(body.mass >= 0.0)) throw Error(body.source, fmt::format("body \"{}\": the mass must not be negative", body.name));
+    if (!(body.mass >= 0.0))
+      throw Error(body.source,
+                  fmt::format("body \"{}\": the mass must not be negative", body.name));
     if (!(body.inertia - body.inertia.transpose()).isZero(1e-12 * (body.inertia.norm() + 1e-300)))
       throw Error(body.source, fmt::format("body \"{}\": the inertia is not symmetric", body.name));
-    const Vec3 principal =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(body.inertia), Eigen::EigenvaluesOnly).eigenvalues();
+    const Vec3 principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(
+                               Eigen::Matrix3d(body.inertia), Eigen::EigenvaluesOnly)
+                               .eigenvalues();
     if (principal(0) < -1e-12 * principal(2))
-      throw Error(body.source, fmt::format("body \"{}\": the inertia has a negative principal value {}", body.name, principal(0)));
+      throw Error(body.source,
+                  fmt::format("body \"{}\": the inertia has a negative principal value {}",
+                              body.name, principal(0)));
     // A mass distribution obeys the triangle inequality; allow what was rounded in print.
     if (principal(0) + principal(1) < principal(2) * (1.0 - 1e-3) && principal(2) > 0.0)
-      throw Error(body.source, fmt::format("body \"{}\": no mass distribution has the principal inertias {}, {}, {} (each "
-                                           "is at most the sum of the others)",
-                                           body.name, principal(0), principal(1), principal(2)));
+      throw Error(
+          body.source,
+          fmt::format(
+              "body \"{}\": no mass distribution has the principal inertias {}, {}, {} (each "
+              "is at most the sum of the others)",
+              body.name, principal(0), principal(1), principal(2)));
     if (body.attached_to) return;
-    if (!(body.orientation.transpose() * body.orientation).isIdentity(1e-9) || !(body.orientation.determinant() > 0.0))
-      throw Error(body.source, fmt::format("body \"{}\": the orientation is not a rotation matrix", body.name));
+    if (!(body.orientation.transpose() * body.orientation).isIdentity(1e-9) ||
+        !(body.orientation.determinant() > 0.0))
+      throw Error(body.source,
+                  fmt::format("body \"{}\": the orientation is not a rotation matrix", body.name));
     include(body.at);
     include(body.at + body.orientation * body.center);
     masses_.push_back(rigid_mass(body.mass, body.center, body.inertia));
-    body_nodes_[body.name] = static_cast<int>(
-        system_->add_node(fmt::format("body '{}'", body.name), make_pose(body.orientation, body.at)));
+    body_nodes_[body.name] = static_cast<int>(system_->add_node(
+        fmt::format("body '{}'", body.name), make_pose(body.orientation, body.at)));
   }
 
   void attach_body(const BodyScene& body) {
     if (!body.attached_to) return;
-    const Attachment at = find(*body.attached_to, body.source, fmt::format("body \"{}\"", body.name));
-    if (at.node == 0) throw Error(body.source, fmt::format("body \"{}\" is attached to the ground; leave it out", body.name));
+    const Attachment at =
+        find(*body.attached_to, body.source, fmt::format("body \"{}\"", body.name));
+    if (at.node == 0)
+      throw Error(body.source,
+                  fmt::format("body \"{}\" is attached to the ground; leave it out", body.name));
     include(reference(at.node) * body.center);
     masses_[static_cast<std::size_t>(at.node)] += rigid_mass(body.mass, body.center, body.inertia);
     body_nodes_[body.name] = at.node;
@@ -366,10 +405,16 @@ class Compiler {
     for (const BodyScene& body : scene_.bodies) {
       if (body.velocity.isZero() && body.angular_velocity.isZero()) continue;
       if (body.attached_to)
-        throw Error(body.source, fmt::format("body \"{}\" moves with what it is attached to: it has no velocity of its own",
-                                             body.name));
+        throw Error(
+            body.source,
+            fmt::format(
+                "body \"{}\" moves with what it is attached to: it has no velocity of its own",
+                body.name));
       if (state.V.empty())
-        throw Error(body.source, fmt::format("body \"{}\" has an initial velocity, but the scene has no transient", body.name));
+        throw Error(
+            body.source,
+            fmt::format("body \"{}\" has an initial velocity, but the scene has no transient",
+                        body.name));
       const auto n = static_cast<std::size_t>(body_nodes_.at(body.name));
       state.V[n] = six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
     }
@@ -401,19 +446,24 @@ class Compiler {
     system_->add_batch(std::move(batch));
     for (const BodyScene& body : scene_.bodies) {
       if (body.attached_to) continue;
-      const bool held = std::any_of(scene_.joints.begin(), scene_.joints.end(), [&body](const JointScene& j) {
-        return (j.a.kind == Place::Kind::body && j.a.name == body.name) ||
-               (j.b.kind == Place::Kind::body && j.b.name == body.name);
-      });
-      if (!held && !(scaled_definiteness(masses_[static_cast<std::size_t>(body_nodes_.at(body.name))]) > definite))
-        throw Error(body.source, fmt::format("body \"{}\" is free and lacks mass or inertia: its motion is not determined",
-                                             body.name));
+      const bool held =
+          std::any_of(scene_.joints.begin(), scene_.joints.end(), [&body](const JointScene& j) {
+            return (j.a.kind == Place::Kind::body && j.a.name == body.name) ||
+                   (j.b.kind == Place::Kind::body && j.b.name == body.name);
+          });
+      if (!held && !(scaled_definiteness(
+                         masses_[static_cast<std::size_t>(body_nodes_.at(body.name))]) > definite))
+        throw Error(
+            body.source,
+            fmt::format(
+                "body \"{}\" is free and lacks mass or inertia: its motion is not determined",
+                body.name));
     }
   }
 
   void add_gravity() {
-    auto batch = std::make_unique<ElementBatch<NodalGravity>>(NodalGravity::name,
-                                                              NodalGravity::Shared{scene_.gravity->acceleration});
+    auto batch = std::make_unique<ElementBatch<NodalGravity>>(
+        NodalGravity::name, NodalGravity::Shared{scene_.gravity->acceleration});
     for (int n = 1; n < system_->nodes(); ++n) {
       const Mat6& M = masses_[static_cast<std::size_t>(n)];
       // M = [ m I, -m c~ ; m c~, J ]
@@ -428,15 +478,17 @@ class Compiler {
     auto batch = std::make_unique<ElementBatch<PointLoad>>(PointLoad::name, PointLoad::Shared{});
     for (const LoadScene& load : scene_.loads) {
       const Attachment at = find(load.at, load.source, "load");
-      if (at.node == 0) throw Error(load.source, "a load on the ground does nothing; give a beam or a body");
+      if (at.node == 0)
+        throw Error(load.source, "a load on the ground does nothing; give a beam or a body");
       PointLoad::Data data{{-1, -1, -1, -1, -1, -1}};
-      const auto add = [&](const std::optional<std::array<Expression, 3>>& components, std::size_t first) {
+      const auto add = [&](const std::optional<std::array<Expression, 3>>& components,
+                           std::size_t first) {
         if (!components) return;
         for (std::size_t i = 0; i < 3; ++i) {
           const Expression& e = (*components)[i];
           if (e.is_constant() && e.value() == 0.0) continue;
-          data.signals[first + i] = static_cast<int>(
-              system_->add_signal(e.is_constant() ? Signal::constant(e.value()) : Signal::from_expression(e)));
+          data.signals[first + i] = static_cast<int>(system_->add_signal(
+              e.is_constant() ? Signal::constant(e.value()) : Signal::from_expression(e)));
         }
       };
       add(load.force, 0);
@@ -453,15 +505,16 @@ class Compiler {
     std::function<Vec6(const State&)> relative_velocity, reaction;
   };
 
-  template <joint::Joint J>
-  joint::JointBatch<J>& joint_batch() {
+  // The batch of a joint type, made when first called for; nullptr if there is no such type.
+  joint::AnyJointBatch* joint_batch(std::string_view type) {
     for (const auto& batch : system_->batches()) {
-      if (auto* b = dynamic_cast<joint::JointBatch<J>*>(batch.get())) return *b;
+      auto* joints = dynamic_cast<joint::AnyJointBatch*>(batch.get());
+      if (joints != nullptr && joints->type() == type) return joints;
     }
-    auto batch = std::make_unique<joint::JointBatch<J>>();
-    auto& reference = *batch;
-    system_->add_batch(std::move(batch));
-    return reference;
+    auto batch = joint::make_joint_batch(type);
+    joint::AnyJointBatch* made = batch.get();
+    if (made != nullptr) system_->add_batch(std::move(batch));
+    return made;
   }
 
   // Frames a and b in their nodes.
@@ -470,23 +523,23 @@ class Compiler {
     Pose<double> a, b;
   };
 
-  template <joint::Joint J>
-  Index add_one(const Frames& f, const std::string& name, int signal, bool follow_angle) {
+  Index add_one(joint::AnyJointBatch& batch, const Frames& f, const std::string& name, int signal,
+                bool follow_angle) {
     ConstraintInfo info;
     info.name = name;
-    info.rows = static_cast<Index>(J::rows.size());
-    for (const joint::Row& row : J::rows) {
+    info.rows = static_cast<Index>(batch.rows().size());
+    for (const joint::Row& row : batch.rows()) {
       const bool is_position = row.kind == joint::Row::Kind::position;
       info.is_position.push_back(is_position);
-      info.row_names.push_back(is_position                                 ? fmt::format("position {}", row.i)
-                               : row.kind == joint::Row::Kind::direction ? fmt::format("direction a{}.b{}", row.i, row.j)
-                                                                           : std::string("angle"));
+      info.row_names.push_back(is_position ? fmt::format("position {}", row.i)
+                               : row.kind == joint::Row::Kind::direction
+                                   ? fmt::format("direction a{}.b{}", row.i, row.j)
+                                   : std::string("angle"));
     }
     const auto index = static_cast<Index>(system_->constraints().size());
     const Index multiplier = system_->add_constraint(std::move(info));
-    auto& batch = joint_batch<J>();
-    batch.add(f.a, f.b, f.P, f.Q, signal, index, multiplier, follow_angle ? system_->add_angle() : -1);
-    return batch.size() - 1;
+    return batch.add(f.a, f.b, f.P, f.Q, signal, index, multiplier,
+                     follow_angle ? system_->add_angle() : -1);
   }
 
   void add_joints() {
@@ -494,36 +547,46 @@ class Compiler {
     for (const JointScene& j : scene_.joints) add_joint(j);
   }
 
-  const JointScene& find_joint(const std::string& name, const Source& source, std::string_view who) const {
+  const JointScene& find_joint(const std::string& name, const Source& source,
+                               std::string_view who) const {
     std::vector<std::string_view> names;
     for (const JointScene& j : scene_.joints) {
       if (j.name == name) return j;
       names.push_back(j.name);
     }
-    throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, name, suggest(name, names, "joints are")));
+    throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, name,
+                                    suggest(name, names, "joints are")));
   }
 
   void add_joint(const JointScene& j) {
     const std::string who = fmt::format("{} joint \"{}\"", j.kind, j.name);
     const schema::JointKind* kind = schema::find_joint_kind(j.kind);
-    if (kind == nullptr) throw Error(j.source, fmt::format("there is no joint type \"{}\"", j.kind));
+    if (kind == nullptr)
+      throw Error(j.source, fmt::format("there is no joint type \"{}\"", j.kind));
     const Attachment A = find(j.a, j.source, who), B = find(j.b, j.source, who);
     if (A.node == B.node) throw Error(j.source, fmt::format("{} joins a thing to itself", who));
     if (kind->has_axis && !j.axis) throw Error(j.source, fmt::format("{} needs an axis", who));
-    if (!kind->has_axis && j.axis) throw Error(j.source, fmt::format("{} has no axis; leave it out", who));
+    if (!kind->has_axis && j.axis)
+      throw Error(j.source, fmt::format("{} has no axis; leave it out", who));
     if (j.axis && !(j.axis->norm() > 0.0))
       throw Error(j.source, fmt::format("{}: axis has zero length; give a direction", who));
 
     // A beam is joined at its node; ground and bodies anywhere.
-    const Vec3 point = j.at ? *j.at : B.is_point || (!A.is_point && B.node != 0) ? reference(B.node).r : reference(A.node).r;
+    const Vec3 point = j.at                                         ? *j.at
+                       : B.is_point || (!A.is_point && B.node != 0) ? reference(B.node).r
+                                                                    : reference(A.node).r;
     for (const Attachment& end : {A, B}) {
       if (!end.is_point) continue;
       const double gap = (reference(end.node).r - point).norm();
       if (!(gap <= open_tolerance * length_))
-        throw Error(j.source, fmt::format("{} is open: {} is {:.6g} m from the joint's point ({:.9g}, {:.9g}, {:.9g})", who,
-                                          system_->node_name(end.node), gap, point(0), point(1), point(2)));
+        throw Error(
+            j.source,
+            fmt::format(
+                "{} is open: {} is {:.6g} m from the joint's point ({:.9g}, {:.9g}, {:.9g})", who,
+                system_->node_name(end.node), gap, point(0), point(1), point(2)));
     }
-    const Pose<double> H = make_pose(j.axis ? frame_with_third(*j.axis) : Mat3(Mat3::Identity()), point);
+    const Pose<double> H =
+        make_pose(j.axis ? frame_with_third(*j.axis) : Mat3(Mat3::Identity()), point);
     const Frames f{A.node, B.node, relative(reference(A.node), H), relative(reference(B.node), H)};
 
     const DriveScene* drive = nullptr;
@@ -532,27 +595,31 @@ class Compiler {
       if (drive != nullptr) throw Error(d.source, fmt::format("{} is driven twice", who));
       drive = &d;
     }
-    joint::for_each(joint::Types{}, [&]<class J>() {
-      if (j.kind != J::name) return;
-      const Index i = add_one<J>(f, fmt::format("{} '{}'", j.kind, j.name), -1, J::has_angle);
-      const joint::JointBatch<J>* batch = &joint_batch<J>();
-      Reading& reading = readings_[j.name];
-      if constexpr (J::has_angle) reading.angle = [batch, i](const State& s) { return batch->angle(s, i); };
-      reading.relative_velocity = [batch, i](const State& s) { return batch->relative_velocity(s, i); };
-      reading.reaction = [batch, i](const State& s) { return batch->reaction(s, i); };
-    });
+    joint::AnyJointBatch* batch = joint_batch(j.kind);
+    const Index i = add_one(*batch, f, fmt::format("{} '{}'", j.kind, j.name), -1, kind->has_angle);
+    Reading& reading = readings_[j.name];
+    if (kind->has_angle) reading.angle = [batch, i](const State& s) { return batch->angle(s, i); };
+    reading.relative_velocity = [batch, i](const State& s) {
+      return batch->relative_velocity(s, i);
+    };
+    reading.reaction = [batch, i](const State& s) { return batch->reaction(s, i); };
     if (drive != nullptr) add_drive(*drive, j, *kind, f);
   }
 
-  void add_drive(const DriveScene& d, const JointScene& j, const schema::JointKind& kind, const Frames& f) {
-    if (!kind.has_angle) throw Error(d.source, fmt::format("joint \"{}\" is {}: it has no angle to drive", j.name, j.kind));
+  void add_drive(const DriveScene& d, const JointScene& j, const schema::JointKind& kind,
+                 const Frames& f) {
+    if (!kind.has_angle)
+      throw Error(d.source,
+                  fmt::format("joint \"{}\" is {}: it has no angle to drive", j.name, j.kind));
     if (d.rate.has_value() == d.angle.has_value())
-      throw Error(d.source, fmt::format("the drive of joint \"{}\" needs either a rate or an angle", j.name));
+      throw Error(d.source,
+                  fmt::format("the drive of joint \"{}\" needs either a rate or an angle", j.name));
     const double duration = scene_.transient ? scene_.transient->duration : 1.0;
     const auto signal = [&]() -> Signal {
       try {
         if (d.angle) {
-          return d.angle->is_constant() ? Signal::constant(d.angle->value()) : Signal::from_expression(*d.angle);
+          return d.angle->is_constant() ? Signal::constant(d.angle->value())
+                                        : Signal::from_expression(*d.angle);
         }
         return Signal::from_rate(*d.rate, 0.0, 0.0, duration);
       } catch (const Error& e) {
@@ -561,15 +628,18 @@ class Compiler {
     }();
     for (const Jump& jump : signal.jumps()) {
       if (jump.derivative < 2 && jump.t < duration) {
-        throw Error(d.source, fmt::format("drive of joint \"{}\": the {} jumps by {:.6g} at t = {:.9g} s, an impact; make "
-                                          "the law continuous",
-                                          j.name, jump.derivative == 0 ? "angle" : "rate", jump.size, jump.t));
+        throw Error(
+            d.source,
+            fmt::format(
+                "drive of joint \"{}\": the {} jumps by {:.6g} at t = {:.9g} s, an impact; make "
+                "the law continuous",
+                j.name, jump.derivative == 0 ? "angle" : "rate", jump.size, jump.t));
       }
     }
     const auto index = static_cast<int>(system_->add_signal(signal));
-    const Index i = add_one<joint::DrivenRotation>(f, fmt::format("drive of '{}'", j.name), index, false);
+    joint::AnyJointBatch* batch = joint_batch(joint::DrivenRotation::name);
+    const Index i = add_one(*batch, f, fmt::format("drive of '{}'", j.name), index, false);
     // The driven moment belongs to what the joint transmits.
-    const joint::JointBatch<joint::DrivenRotation>* batch = &joint_batch<joint::DrivenRotation>();
     Reading& reading = readings_[j.name];
     reading.reaction = [batch, i, joint = reading.reaction](const State& s) {
       return Vec6(joint(s) + batch->reaction(s, i));
@@ -580,9 +650,11 @@ class Compiler {
 
   void check(const State& initial) const {
     if (const std::string element = system_->out_of_range(initial); !element.empty())
-      throw Error({scene_.file, 0}, fmt::format("{} turns beyond the range of its metric in the reference configuration; "
-                                                "give the beam more elements",
-                                                element));
+      throw Error(
+          {scene_.file, 0},
+          fmt::format("{} turns beyond the range of its metric in the reference configuration; "
+                      "give the beam more elements",
+                      element));
     try {
       check_initial_state(*system_, initial);
     } catch (const Error& e) {
@@ -610,10 +682,11 @@ class Compiler {
         const auto known = record.joint ? schema::joint_quantities() : schema::place_quantities();
         const schema::Quantity* q = schema::find_quantity(known, name);
         if (q == nullptr)
-          throw Error(record.source, fmt::format("record \"{}\": there is no quantity \"{}\"{}", record.name, name,
-                                                 suggest(name, schema::names(known), "quantities are")));
-        model.channels.push_back(
-            channel(record, *q, record.joint ? joint_sample(record, name) : place_sample(record, name)));
+          throw Error(record.source,
+                      fmt::format("record \"{}\": there is no quantity \"{}\"{}", record.name, name,
+                                  suggest(name, schema::names(known), "quantities are")));
+        model.channels.push_back(channel(
+            record, *q, record.joint ? joint_sample(record, name) : place_sample(record, name)));
       }
     }
   }
@@ -629,28 +702,40 @@ class Compiler {
 
   Sample place_sample(const RecordScene& record, const std::string& name) const {
     const std::string who = fmt::format("record \"{}\"", record.name);
-    if (!record.at) throw Error(record.source, fmt::format("{} needs a place (at=) or a joint", who));
+    if (!record.at)
+      throw Error(record.source, fmt::format("{} needs a place (at=) or a joint", who));
     const auto n = static_cast<std::size_t>(find(*record.at, record.source, who).node);
     const Vec3 r0 = reference(static_cast<int>(n)).r;
     if (name == "position") return vector([n](const State& s) { return s.pose[n].r; });
-    if (name == "displacement") return vector([n, r0](const State& s) { return Vec3(s.pose[n].r - r0); });
+    if (name == "displacement")
+      return vector([n, r0](const State& s) { return Vec3(s.pose[n].r - r0); });
     if (name == "displacement_local")
-      return vector([n, r0](const State& s) { return Vec3(s.pose[n].p.conjugate() * Vec3(s.pose[n].r - r0)); });
+      return vector([n, r0](const State& s) {
+        return Vec3(s.pose[n].p.conjugate() * Vec3(s.pose[n].r - r0));
+      });
     if (name == "rotation") {
       const Quaternion<double> p0 = reference(static_cast<int>(n)).p;
-      return vector([n, p0](const State& s) { return log_so3<double>(s.pose[n].p * p0.conjugate()); });
+      return vector(
+          [n, p0](const State& s) { return log_so3<double>(s.pose[n].p * p0.conjugate()); });
     }
-    if (name == "force" || name == "moment") return resultant_sample(record, name == "force" ? 0 : 3);
+    if (name == "force" || name == "moment")
+      return resultant_sample(record, name == "force" ? 0 : 3);
     // Rates are zero in a scene without a transient.
     const bool rates = scene_.transient.has_value();
     if (name == "velocity")
-      return vector([n, rates](const State& s) { return rates ? Vec3(s.pose[n].p * linear(s.V[n])) : Vec3(Vec3::Zero()); });
+      return vector([n, rates](const State& s) {
+        return rates ? Vec3(s.pose[n].p * linear(s.V[n])) : Vec3(Vec3::Zero());
+      });
     if (name == "velocity_local")
-      return vector([n, rates](const State& s) { return rates ? linear(s.V[n]) : Vec3(Vec3::Zero()); });
+      return vector(
+          [n, rates](const State& s) { return rates ? linear(s.V[n]) : Vec3(Vec3::Zero()); });
     if (name == "angular_velocity")
-      return vector([n, rates](const State& s) { return rates ? Vec3(s.pose[n].p * angular(s.V[n])) : Vec3(Vec3::Zero()); });
+      return vector([n, rates](const State& s) {
+        return rates ? Vec3(s.pose[n].p * angular(s.V[n])) : Vec3(Vec3::Zero());
+      });
     if (name == "angular_velocity_local")
-      return vector([n, rates](const State& s) { return rates ? angular(s.V[n]) : Vec3(Vec3::Zero()); });
+      return vector(
+          [n, rates](const State& s) { return rates ? angular(s.V[n]) : Vec3(Vec3::Zero()); });
     if (name == "acceleration") {
       return vector([n, rates](const State& s) {
         if (!rates) return Vec3(Vec3::Zero());
@@ -662,9 +747,12 @@ class Compiler {
 
   // Mean of the elements that meet at the place (formulation.md 2).
   Sample resultant_sample(const RecordScene& record, Index first) const {
-    const CompiledBeam* beam = record.at->kind == Place::Kind::beam ? find_beam(record.at->name) : nullptr;
+    const CompiledBeam* beam =
+        record.at->kind == Place::Kind::beam ? find_beam(record.at->name) : nullptr;
     if (beam == nullptr)
-      throw Error(record.source, fmt::format("record \"{}\": only beams have sectional forces and moments", record.name));
+      throw Error(
+          record.source,
+          fmt::format("record \"{}\": only beams have sectional forces and moments", record.name));
     const auto ends = beam->ends[boundary_at(*beam, record.at->parameter)];
     return vector([ends, first](const State& s) {
       Vec3 sum = Vec3::Zero();
@@ -675,17 +763,22 @@ class Compiler {
   }
 
   Sample joint_sample(const RecordScene& record, const std::string& name) const {
-    const JointScene& j = find_joint(*record.joint, record.source, fmt::format("record \"{}\"", record.name));
+    const JointScene& j =
+        find_joint(*record.joint, record.source, fmt::format("record \"{}\"", record.name));
     const Reading& reading = readings_.at(j.name);
     const bool rates = scene_.transient.has_value();
     if (name == "angle" || name == "rate") {
-      if (!reading.angle) throw Error(record.source, fmt::format("joint \"{}\" is {}: it has no angle", j.name, j.kind));
-      if (name == "angle") return [f = reading.angle](const State& s, std::span<double> out) { out[0] = f(s); };
+      if (!reading.angle)
+        throw Error(record.source,
+                    fmt::format("joint \"{}\" is {}: it has no angle", j.name, j.kind));
+      if (name == "angle")
+        return [f = reading.angle](const State& s, std::span<double> out) { out[0] = f(s); };
       return [f = reading.relative_velocity, rates](const State& s, std::span<double> out) {
         out[0] = rates ? f(s)(5) : 0.0;
       };
     }
-    if (name == "force") return vector([f = reading.reaction](const State& s) { return linear(f(s)); });
+    if (name == "force")
+      return vector([f = reading.reaction](const State& s) { return linear(f(s)); });
     return vector([f = reading.reaction](const State& s) { return angular(f(s)); });
   }
 

@@ -27,7 +27,7 @@ struct Channel {
 
 struct Model {
   std::unique_ptr<const System> system;
-  State initial;                  // reference configuration, initial velocities; not yet in equilibrium
+  State initial;  // reference configuration, initial velocities; not yet in equilibrium
   std::vector<Channel> channels;  // in the order of the scene's records
 };
 

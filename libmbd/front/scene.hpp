@@ -45,8 +45,9 @@ struct Straight {
 struct Arc {
   Vec3 from = Vec3::Zero();    // [m]
   Vec3 center = Vec3::Zero();  // [m]
-  Vec3 axis = Vec3::UnitZ();   // right-handed; need not be a unit vector, must be perpendicular to from - center
-  double angle = 0.0;          // subtended angle, > 0  [rad]
+  Vec3 axis = Vec3::
+      UnitZ();  // right-handed; need not be a unit vector, must be perpendicular to from - center
+  double angle = 0.0;  // subtended angle, > 0  [rad]
 };
 
 struct BeamScene {
@@ -55,8 +56,8 @@ struct BeamScene {
   std::string section;
   std::variant<Straight, Arc> line;
   Vec3 normal = Vec3::UnitZ();  // b3 at the start, made perpendicular to the tangent; b2 = b3 x b1
-  int elements = 1;             // equal in reference length, before boundaries are added at attachments
-  int order = 3;                // N, 1 … 8: N + 1 nodes an element
+  int elements = 1;  // equal in reference length, before boundaries are added at attachments
+  int order = 3;     // N, 1 … 8: N + 1 nodes an element
   Metric metric = Metric::geodesic;
   Rule rule = Rule::gauss;
   Form form = Form::energy;
@@ -71,8 +72,9 @@ struct BodyScene {
   double mass = 0.0;                    // [kg]
   Vec3 center = Vec3::Zero();           // mass centre from the reference point, body axes [m]
   Mat3 inertia = Mat3::Zero();          // about the mass centre, body axes [kg.m2]
-  Vec3 velocity = Vec3::Zero();         // initial, of the reference point, inertial axes [m/s]; free bodies only
-  Vec3 angular_velocity = Vec3::Zero(); // initial, body axes [rad/s]; free bodies only
+  Vec3 velocity =
+      Vec3::Zero();  // initial, of the reference point, inertial axes [m/s]; free bodies only
+  Vec3 angular_velocity = Vec3::Zero();  // initial, body axes [rad/s]; free bodies only
 };
 
 struct JointScene {
@@ -86,16 +88,17 @@ struct JointScene {
 
 struct DriveScene {
   Source source;
-  std::string joint;               // a revolute or cylindrical joint
-  std::optional<Expression> rate;  // rotation rate of b relative to a about the axis [rad/s]; or
-  std::optional<Expression> angle; // the rotation itself [rad]
+  std::string joint;                // a revolute or cylindrical joint
+  std::optional<Expression> rate;   // rotation rate of b relative to a about the axis [rad/s]; or
+  std::optional<Expression> angle;  // the rotation itself [rad]
 };
 
 struct LoadScene {
   Source source;
   std::string name;
   Place at;
-  std::optional<std::array<Expression, 3>> force;   // dead: fixed inertial direction, expressions of t [N]
+  std::optional<std::array<Expression, 3>>
+      force;  // dead: fixed inertial direction, expressions of t [N]
   std::optional<std::array<Expression, 3>> moment;  // dead, inertial axes [N.m]
 };
 
@@ -106,15 +109,15 @@ struct Gravity {
 
 struct StaticScene {
   Source source;
-  int steps = 1;            // first size of the load steps: 1/steps
-  double tolerance = 1e-12; // relative, on increments
+  int steps = 1;             // first size of the load steps: 1/steps
+  double tolerance = 1e-12;  // relative, on increments
 };
 
 struct TransientScene {
   Source source;
-  double duration = 0.0;       // [s]
-  double step = 0.0;           // [s]
-  double rho_infinity = 0.0;   // spectral radius at infinite frequency, [0, 1]
+  double duration = 0.0;            // [s]
+  double step = 0.0;                // [s]
+  double rho_infinity = 0.0;        // spectral radius at infinite frequency, [0, 1]
   std::optional<double> tolerance;  // of Newton's increments, relative; default: the stepper's own
 };
 
@@ -143,7 +146,7 @@ struct ExpectScene {
   Source source;
   std::string quantity;
   enum class Of { value_at, minimum, maximum } of = Of::value_at;
-  double at = 0.0;         // [s]
+  double at = 0.0;  // [s]
   double value = 0.0;
   double tolerance = 0.0;  // absolute
   std::string reference;   // where the number comes from
@@ -160,7 +163,7 @@ struct Scene {
   std::vector<DriveScene> drives;
   std::vector<LoadScene> loads;
   std::optional<Gravity> gravity;
-  std::optional<StaticScene> statics;      // equilibrium at t = 0, before the transient if there is one
+  std::optional<StaticScene> statics;  // equilibrium at t = 0, before the transient if there is one
   std::optional<TransientScene> transient;
   std::vector<RecordScene> records;
   std::vector<PlotScene> plots;

@@ -233,8 +233,8 @@ constexpr Quantity of_places[] = {
 constexpr Quantity of_joints[] = {
     {"angle", "rad", 1, "rotation of b relative to a, unwrapped", Of::joint_with_angle},
     {"rate", "rad/s", 1, "rotation rate of b relative to a", Of::joint_with_angle},
-    {"force", "N", 3, "of b on a, joint axes that move with b", Of::any_joint},
-    {"moment", "N.m", 3, "of b on a, joint axes that move with b", Of::any_joint},
+    {"force", "N", 3, "of the joint on b, joint axes that move with b", Of::any_joint},
+    {"moment", "N.m", 3, "of the joint on b, joint axes that move with b", Of::any_joint},
 };
 
 const std::vector<JointKind>& joints() {

@@ -78,7 +78,7 @@ TEST(Reader, ReadsEveryElement) {
   EXPECT_EQ(scene.file, "test.xml");
   ASSERT_EQ(scene.parameters.size(), 2u);
   ASSERT_EQ(scene.sections.size(), 1u);
-  EXPECT_EQ(scene.sections[0].source.line, 4);
+  EXPECT_EQ(scene.sections[0].source.line, 5);
   const Mat6& D = scene.sections[0].stiffness;
   EXPECT_EQ(D(0, 0), 1.0);
   EXPECT_EQ(D(5, 5), 6.0);

@@ -1,5 +1,5 @@
 // Cost of the parts: `mbd_benchmark` (Google Benchmark; --benchmark_filter=… to choose).
-//   Elastic/<metric>/<form>/<N>/<want>   one element, in a batch of 8: µs per element
+//   Elastic/<metric>/<form>/<N>/<want>   a batch of 8 elements; `per_element` is the time of one
 //   Linear/<model>/factor|solve          one factorisation (refactor) or solve of the scaled tangent
 //   Run/<model>                          stepping of a whole model, CPU seconds
 // Times on a shared machine are noisy: compare ratios within one run.
@@ -23,7 +23,9 @@ using namespace mbd;
 // Throws away what is added: the cost of the kernel and of handing over, not of a solver.
 class Sink : public LinearSolver {
  public:
-  void analyze(const BlockGraph& graph) override { slots_.assign(graph.contributions.size(), {block_, 6}); }
+  void analyze(const BlockGraph& graph) override {
+    slots_.assign(graph.contributions.size(), {block_, 6});
+  }
   std::span<const Slot> slots() const override { return slots_; }
   void set_zero() override {}
   FactorStatus factor() override { return FactorStatus::ok; }
@@ -60,7 +62,8 @@ void elastic(benchmark::State& bench, Metric metric, Form form, int order, bool 
       if (e == 0 || k > 0) last = static_cast<int>(system.add_node("node", H));
     }
     for (int k = 0; k <= order; ++k) nodes.push_back(last - (order - k));
-    batch->add_element(std::vector<double>(static_cast<std::size_t>(order) + 1, 0.03), poses, nodes, stiffness, 0, "element");
+    batch->add_element(std::vector<double>(static_cast<std::size_t>(order) + 1, 0.03), poses, nodes,
+                       stiffness, 0, "element");
   }
   system.add_batch(std::move(batch));
   system.finish(false, 1.0);
@@ -74,16 +77,20 @@ void elastic(benchmark::State& bench, Metric metric, Form form, int order, bool 
   sink.analyze(system.graph());
   VecX r;
   for (auto _ : bench) {
-    if (tangent) system.linearize(state, {}, r, sink);
-    else system.residual(state, r);
+    if (tangent)
+      system.linearize(state, {}, r, sink);
+    else
+      system.residual(state, r);
     benchmark::DoNotOptimize(r.data());
     benchmark::ClobberMemory();
   }
-  bench.counters["us_per_element"] =
-      benchmark::Counter(elements * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  bench.counters["per_element"] = benchmark::Counter(
+      elements, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-Scene load(const std::string& name) { return read_model(std::string(MBD_SOURCE_DIR) + "/models/" + name + ".xml"); }
+Scene load(const std::string& name) {
+  return read_model(std::string(MBD_SOURCE_DIR) + "/models/" + name + ".xml");
+}
 
 void linear(benchmark::State& bench, const std::string& name, bool factor) {
   const Model model = compile(load(name));
@@ -91,7 +98,8 @@ void linear(benchmark::State& bench, const std::string& name, bool factor) {
   solver->analyze(model.system->graph());
   VecX r;
   const double h = 1e-3;
-  model.system->linearize(model.initial, {.U = 0.25 * h * h, .V = 0.5 * h, .A = 1.0, .T_inv = {}}, r, *solver);
+  model.system->linearize(model.initial, {.U = 0.25 * h * h, .V = 0.5 * h, .A = 1.0, .T_inv = {}},
+                          r, *solver);
   solver->factor();
   VecX x = VecX::Random(model.system->unknowns());
   for (auto _ : bench) {
@@ -114,11 +122,15 @@ void run(benchmark::State& bench, const std::string& name) {
     State state = model.initial;
     if (scene.statics) {
       auto solver = make_klu_solver();
-      if (!solve_statics(*model.system, *solver, {.steps = scene.statics->steps, .newton = {}}, state).converged)
+      if (!solve_statics(*model.system, *solver, {.steps = scene.statics->steps, .newton = {}},
+                         state)
+               .converged)
         bench.SkipWithError("statics failed");
     }
     GeneralizedAlpha stepper(*model.system, make_klu_solver(),
-                             {.step = scene.transient->step, .rho_infinity = scene.transient->rho_infinity, .newton = {}});
+                             {.step = scene.transient->step,
+                              .rho_infinity = scene.transient->rho_infinity,
+                              .newton = {}});
     stepper.start(state);
     const long steps = std::lround(scene.transient->duration / scene.transient->step);
     for (long i = 0; i < steps; ++i) {
@@ -129,21 +141,23 @@ void run(benchmark::State& bench, const std::string& name) {
     }
     const Counters& c = stepper.counters();
     bench.counters["steps"] = static_cast<double>(c.steps);
-    bench.counters["iterations_per_step"] = static_cast<double>(c.iterations) / static_cast<double>(c.steps);
+    bench.counters["iterations_per_step"] =
+        static_cast<double>(c.iterations) / static_cast<double>(c.steps);
     bench.counters["factorizations"] = static_cast<double>(c.factorizations);
   }
 }
 
 void register_all() {
-  const std::pair<Metric, const char*> metrics[] = {
-      {Metric::matrix, "matrix"}, {Metric::quaternion, "quaternion"}, {Metric::geodesic, "geodesic"}};
+  const std::pair<Metric, const char*> metrics[] = {{Metric::matrix, "matrix"},
+                                                    {Metric::quaternion, "quaternion"},
+                                                    {Metric::geodesic, "geodesic"}};
   const std::pair<Form, const char*> forms[] = {{Form::energy, "energy"}, {Form::paper, "paper"}};
   for (const auto& [metric, metric_name] : metrics) {
     for (const auto& [form, form_name] : forms) {
       for (int order = 2; order <= 6; ++order) {
         for (const bool tangent : {false, true}) {
-          benchmark::RegisterBenchmark(fmt::format("Elastic/{}/{}/{}/{}", metric_name, form_name, order,
-                                                   tangent ? "residual+tangent" : "residual")
+          benchmark::RegisterBenchmark(fmt::format("Elastic/{}/{}/{}/{}", metric_name, form_name,
+                                                   order, tangent ? "residual+tangent" : "residual")
                                            .c_str(),
                                        elastic, metric, form, order, tangent);
         }
@@ -152,8 +166,9 @@ void register_all() {
   }
   for (const char* model : {"four_bar", "shaft", "chain"}) {
     for (const bool factor : {true, false}) {
-      benchmark::RegisterBenchmark(fmt::format("Linear/{}/{}", model, factor ? "factor" : "solve").c_str(), linear,
-                                   std::string(model), factor)
+      benchmark::RegisterBenchmark(
+          fmt::format("Linear/{}/{}", model, factor ? "factor" : "solve").c_str(), linear,
+          std::string(model), factor)
           ->Unit(benchmark::kMicrosecond);
     }
   }
