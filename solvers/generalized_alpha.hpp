@@ -12,7 +12,7 @@
 // with K = dr/dU, C = dr/dV, M = dr/dVdot.
 //
 // The factorisation is kept as long as the measured contraction theta is good (speed.md): with e the size
-// of an increment in tolerances, theta = max(e_k/e_(k-1), 0.3 theta, 1e-3), stop when
+// of an increment in tolerances, theta = max(e_k/e_(k-1), 0.3 theta, 0.1), stop when
 // e min(1, theta/(1 - theta)) < 1; accepting after one iteration doubles theta, because nothing was
 // measured. Predictor: Vdot linear, lambda quadratic in time.
 #pragma once

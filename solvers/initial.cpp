@@ -16,7 +16,11 @@ double largest(const VecX& x, Index& row) {
   row = -1;
   double size = 0.0;
   for (Index i = 0; i < x.size(); ++i) {
-    if (!(std::abs(x(i)) <= size)) {  // also a NaN
+    if (std::isnan(x(i))) {
+      row = i;
+      return x(i);
+    }
+    if (std::abs(x(i)) > size) {
       size = std::abs(x(i));
       row = i;
     }

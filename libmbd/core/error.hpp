@@ -18,9 +18,13 @@ class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message) : std::runtime_error(message) {}
   Error(const Source& source, const std::string& message)
-      : std::runtime_error(source.file.empty()
-                               ? message
-                               : source.file + ":" + std::to_string(source.line) + ": " + message) {
+      : std::runtime_error(place(source) + message) {}
+
+ private:
+  static std::string place(const Source& source) {
+    if (source.file.empty()) return {};
+    return source.line > 0 ? source.file + ":" + std::to_string(source.line) + ": "
+                           : source.file + ": ";
   }
 };
 

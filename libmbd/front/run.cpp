@@ -203,7 +203,7 @@ class Run {
         step = start_afresh(integrator, state, restart, restarts.end(), step.iterations);
       if (!step.converged) {
         report_.failure =
-            fmt::format("step {} of {}, t = {:.9g} s: {}", n, steps_, state.t, step.failure);
+            fmt::format("step {} of {}, from t = {:.9g} s {}", n, steps_, state.t, step.failure);
         break;
       }
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
@@ -291,6 +291,10 @@ class Run {
 }  // namespace
 
 long number_of_steps(const TransientScene& transient) {
+  if (!(transient.duration > 0.0) || !(transient.step > 0.0))
+    throw Error(transient.source,
+                fmt::format("transient: duration={} and step={} must both be positive",
+                            transient.duration, transient.step));
   const double steps = std::round(transient.duration / transient.step);
   if (!(steps <= largest_steps))
     throw Error(transient.source, fmt::format("transient: {} s in steps of {} s are too many steps",

@@ -18,6 +18,7 @@ using test::Rng;
 using test::Worst;
 using Real = long double;
 using D1 = Dual<double>;
+using Eigen::MatrixXd;
 using Mat4L = Matrix<Real, 4, 4>;
 
 constexpr double pi = std::numbers::pi;
@@ -75,7 +76,8 @@ double pose_error(const Pose<double>& g, const Mat4L& want, double length) {
 double dual_matrix_error(const DualMatrix<double>& T, const Matrix6<Real>& want, double length) {
   const Matrix6<Real> error = T.matrix().cast<Real>() - want;
   const Real scale = want.topLeftCorner<3, 3>().cwiseAbs().maxCoeff();
-  const Real dual = std::max(Real(length) * scale, want.topRightCorner<3, 3>().cwiseAbs().maxCoeff());
+  const Real dual =
+      std::max(Real(length) * scale, want.topRightCorner<3, 3>().cwiseAbs().maxCoeff());
   return static_cast<double>(
       std::max({error.topLeftCorner<3, 3>().cwiseAbs().maxCoeff() / scale,
                 error.topRightCorner<3, 3>().cwiseAbs().maxCoeff() / dual,
@@ -96,7 +98,8 @@ Pose<D1> seeded(const Pose<double>& H, const Vec6& U) {
   const Quaternion<double> dp = H.p * w;
   const Vec3 dr = H.p * Vec3(linear(U));
   Pose<D1> G;
-  G.p = Quaternion<D1>(D1(H.p.w(), dp.w()), D1(H.p.x(), dp.x()), D1(H.p.y(), dp.y()), D1(H.p.z(), dp.z()));
+  G.p = Quaternion<D1>(D1(H.p.w(), dp.w()), D1(H.p.x(), dp.x()), D1(H.p.y(), dp.y()),
+                       D1(H.p.z(), dp.z()));
   for (Index i = 0; i < 3; ++i) G.r(i) = D1(H.r(i), dr(i));
   return G;
 }
@@ -130,7 +133,8 @@ void sample_squares(double end, const F& f) {
 A2<Real> a2_reference(Real x) {
   constexpr Real P = 4 * std::numbers::pi_v<Real> * std::numbers::pi_v<Real>;
   A2<Real> f{1 / 12.0L + x * (1 / 720.0L + x * (1 / 30240.0L + x / 1209600.0L)),
-             1 / 720.0L + x * (2 / 30240.0L + x * 3 / 1209600.0L), 2 / 30240.0L + x * 6 / 1209600.0L};
+             1 / 720.0L + x * (2 / 30240.0L + x * 3 / 1209600.0L),
+             2 / 30240.0L + x * 6 / 1209600.0L};
   for (int k = 150; k >= 1; --k) {
     const Real c = P * Real(k) * Real(k), s = 2 / (c * c * c * c), y = 1 / (c - x);
     const Real x2 = x * x, x3 = x2 * x, x4 = x2 * x2;
@@ -147,7 +151,8 @@ TEST(So3, CoefficientA2AndItsDerivatives) {
   sample_squares(0.99 * 4 * pi * pi, [&](double x) {
     const A2<Real> want = a2_reference(x);
     const A2<double> got = a2_coefficients(x);
-    const double amplification = 1 / (1 - x / (4 * pi * pi));  // of the rounding of theta near the pole
+    const double amplification =
+        1 / (1 - x / (4 * pi * pi));  // of the rounding of theta near the pole
     const auto error = [&](double g, Real w) {
       return static_cast<double>(std::abs(Real(g) / w - 1)) / amplification;
     };
@@ -198,14 +203,16 @@ TEST(So3, ExponentialAgainstMatrixExponential) {
     const double angle = random_angle(rng, i % 10 == 0 ? 3 * pi : pi);
     const Vec3 psi = angle * test::random_direction(rng);
     const Quaternion<double> p = exp_so3(psi);
-    matrix.add(pose_error({p, Vec3::Zero()}, exponential<4>(hat4(six<double>(Vec3::Zero(), psi).cast<Real>())), 1),
+    matrix.add(pose_error({p, Vec3::Zero()},
+                          exponential<4>(hat4(six<double>(Vec3::Zero(), psi).cast<Real>())), 1),
                at(angle));
     unit.add(std::abs(p.coeffs().squaredNorm() - 1), at(angle));
     // componentwise in the sense of norms: small angles are not lost beside the 1
     const Real half = psi.cast<Real>().norm() / 2;
     const Vector3<Real> want = psi.cast<Real>() * (std::sin(half) / (2 * half));
     if (angle <= pi)
-      vector.add(static_cast<double>((p.vec().cast<Real>() - want).norm() / want.norm()), at(angle));
+      vector.add(static_cast<double>((p.vec().cast<Real>() - want).norm() / want.norm()),
+                 at(angle));
   }
 }
 
@@ -214,17 +221,20 @@ TEST(So3, LogarithmInvertsExponential) {
   Worst relative("relative", 8 * eps), other_sign("other_sign", 0.0), back("back", 8 * eps);
   for (int i = 0; i < 5000; ++i) {
     // the threshold of its series is a half-angle of asin(sqrt(0.0585))
-    double angle = i % 5 == 0 ? 2 * std::asin(std::sqrt(0.0585)) * (1 + 1e-15 * (i % 7 - 3)) : random_angle(rng, pi);
+    double angle = i % 5 == 0 ? 2 * std::asin(std::sqrt(0.0585)) * (1 + 1e-15 * (i % 7 - 3))
+                              : random_angle(rng, pi);
     angle = std::min(angle, pi * (1 - 4e-16));
     const Vec3 psi = angle * test::random_direction(rng);
     Quaternion<double> p = exp_so3(psi);
     const Vec3 log = log_so3(p);
     EXPECT_LE(log.norm(), pi * (1 + 2 * eps));
     // within rounding of pi the axis may come out either way
-    const double error = std::min((log - psi).norm(), angle > pi * (1 - 4 * eps) ? (log + psi).norm() : INFINITY);
+    const double error =
+        std::min((log - psi).norm(), angle > pi * (1 - 4 * eps) ? (log + psi).norm() : INFINITY);
     relative.add(error / angle, at(angle));
     const Quaternion<double> again = exp_so3(log);
-    back.add(std::min((again.coeffs() - p.coeffs()).norm(), (again.coeffs() + p.coeffs()).norm()), at(angle));
+    back.add(std::min((again.coeffs() - p.coeffs()).norm(), (again.coeffs() + p.coeffs()).norm()),
+             at(angle));
     p.coeffs() *= -1.0;
     if (p.w() != 0.0) other_sign.add((log_so3(p) - log).norm(), at(angle));
   }
@@ -239,7 +249,8 @@ TEST(Se3, ExponentialAgainstMatrixExponential) {
   for (int i = 0; i < 3000; ++i) {
     double length;
     const Vec6 U = random_increment(rng, random_angle(rng, i % 10 == 0 ? 3 * pi : pi), length);
-    error.add(pose_error(exp_se3(U), exponential<4>(hat4(U.cast<Real>())), length), at(angular(U).norm()));
+    error.add(pose_error(exp_se3(U), exponential<4>(hat4(U.cast<Real>())), length),
+              at(angular(U).norm()));
   }
 }
 
@@ -267,8 +278,9 @@ TEST(Se3, TangentMapsAgainstTheirSeries) {
     Vector6<Real> unit;  // inverted in the scaled norm, so that no digits go to the length
     unit << Real(length), Real(length), Real(length), 1, 1, 1;
     const Matrix6<Real> scaled = unit.cwiseInverse().asDiagonal() * want * unit.asDiagonal();
-    const Matrix6<Real> inverse =
-        unit.asDiagonal() * Eigen::Matrix<Real, 6, 6>(scaled).fullPivLu().inverse() * unit.cwiseInverse().asDiagonal();
+    const Matrix6<Real> inverse = unit.asDiagonal() *
+                                  Eigen::Matrix<Real, 6, 6>(scaled).fullPivLu().inverse() *
+                                  unit.cwiseInverse().asDiagonal();
     // beyond pi, rounding of the angle is amplified towards the pole at 2 pi
     const double amplification = angle > pi ? 4.0 : 1.0;
     T.add(dual_matrix_error(T_of(U), want, length) / amplification, at(angle));
@@ -279,7 +291,8 @@ TEST(Se3, TangentMapsAgainstTheirSeries) {
     T_inv.add(std::max(times.head<3>().norm() / length, times.tail<3>().norm()) / 4, at(angle));
     const Mat6 I = T_inverse(U).matrix() * T_of(U).matrix();
     product.add(dual_matrix_error({I.topLeftCorner<3, 3>(), I.topRightCorner<3, 3>()},
-                                  Matrix6<Real>::Identity(), length) / amplification,
+                                  Matrix6<Real>::Identity(), length) /
+                    amplification,
                 at(angle));
   }
   EXPECT_TRUE(T_of<double>(Vec6::Zero()).matrix() == Mat6::Identity());
@@ -339,7 +352,8 @@ TEST(Se3, PosesComposeAsMatrices) {
     const Pose<double> a = test::random_pose(rng), b = test::random_pose(rng);
     const Vec3 x = test::random_vector<3>(rng);
     error.add((matrix(a * b) - matrix(a) * matrix(b)).cwiseAbs().maxCoeff());
-    error.add((matrix(inverse(a)) * matrix(a) - Matrix<double, 4, 4>::Identity()).cwiseAbs().maxCoeff());
+    error.add(
+        (matrix(inverse(a)) * matrix(a) - Matrix<double, 4, 4>::Identity()).cwiseAbs().maxCoeff());
     error.add((matrix(relative(a, b)) - matrix(inverse(a) * b)).cwiseAbs().maxCoeff());
     error.add((a * x - (a.r + a.R() * x)).norm());
     error.add((a.R() - a.p.toRotationMatrix()).cwiseAbs().maxCoeff());
@@ -364,11 +378,14 @@ TEST(Se3, AdjointsAndHats) {
   Worst error("error", 32 * eps);
   for (int i = 0; i < 300; ++i) {
     const Pose<double> g = test::random_pose(rng);
-    const Vec6 U = test::random_vector<6>(rng), V = test::random_vector<6>(rng), Q = test::random_vector<6>(rng);
+    const Vec6 U = test::random_vector<6>(rng), V = test::random_vector<6>(rng),
+               Q = test::random_vector<6>(rng);
     const Pose<double> moved = g * exp_se3(U) * inverse(g), want = exp_se3<double>(adjoint(g) * U);
     error.add((moved.R() - want.R()).cwiseAbs().maxCoeff());
     error.add((moved.r - want.r).norm());
-    error.add((adjoint(g).matrix() * adjoint_inverse(g).matrix() - Mat6::Identity()).cwiseAbs().maxCoeff());
+    error.add((adjoint(g).matrix() * adjoint_inverse(g).matrix() - Mat6::Identity())
+                  .cwiseAbs()
+                  .maxCoeff());
     error.add((adjoint_inverse(g).matrix() - adjoint(inverse(g)).matrix()).cwiseAbs().maxCoeff());
     error.add((adjoint(g) * U - adjoint(g).matrix() * U).norm());
     error.add((adjoint(g).transpose_times(Q) - adjoint(g).matrix().transpose() * Q).norm());
@@ -388,7 +405,8 @@ struct Se3Metric : testing::Test {
   static void sample(int count, const F& f) {
     Rng rng(11);
     for (int i = 0; i < count; ++i) {
-      const double angle = random_angle(rng, M::max_angle), length = test::log_uniform(rng, 1e-6, 1e3);
+      const double angle = random_angle(rng, M::max_angle),
+                   length = test::log_uniform(rng, 1e-6, 1e3);
       f(rng, test::random_relative(rng, angle, length), angle, length);
     }
   }
@@ -405,7 +423,8 @@ double twist_error(const Vec6& got, const Vec6& want, double length, double scal
 }
 
 TYPED_TEST(Se3Metric, ParametersAgainstLongDouble) {
-  EXPECT_NEAR(TypeParam::max_angle, (std::is_same_v<TypeParam, MatrixMetric> ? 0.45 : 0.9) * pi, 1e-15);
+  EXPECT_NEAR(TypeParam::max_angle, (std::is_same_v<TypeParam, MatrixMetric> ? 0.45 : 0.9) * pi,
+              1e-15);
   Worst angular_error("angular", 16 * eps), linear_error("linear", 16 * eps), e0("e0", 4 * eps);
   this->sample(2000, [&](Rng&, const Pose<double>& g, double angle, double length) {
     const Pair<TypeParam> pair(g);
@@ -413,7 +432,8 @@ TYPED_TEST(Se3Metric, ParametersAgainstLongDouble) {
     // the exact pose of the rounded quaternion
     const auto c = g.p.coeffs().template cast<Real>().normalized().eval();
     const Real w = std::abs(c(3));
-    const Vector3<Real> e = c.template head<3>() * Real(c(3) < 0 ? -1 : 1), r = g.r.template cast<Real>();
+    const Vector3<Real> e = c.template head<3>() * Real(c(3) < 0 ? -1 : 1),
+                        r = g.r.template cast<Real>();
     e0.add(static_cast<double>(std::abs(Real(pair.e0) - w)), at(angle));
     Matrix3<Real> E;
     E << 0, -e(2), e(1), e(2), 0, -e(0), -e(1), e(0), 0;
@@ -421,18 +441,25 @@ TYPED_TEST(Se3Metric, ParametersAgainstLongDouble) {
     if constexpr (std::is_same_v<TypeParam, MatrixMetric>) {
       const Vector3<Real> want_angular = 2 * w * e;  // axial R, sin(angle)
       const Vector3<Real> want_linear = (R.trace() * r - R * r) / 2;
-      angular_error.add(static_cast<double>((q.tail<3>().cast<Real>() - want_angular).norm() / want_angular.norm()),
+      angular_error.add(static_cast<double>((q.tail<3>().cast<Real>() - want_angular).norm() /
+                                            want_angular.norm()),
                         at(angle));
-      linear_error.add(static_cast<double>((q.head<3>().cast<Real>() - want_linear).norm()) / length, at(angle));
+      linear_error.add(
+          static_cast<double>((q.head<3>().cast<Real>() - want_linear).norm()) / length, at(angle));
     } else if constexpr (std::is_same_v<TypeParam, QuaternionMetric>) {
       const Vector3<Real> want_linear = w * r + r.cross(e);
-      angular_error.add(static_cast<double>((q.tail<3>().cast<Real>() - 2 * e).norm() / (2 * e.norm())), at(angle));
-      linear_error.add(static_cast<double>((q.head<3>().cast<Real>() - want_linear).norm()) / length, at(angle));
+      angular_error.add(
+          static_cast<double>((q.tail<3>().cast<Real>() - 2 * e).norm() / (2 * e.norm())),
+          at(angle));
+      linear_error.add(
+          static_cast<double>((q.head<3>().cast<Real>() - want_linear).norm()) / length, at(angle));
     } else {  // exp(q) must be g
       const Mat4L got = exponential<4>(hat4(q.cast<Real>()));
-      linear_error.add(static_cast<double>((got.topRightCorner<3, 1>() - r).norm()) / length, at(angle));
+      linear_error.add(static_cast<double>((got.topRightCorner<3, 1>() - r).norm()) / length,
+                       at(angle));
       const Vector3<Real> want_angular = 2 * std::atan2(e.norm(), w) / e.norm() * e;
-      angular_error.add(static_cast<double>((q.tail<3>().cast<Real>() - want_angular).norm() / want_angular.norm()),
+      angular_error.add(static_cast<double>((q.tail<3>().cast<Real>() - want_angular).norm() /
+                                            want_angular.norm()),
                         at(angle));
     }
   });
@@ -441,15 +468,17 @@ TYPED_TEST(Se3Metric, ParametersAgainstLongDouble) {
 // dq = T^-1(q) U_k - T^-1(-q) U_j;  T^-1(q) - T^-1(-q) = q~;  q_kj = -q_jk;
 // T^-1(q) Ad(g^-1) = T^-1(-q), the parts of T^-1(q) transposed.
 TYPED_TEST(Se3Metric, Identities) {
-  Worst dq("dq", 64 * eps), hat_q("hat_q", 16 * eps), odd("odd", 16 * eps), adjoint_law("adjoint", 32 * eps),
-      transposed("transposed", 32 * eps);
+  Worst dq("dq", 64 * eps), hat_q("hat_q", 16 * eps), odd("odd", 16 * eps),
+      adjoint_law("adjoint", 32 * eps), transposed("transposed", 32 * eps);
   using DualPair = typename TypeParam::template Pair<D1>;
   this->sample(2000, [&](Rng& rng, const Pose<double>& g, double angle, double length) {
     const Pair<TypeParam> pair(g), reverse(inverse(g));
     const Vec6 q = pair.q();
     const DualMatrix<double> T = pair.T_inverse(), Tm = reverse.T_inverse();
     odd.add(twist_error(reverse.q(), -q, length), at(angle));
-    transposed.add(dual_matrix_error(Tm, T.transposed_parts().matrix().template cast<Real>(), length), at(angle));
+    transposed.add(
+        dual_matrix_error(Tm, T.transposed_parts().matrix().template cast<Real>(), length),
+        at(angle));
     const Mat6 skew = twist_hat(q);
     hat_q.add((T.A - Tm.A - skew.topLeftCorner<3, 3>()).cwiseAbs().maxCoeff(), at(angle));
     hat_q.add((T.B - Tm.B - skew.topRightCorner<3, 3>()).cwiseAbs().maxCoeff() / length, at(angle));
@@ -484,7 +513,8 @@ TYPED_TEST(Se3Metric, ForcesAndTheirLinearization) {
     split(pair.forces(W), Fk, minus_Fj);
     const DualMatrix<double> T = pair.T_inverse();
     force.add(twist_error(Fk, T.transpose_times(W), 1 / length), at(angle));
-    force.add(twist_error(minus_Fj, T.transposed_parts().transpose_times(W), 1 / length), at(angle));
+    force.add(twist_error(minus_Fj, T.transposed_parts().transpose_times(W), 1 / length),
+              at(angle));
 
     const Mat6 L = linearized_force(pair, W);
     const Vector6<D1> WD = W.template cast<D1>();
@@ -518,23 +548,26 @@ TYPED_TEST(Se3Metric, PairTangent) {
     const PairTangent<double> t = pair_tangent(g, Fk, L);
 
     const Pose<double> Hj = test::random_pose(rng, length), Hk = Hj * g;
-    Matrix<double, 12, 12> got, want;
+    MatrixXd got(12, 12),
+        want(12, 12);  // run-time sizes: GCC 12 warns of its own AVX-512 headers otherwise
     got << t.jj, t.jk, t.kj, t.kk;
     for (Index c = 0; c < 12; ++c) {
       const Vec6 Uj = c < 6 ? Vec6(Vec6::Unit(c)) : Vec6(Vec6::Zero());
       const Vec6 Uk = c < 6 ? Vec6(Vec6::Zero()) : Vec6(Vec6::Unit(c - 6));
       Vector6<D1> F, minus;
-      split(DualPair(relative(seeded(Hj, Uj), seeded(Hk, Uk))).forces(W.template cast<D1>()), F, minus);
+      split(DualPair(relative(seeded(Hj, Uj), seeded(Hk, Uk))).forces(W.template cast<D1>()), F,
+            minus);
       want.col(c) << -derivative(minus), derivative(F);
     }
-    Matrix<double, 12, 1> both;
+    VecX both(12);
     both << unit, unit;
-    const auto scaled = [&](const Matrix<double, 12, 12>& m) {
+    const auto scaled = [&](const MatrixXd& m) {
       return (both.asDiagonal() * m * both.asDiagonal()).cwiseAbs().maxCoeff();
     };
     error.add(scaled(got - want) / scaled(want), at(angle));
     // without f^U, the change of Ad: not the tangent
-    got.topLeftCorner<6, 6>() = adjoint_inverse(g).matrix().transpose() * L * adjoint_inverse(g).matrix();
+    got.topLeftCorner<6, 6>() =
+        adjoint_inverse(g).matrix().transpose() * L * adjoint_inverse(g).matrix();
     smallest_mutation = std::min(smallest_mutation, scaled(got - want) / scaled(want));
   });
   EXPECT_GT(smallest_mutation, 1e-3) << "the geometric term may be dropped unnoticed";

@@ -77,8 +77,8 @@ TEST(Spectral, PointsAreRootsOfLegendrePolynomials) {
   for (int n = 1; n <= 12; ++n) {
     const auto N = static_cast<unsigned>(n);
     for (const double x : gauss_rule(n).points) {
-      const Real slope = n * (x * std::legendre(N, Real(x)) - std::legendre(N - 1, Real(x))) /
-                         (Real(x) * x - 1);
+      const Real slope =
+          n * (x * std::legendre(N, Real(x)) - std::legendre(N - 1, Real(x))) / (Real(x) * x - 1);
       gauss.add(static_cast<double>(std::abs(std::legendre(N, Real(x)) / slope)));
     }
     for (const double x : gauss_lobatto_rule(n + 1).points) {
@@ -103,7 +103,8 @@ TEST(Spectral, RulesAreExactToTheirDegreeAndNoFurther) {
     for (int degree = 0; degree <= 2 * n - 1; ++degree)
       lobatto.add(static_cast<double>(std::abs(moment_error(l, degree))));
     // N + 1 GLL points overestimate x^2N by (N + 1)/N times what N Gauss points miss.
-    EXPECT_NEAR(static_cast<double>(moment_error(l, 2 * n) / gauss_defect(n)), (n + 1.0) / n, 1e-5) << n;
+    EXPECT_NEAR(static_cast<double>(moment_error(l, 2 * n) / gauss_defect(n)), (n + 1.0) / n, 1e-5)
+        << n;
   }
 }
 
@@ -128,10 +129,10 @@ TEST(Spectral, TabulatedNodesAndWeights) {
   near(gauss_rule(2).points, {-1 / std::sqrt(3.0), 1 / std::sqrt(3.0)});
   near(gauss_rule(3).points, {-std::sqrt(0.6), 0, std::sqrt(0.6)});
   near(gauss_rule(3).weights, {5.0 / 9, 8.0 / 9, 5.0 / 9});
-  near(gauss_rule(4).points, {-0.86113631159405258, -0.33998104358485626, 0.33998104358485626,
-                              0.86113631159405258});
-  near(gauss_rule(4).weights, {0.34785484513745386, 0.65214515486254614, 0.65214515486254614,
-                               0.34785484513745386});
+  near(gauss_rule(4).points,
+       {-0.86113631159405258, -0.33998104358485626, 0.33998104358485626, 0.86113631159405258});
+  near(gauss_rule(4).weights,
+       {0.34785484513745386, 0.65214515486254614, 0.65214515486254614, 0.34785484513745386});
 }
 
 // HB (52): d_jk = P_N(xi_j) / (P_N(xi_k) (xi_j - xi_k)), with -+ N (N + 1)/4 in the corners and zero
@@ -179,7 +180,8 @@ TEST(Spectral, TablesReproducePolynomials) {
       for (Index i = 0; i < t.l_at_points.rows(); ++i) {
         const double xi = t.rule.points[static_cast<std::size_t>(i)];
         unity.add(std::abs(t.l_at_points.row(i).sum() - 1));
-        value.add(std::abs(t.l_at_points.row(i).dot(at_nodes) - static_cast<double>(f(xi))) / magnitude);
+        value.add(std::abs(t.l_at_points.row(i).dot(at_nodes) - static_cast<double>(f(xi))) /
+                  magnitude);
         slope.add(std::abs(t.dl_at_points.row(i).dot(at_nodes) - static_cast<double>(f.slope(xi))) /
                   (magnitude * n * n));
       }
@@ -188,7 +190,8 @@ TEST(Spectral, TablesReproducePolynomials) {
         const VecX l = lagrange(t.nodes.points, xi), dl = lagrange_derivative(t.nodes.points, xi);
         unity.add(std::abs(l.sum() - 1));
         value.add(std::abs(l.dot(at_nodes) - static_cast<double>(f(xi))) / magnitude);
-        slope.add(std::abs(dl.dot(at_nodes) - static_cast<double>(f.slope(xi))) / (magnitude * n * n));
+        slope.add(std::abs(dl.dot(at_nodes) - static_cast<double>(f.slope(xi))) /
+                  (magnitude * n * n));
       }
     }
   }

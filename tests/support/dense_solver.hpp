@@ -1,5 +1,5 @@
 // A dense matrix behind the solver's interface: shows the tests what has been assembled, and solves by
-// LU with full pivoting.
+// LU with full pivoting of the matrix scaled to largest entries of 1 in rows and columns.
 #pragma once
 
 #include <Eigen/Dense>
@@ -27,7 +27,8 @@ class DenseSolver : public LinearSolver {
       if (row < 0 || column < 0) {
         slots_.push_back({trash_.data(), trash_.rows()});
       } else {
-        double* place = &S_(first[static_cast<std::size_t>(row)], first[static_cast<std::size_t>(column)]);
+        double* place =
+            &S_(first[static_cast<std::size_t>(row)], first[static_cast<std::size_t>(column)]);
         slots_.push_back({place, n});
       }
     }
@@ -36,7 +37,11 @@ class DenseSolver : public LinearSolver {
   void set_zero() override { S_.setZero(); }
 
   FactorStatus factor() override {
-    lu_.compute(S_);
+    const auto inverse = [](double x) { return x > 0.0 ? 1.0 / x : 1.0; };
+    rows_ = S_.cwiseAbs().rowwise().maxCoeff().unaryExpr(inverse);
+    columns_ =
+        (rows_.asDiagonal() * S_).cwiseAbs().colwise().maxCoeff().transpose().unaryExpr(inverse);
+    lu_.compute(rows_.asDiagonal() * S_ * columns_.asDiagonal());
     return lu_.isInvertible() ? FactorStatus::ok : FactorStatus::singular;
   }
   // The unknown with the largest share in the first vector of the kernel.
@@ -48,7 +53,7 @@ class DenseSolver : public LinearSolver {
   }
   void solve(std::span<double> x) const override {
     Eigen::Map<VecX> v(x.data(), static_cast<Index>(x.size()));
-    v = lu_.solve(VecX(v));
+    v = columns_.cwiseProduct(VecX(lu_.solve(rows_.cwiseProduct(VecX(v)))));
   }
   double reciprocal_condition() const override { return lu_.rcond(); }
   Index nonzeros() const override { return S_.size(); }
@@ -57,6 +62,7 @@ class DenseSolver : public LinearSolver {
 
  private:
   Eigen::MatrixXd S_, trash_;
+  VecX rows_, columns_;  // scales
   Eigen::FullPivLU<Eigen::MatrixXd> lu_;
   std::vector<Slot> slots_;
 };

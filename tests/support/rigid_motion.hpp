@@ -10,10 +10,11 @@
 namespace mbd::test {
 
 struct FixedPointBody {
-  double mass = 0.0;                                   // [kg]
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();    // mass centre from the fixed point, body axes [m]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();   // J [kg.m2]
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // inertial [m/s2]
+  double mass = 0.0;  // [kg]
+  Eigen::Vector3d center =
+      Eigen::Vector3d::Zero();  // mass centre from the fixed point, body axes [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // J [kg.m2]
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // inertial [m/s2]
 };
 
 struct FixedPointState {

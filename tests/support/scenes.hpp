@@ -19,7 +19,9 @@ inline constexpr Metric all_metrics[] = {Metric::matrix, Metric::quaternion, Met
 inline constexpr Form all_forms[] = {Form::energy, Form::paper};
 
 inline std::string name_of(Metric metric) {
-  return metric == Metric::matrix ? "matrix" : metric == Metric::quaternion ? "quaternion" : "geodesic";
+  return metric == Metric::matrix       ? "matrix"
+         : metric == Metric::quaternion ? "quaternion"
+                                        : "geodesic";
 }
 inline std::string name_of(Form form) { return form == Form::energy ? "energy" : "paper"; }
 

@@ -1,0 +1,437 @@
+// Measured orders of accuracy: two in the time step, for motion and multipliers both; 2 N in the length
+// of a beam's elements.
+//
+// In time: rms over samples common to all steps, divided by the rms of the reference over the same samples.
+//   heavy_top  mass centre, and reaction in body axes, every 1 ms to 1 s; Euler's equations
+//   pendulum   position, and tension, every 10 ms to 2 s; equation of the pendulum
+//   shaft      u2 and u3 of mid-span, all multipliers of joint R, all of joint T, every 5 ms to 2.5 s; the
+//              same mesh with much smaller steps
+// In space: bend45, error of the tip's displacement (Euclidean norm) divided by the converged one.
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/support/rigid_motion.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test {
+namespace {
+
+using Columns = std::vector<const std::vector<double>*>;
+using Eigen::Vector3d;
+
+std::string listed(const std::vector<double>& x) { return testing::PrintToString(x); }
+
+Columns components(const Table& t, const std::string& name, int count = 3) {
+  Columns columns;
+  for (int i = 1; i <= count; ++i) columns.push_back(&t[name + "." + std::to_string(i)]);
+  return columns;
+}
+
+RecordScene joint_record(const std::string& joint) {
+  RecordScene record;
+  record.name = "joint_" + joint;
+  record.joint = joint;
+  record.quantities = {"force", "moment"};
+  return record;
+}
+
+// ---- rigid bodies -----------------------------------------------------------------------------
+
+struct RigidCase {
+  FixedPointBody body;
+  FixedPointState start;
+  std::string model, place, joint;
+  double interval, duration;  // of the samples [s]
+};
+
+RigidCase heavy_top() {
+  RigidCase c;
+  c.body.mass = 15;
+  c.body.center = {0, 1, 0};
+  c.body.inertia = Vector3d(.234375 + 15, .46875, .234375 + 15).asDiagonal();
+  c.body.gravity = {0, 0, -9.81};
+  c.start.w = {0, 150, -4.61538};
+  c.model = "heavy_top", c.place = "top", c.joint = "O";
+  c.interval = 1e-3, c.duration = 1;
+  return c;
+}
+
+// A bob without inertia of its own; about the rod any will do, it does not turn that way.
+RigidCase pendulum() {
+  RigidCase c;
+  c.body.mass = 1;
+  c.body.center = {-1, 0, 0};
+  c.body.inertia = Vector3d(1, 1, 1).asDiagonal();
+  c.body.gravity = {0, -9.81, 0};
+  c.model = "pendulum", c.place = "bob", c.joint = "O";
+  c.interval = 1e-2, c.duration = 2;
+  return c;
+}
+
+struct RigidReference {
+  std::vector<std::vector<double>> position{3}, force{3};
+  std::vector<double> tension;
+};
+
+RigidReference reference_of(const RigidCase& c) {
+  RigidReference r;
+  const int count = static_cast<int>(std::lround(c.duration / c.interval));
+  for (const FixedPointState& s : integrate(c.body, c.start, c.interval, count, 200)) {
+    const Vector3d x = position(c.body, s), f = reaction(c.body, s);
+    for (std::size_t i = 0; i < 3; ++i) {
+      r.position[i].push_back(x(static_cast<Index>(i)));
+      r.force[i].push_back(f(static_cast<Index>(i)));
+    }
+    r.tension.push_back(-f.dot(c.body.center.normalized()));
+  }
+  return r;
+}
+
+Columns columns_of(const std::vector<std::vector<double>>& x) {
+  Columns columns;
+  for (const std::vector<double>& one : x) columns.push_back(&one);
+  return columns;
+}
+
+// Component of a force, given in the joint's frame, along the direction it has when it is largest: that of
+// the rod, which turns with the frame.
+std::vector<double> along_largest(const Columns& force) {
+  const auto at = [&force](std::size_t k) {
+    return Vector3d((*force[0])[k], (*force[1])[k], (*force[2])[k]);
+  };
+  Vector3d largest = Vector3d::Zero();
+  for (std::size_t k = 0; k < force[0]->size(); ++k)
+    if (at(k).norm() > largest.norm()) largest = at(k);
+  std::vector<double> component;
+  for (std::size_t k = 0; k < force[0]->size(); ++k)
+    component.push_back(at(k).dot(largest.normalized()));
+  return component;
+}
+
+struct TimeErrors {
+  std::vector<double> motion, multipliers;
+};
+
+TimeErrors rigid_errors(const RigidCase& c, const Scene& model, double rho,
+                        const std::vector<double>& steps) {
+  const RigidReference reference = reference_of(c);
+  TimeErrors errors;
+  for (const double h : steps) {
+    Scene scene = model;
+    scene.records.push_back(joint_record(c.joint));
+    scene.transient->step = h;
+    scene.transient->duration = c.duration;
+    scene.transient->rho_infinity = rho;
+    const History history = run_to_table(scene, std::lround(c.interval / h));
+    EXPECT_TRUE(history.report.complete()) << history.report.failure;
+    const Table& t = history.table;
+    const std::size_t n = reference.tension.size();
+    EXPECT_EQ(t.rows(), n);
+    errors.motion.push_back(
+        relative_rms(components(t, c.place + ".position"), columns_of(reference.position), 0, n));
+    const Columns force = components(t, "joint_" + c.joint + ".force");
+    if (c.model == "pendulum") {
+      const std::vector<double> tension = along_largest(force);
+      errors.multipliers.push_back(relative_rms({&tension}, {&reference.tension}, 0, n));
+    } else {
+      errors.multipliers.push_back(relative_rms(force, columns_of(reference.force), 0, n));
+    }
+  }
+  return errors;
+}
+
+void expect_order(const std::string& what, std::span<const double> h,
+                  const std::vector<double>& error, double order, double tolerance) {
+  for (const double slope : orders(h, error))
+    EXPECT_NEAR(slope, order, tolerance)
+        << what << ": errors " << listed(error) << ", slopes " << listed(orders(h, error));
+}
+
+class OrderInTime : public testing::TestWithParam<double> {};  // rho_infinity
+
+// Slopes measured, from 5e-4 to 6.25e-5 s: motion 1.89, 1.94, 1.97 (rho 0), 1.98 … 2.00 (others);
+// multipliers 1.99 … 2.00. The top turns by 150 rad/s.
+TEST_P(OrderInTime, HeavyTop) {
+  const std::vector<double> h = {5e-4, 2.5e-4, 1.25e-4, 6.25e-5};
+  const TimeErrors e = rigid_errors(heavy_top(), model_scene("heavy_top"), GetParam(), h);
+  expect_order("motion", h, e.motion, 2.0, GetParam() == 0.0 ? 0.15 : 0.05);
+  expect_order("multipliers", h, e.multipliers, 2.0, 0.05);
+  EXPECT_LT(e.motion.back(), 2e-3);
+  EXPECT_LT(e.multipliers.back(), 2.5e-3);
+}
+
+// 1.97 … 2.00 for motion and multipliers.
+TEST_P(OrderInTime, Pendulum) {
+  const std::vector<double> h = {1e-2, 5e-3, 2.5e-3, 1.25e-3};
+  const TimeErrors e = rigid_errors(pendulum(), model_scene("pendulum"), GetParam(), h);
+  expect_order("motion", h, e.motion, 2.0, 0.05);
+  expect_order("multipliers", h, e.multipliers, 2.0, 0.05);
+  EXPECT_LT(e.motion.back(), 3e-5);
+  EXPECT_LT(e.multipliers.back(), 3e-5);
+}
+
+// Multipliers of order 2 from the first step: errors at the first, second, … fifth accepted time, whatever
+// the step. (Not so for every start: a chain with initial rates starts with errors of order 1 in the
+// multipliers, see below.)
+TEST_P(OrderInTime, OfTheFirstMultipliersOfHeavyTop) {
+  const std::vector<double> h = {1e-3, 5e-4, 2.5e-4, 1.25e-4};
+  for (std::size_t k = 1; k <= 5; ++k) {
+    std::vector<double> errors;
+    for (const double step : h) {
+      RigidCase c = heavy_top();
+      c.interval = step;
+      c.duration = 5 * step;
+      const RigidReference reference = reference_of(c);
+      Scene scene = model_scene("heavy_top");
+      scene.records.push_back(joint_record("O"));
+      scene.transient->step = step;
+      scene.transient->duration = c.duration;
+      scene.transient->rho_infinity = GetParam();
+      const History history = run_to_table(scene);
+      errors.push_back(relative_rms(components(history.table, "joint_O.force"),
+                                    columns_of(reference.force), k, k + 1));
+    }
+    EXPECT_GT(fitted_order(h, errors), 1.9) << "accepted time " << k << ": " << listed(errors);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, OrderInTime, testing::Values(0.0, 0.5, 0.8, 0.9));
+
+// What the tests above would see: 10 % of a mass or an inertia, and the error stays where it is.
+TEST(OrderInTimeMutation, MassAndInertia) {
+  const std::vector<double> h = {5e-4, 2.5e-4, 1.25e-4};
+  Scene top = model_scene("heavy_top");
+  top.bodies.at(0).inertia(1, 1) *= 0.9;  // about the spin axis; 1.1 would be no body
+  TimeErrors e = rigid_errors(heavy_top(), top, 0.5, h);
+  EXPECT_LT(fitted_order(h, e.motion), 1.0) << listed(e.motion);
+  EXPECT_LT(fitted_order(h, e.multipliers), 1.0) << listed(e.multipliers);
+  EXPECT_GT(e.motion.back(), 2e-3);
+
+  top = model_scene("heavy_top");
+  top.bodies.at(0).mass *= 1.1;
+  e = rigid_errors(heavy_top(), top, 0.5, h);
+  EXPECT_LT(fitted_order(h, e.motion), 1.0) << listed(e.motion);
+  EXPECT_LT(fitted_order(h, e.multipliers), 1.0) << listed(e.multipliers);
+
+  const std::vector<double> H = {1e-2, 5e-3, 2.5e-3};
+  Scene swing = model_scene("pendulum");
+  swing.bodies.at(0).mass *= 1.1;  // the motion does not depend on it
+  e = rigid_errors(pendulum(), swing, 0.5, H);
+  expect_order("motion", H, e.motion, 2.0, 0.05);
+  EXPECT_LT(fitted_order(H, e.multipliers), 0.5) << listed(e.multipliers);
+
+  swing = model_scene("pendulum");
+  swing.bodies.at(0).inertia = 0.1 * Mat3::Identity();  // of m L^2
+  e = rigid_errors(pendulum(), swing, 0.5, H);
+  EXPECT_LT(fitted_order(H, e.motion), 0.5) << listed(e.motion);
+  EXPECT_LT(fitted_order(H, e.multipliers), 0.5) << listed(e.multipliers);
+}
+
+// Three rods on spherical joints that start turning about two axes: motion is of order 2 from the start; the
+// multipliers have errors of order 1 in the first steps (2.4e-3, 1.2e-3, 5.7e-4 in the first, rho 0). This is
+// known of index-3 schemes of this kind (Arnold, Bruels, Cardona 2015) and dies out as rho_infinity^n; at a
+// fixed time the order is 2. A start with A(0) = Vdot((alpha_m - alpha_f) h) alone does not mend it (tried).
+// Against runs of the same scene with h/16; all reactions, Euclidean norm, relative.
+TEST(OrderInTimeOfStarts, OfAChainThatStartsTurning) {
+  for (const double rho : {0.0, 0.5}) {
+    const std::vector<double> h = {1e-3, 5e-4, 2.5e-4};
+    std::vector<double> first, fixed;
+    for (const double step : h) {
+      Scene scene = model_scene("chain", {{"N", "3"}});
+      for (BodyScene& rod : scene.bodies) {
+        rod.angular_velocity = {0, 3, 5};
+        rod.velocity = Vec3(0, 3, 5).cross(rod.at);
+      }
+      scene.records.clear();
+      Columns a, b;
+      for (const JointScene& joint : scene.joints)
+        scene.records.push_back(joint_record(joint.name));
+      scene.transient->rho_infinity = rho;
+      scene.transient->duration = 0.02;
+      scene.transient->step = step;
+      const Table coarse = run_to_table(scene).table;
+      scene.transient->step = step / 16;
+      const Table fine = run_to_table(scene, 16).table;
+      for (const JointScene& joint : scene.joints) {
+        for (const auto* column : components(coarse, "joint_" + joint.name + ".force"))
+          a.push_back(column);
+        for (const auto* column : components(fine, "joint_" + joint.name + ".force"))
+          b.push_back(column);
+      }
+      first.push_back(relative_rms(a, b, 1, 2));
+      fixed.push_back(relative_rms(a, b, coarse.rows() - 1, coarse.rows()));
+    }
+    // First order is what is known of this start. Should it become 2, this test may say so.
+    EXPECT_GT(fitted_order(h, first), 0.9) << rho << ": " << listed(first);
+    EXPECT_GT(fitted_order(h, fixed), 1.9) << rho << ": " << listed(fixed);
+  }
+}
+
+// ---- the shaft --------------------------------------------------------------------------------
+
+class OrderInTimeSlow : public testing::TestWithParam<double> {};
+
+Table run_shaft(double rho, int refinement) {
+  Scene scene = model_scene("shaft");
+  scene.transient->rho_infinity = rho;
+  scene.transient->step = 5e-3 / refinement;
+  scene.records.push_back(joint_record("R"));
+  scene.records.push_back(joint_record("T"));
+  History history = run_to_table(scene, refinement);
+  EXPECT_TRUE(history.report.complete()) << history.report.failure;
+  EXPECT_EQ(history.table.rows(), 501u);
+  return std::move(history.table);
+}
+
+// Slopes from 2.5 to .3125 ms, rho 0: motion 1.94, 1.96, 1.99; R 1.90 … 1.99; T 1.83 … 1.99; others
+// 1.98 … 2.02. Reference: steps of 5/128 ms, the error of which is 1/64 of the last and adds .01.
+TEST_P(OrderInTimeSlow, Shaft) {
+  const double rho = GetParam();
+  const Table reference = run_shaft(rho, 128);
+  std::vector<double> h, motion, R_force, R_moment, T_force, T_moment;
+  for (const int refinement : {2, 4, 8, 16}) {
+    const Table t = run_shaft(rho, refinement);
+    const auto error = [&](const Columns& x, const Columns& y) {
+      return relative_rms(x, y, 0, t.rows());
+    };
+    h.push_back(5e-3 / refinement);
+    motion.push_back(error({&t["M.displacement.2"], &t["M.displacement.3"]},
+                           {&reference["M.displacement.2"], &reference["M.displacement.3"]}));
+    for (const auto& [name, errors] :
+         {std::pair{"joint_R.force", &R_force}, std::pair{"joint_R.moment", &R_moment},
+          std::pair{"joint_T.force", &T_force}, std::pair{"joint_T.moment", &T_moment}})
+      errors->push_back(error(components(t, name), components(reference, name)));
+  }
+  const double tolerance = rho == 0.0 ? 0.2 : 0.06;
+  expect_order("motion", h, motion, 2.0, tolerance);
+  expect_order("force at R", h, R_force, 2.0, tolerance);
+  expect_order("moment at R", h, R_moment, 2.0, tolerance);
+  expect_order("force at T", h, T_force, 2.0, tolerance);
+  expect_order("moment at T", h, T_moment, 2.0, tolerance);
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, OrderInTimeSlow, testing::Values(0.0, 0.5, 0.8));
+
+// ---- in space ---------------------------------------------------------------------------------
+
+const Vec3 converged_tip(-13.73548151312558962, -23.82504922387786265, 53.61385809953141840);
+
+Vec3 tip_displacement(const Scene& scene) {
+  const History history = run_to_table(scene);
+  EXPECT_TRUE(history.report.complete()) << history.report.failure;
+  const Columns u = components(history.table, "tip.displacement");
+  return {u[0]->back(), u[1]->back(), u[2]->back()};
+}
+
+double tip_error(const Scene& scene) {
+  return (tip_displacement(scene) - converged_tip).norm() / converged_tip.norm();
+}
+
+Scene bend(Metric metric, Form form, int order, int elements, Rule rule = Rule::gauss) {
+  Scene scene = with(model_scene("bend45", {{"in", "1"}, {"lb", "1"}}), metric, form);
+  scene.beams.at(0).order = order;
+  scene.beams.at(0).elements = elements;
+  scene.beams.at(0).rule = rule;
+  return scene;
+}
+
+// Meshes that are fine enough to show the order, and errors above the round-off of the solution, which is
+// about 1e-15 of the displacement.
+const std::vector<std::vector<int>> meshes = {
+    {16, 32, 64}, {8, 16, 32}, {4, 8, 16}, {4, 8, 16}, {2, 4, 8}};  // N = 1, 2, …
+constexpr double finest[] = {5e-4, 1e-6, 1e-8, 1e-11, 1e-11};       // bounds of the finest's error
+
+class OrderInSpace : public testing::TestWithParam<std::tuple<Metric, Form>> {};
+
+// Slopes of the last halving, worst of metrics and forms: N = 1 1.999, 2 3.98, 3 5.96, 4 7.59, 5 9.77.
+TEST_P(OrderInSpace, IsTwiceTheOrderOfTheElements) {
+  const auto [metric, form] = GetParam();
+  for (int N = 1; N <= 5; ++N) {
+    std::vector<double> length, error;
+    for (const int elements : meshes[static_cast<std::size_t>(N - 1)]) {
+      length.push_back(1.0 / elements);
+      error.push_back(tip_error(bend(metric, form, N, elements)));
+    }
+    const std::vector<double> slopes = orders(length, error);
+    EXPECT_NEAR(slopes.back(), 2.0 * N, 0.06 * 2 * N)
+        << "N = " << N << ": errors " << listed(error) << ", slopes " << listed(slopes);
+    EXPECT_NEAR(fitted_order(length, error), 2.0 * N, 0.1 * 2 * N) << "N = " << N;
+    EXPECT_LT(error.back(), finest[static_cast<std::size_t>(N - 1)]) << "N = " << N;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, OrderInSpace,
+                         testing::Combine(testing::ValuesIn(all_metrics),
+                                          testing::ValuesIn(all_forms)),
+                         [](const auto& p) {
+                           return name_of(std::get<0>(p.param)) + "_" +
+                                  name_of(std::get<1>(p.param));
+                         });
+
+// Errors of the geodesic metric and the paper's form that the scene lists, to their two or three digits.
+TEST(Bend45, HasTheListedErrors) {
+  struct Row {
+    int order, elements;
+    double error, tolerance;
+    Rule rule = Rule::gauss;
+  };
+  for (const Row& row :
+       {Row{2, 8, 8.28e-6, 0.01}, Row{2, 16, 5.29e-7, 0.01}, Row{3, 8, 2.98e-8, 0.01},
+        Row{3, 16, 4.77e-10, 0.01}, Row{4, 8, 5.48e-11, 0.01}, Row{4, 16, 2.20e-13, 0.1},
+        Row{5, 8, 9.21e-14, 0.1}, Row{2, 8, 3.7e-3, 0.02, Rule::gauss_lobatto},
+        Row{3, 8, 5.3e-6, 0.02, Rule::gauss_lobatto}}) {
+    EXPECT_NEAR(tip_error(bend(Metric::geodesic, Form::paper, row.order, row.elements, row.rule)),
+                row.error, row.tolerance * row.error)
+        << "N = " << row.order << ", " << row.elements << " elements";
+  }
+}
+
+// The paper's table 1, 8 three-node elements, Gauss and Gauss-Lobatto, to the printed digits; its section
+// was not rounded, which is worth 1e-3.
+TEST(Bend45, AgreesWithThePaper) {
+  const Vec3 gauss = tip_displacement(bend(Metric::geodesic, Form::paper, 2, 8));
+  const Vec3 lobatto =
+      tip_displacement(bend(Metric::geodesic, Form::paper, 2, 8, Rule::gauss_lobatto));
+  EXPECT_LT((gauss - Vec3(-13.731, -23.818, 53.607)).cwiseAbs().maxCoeff(), 1e-2);
+  EXPECT_LT((lobatto - Vec3(-13.670, -23.712, 53.421)).cwiseAbs().maxCoeff(), 1e-2);
+}
+
+TEST(Bend45, WithoutCoupling) {
+  Scene scene = bend(Metric::geodesic, Form::energy, 4, 8);
+  scene.sections.at(0).stiffness(0, 5) = scene.sections.at(0).stiffness(5, 0) = 0.0;
+  const Vec3 u = tip_displacement(scene);
+  EXPECT_LT((u - Vec3(-13.73505, -23.82530, 53.61372)).cwiseAbs().maxCoeff(), 6e-6);
+}
+
+// The Gauss-Lobatto rule locks: N points instead of the Gauss points, an error a hundred times larger.
+TEST(Bend45, GaussLobattoLocks) {
+  for (const Form form : all_forms) {
+    for (int N = 2; N <= 4; ++N) {
+      const double gauss = tip_error(bend(Metric::geodesic, form, N, 8));
+      const double lobatto = tip_error(bend(Metric::geodesic, form, N, 8, Rule::gauss_lobatto));
+      EXPECT_GT(lobatto, 100 * gauss) << "N = " << N;
+    }
+  }
+}
+
+// 10 % more of any entry of D, and the error is no longer one of the mesh.
+TEST(OrderInSpaceMutation, AnyEntryOfTheStiffness) {
+  for (const auto& [i, j] : {std::pair{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {0, 5}}) {
+    std::vector<double> length, error;
+    for (const int elements : {4, 8, 16}) {
+      Scene scene = bend(Metric::geodesic, Form::energy, 3, elements);
+      Mat6& D = scene.sections.at(0).stiffness;
+      D(i, j) *= 1.1;
+      if (i != j) D(j, i) *= 1.1;
+      length.push_back(1.0 / elements);
+      error.push_back(tip_error(scene));
+    }
+    EXPECT_LT(orders(length, error).back(), 1.0) << i + 1 << j + 1 << ": " << listed(error);
+    EXPECT_GT(error.back(), 1e-8) << i + 1 << j + 1;
+  }
+}
+
+}  // namespace
+}  // namespace mbd::test
