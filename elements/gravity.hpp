@@ -32,13 +32,12 @@ struct NodalGravity {
   template <Want want, class S>
   static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x,
                     const Environment& env, RateWeights, Output<S>& out) {
-    const Vector3<S> g = (env.load_factor * shared.g).template cast<S>();
-    const Vector3<S> b = x[0].H.p.conjugate() * g;
-    const Vector3<S> mc = data.mc.template cast<S>();
-    out.r = six<S>(S(-data.m) * b, b.cross(mc));
+    Vector3<S> b;
+    residual(shared, data, x[0], env, b, out);
     if constexpr (want == Want::tangent) {
       const Matrix3<S> bh = hat(b);
-      out.K << Matrix3<S>::Zero(), S(-data.m) * bh, Matrix3<S>::Zero(), -hat(mc) * bh;
+      out.K << Matrix3<S>::Zero(), S(-data.m) * bh, Matrix3<S>::Zero(),
+          -hat(Vector3<S>(data.mc.template cast<S>())) * bh;
     }
     return S(1);
   }
@@ -47,6 +46,17 @@ struct NodalGravity {
                            const Environment& env) {
     const Vec3 moment = data.m * x[0].H.r + x[0].H.p * data.mc;
     return {.kinetic = 0.0, .strain = 0.0, .potential = -env.load_factor * shared.g.dot(moment)};
+  }
+
+ private:
+  // Not inlined: the same to the last bit with and without the tangent.
+  template <class S>
+  [[gnu::noinline]] static void residual(const Shared& shared, const Data& data,
+                                         const NodeState<S>& x, const Environment& env,
+                                         Vector3<S>& b, Output<S>& out) {
+    const Vector3<S> g = (env.load_factor * shared.g).template cast<S>();
+    b = x.H.p.conjugate() * g;
+    out.r = six<S>(S(-data.m) * b, b.cross(Vector3<S>(data.mc.template cast<S>())));
   }
 };
 

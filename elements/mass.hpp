@@ -35,10 +35,10 @@ struct Mass {
   template <Want want, class S>
   static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment&,
                     RateWeights w, Output<S>& out) {
-    const Matrix6<S> M = data.M.cast<S>();
-    const Vector6<S> p = times<S>(M, x[0].V);
-    out.r = times<S>(M, x[0].Vdot) - twist_hat_transpose_times(x[0].V, p);
+    Vector6<S> p;
+    residual(data, x[0], p, out);
     if constexpr (want == Want::tangent) {
+      const Matrix6<S> M = data.M.cast<S>();
       const Matrix6<S> G = twist_hat(x[0].V).transpose().lazyProduct(M) + wrench_hat(p);
       out.D = S(w.A) * M - S(w.V) * G;
     }
@@ -49,6 +49,16 @@ struct Mass {
                            const Environment&) {
     const Vec6 p = data.M * x[0].V;
     return {.kinetic = 0.5 * x[0].V.dot(p), .strain = 0.0, .potential = 0.0};
+  }
+
+ private:
+  // Not inlined: the same to the last bit with and without the tangent.
+  template <class S>
+  [[gnu::noinline]] static void residual(const Data& data, const NodeState<S>& x, Vector6<S>& p,
+                                         Output<S>& out) {
+    const Matrix6<S> M = data.M.cast<S>();
+    p = times<S>(M, x.V);
+    out.r = times<S>(M, x.Vdot) - twist_hat_transpose_times(x.V, p);
   }
 };
 

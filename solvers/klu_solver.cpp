@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 
@@ -107,11 +108,14 @@ class KluSolver : public LinearSolver {
   Index singular_row() const override { return singular_row_; }
 
   void solve(std::span<double> x) const override {
-    if (n_ > 0) klu_solve(symbolic_, numeric_, n_, 1, x.data(), &common_);
+    if (n_ == 0) return;
+    if (numeric_ == nullptr || klu_solve(symbolic_, numeric_, n_, 1, x.data(), &common_) != 1)
+      std::fill(x.begin(), x.end(), std::numeric_limits<double>::quiet_NaN());
   }
 
   double reciprocal_condition() const override {
     if (n_ == 0) return 1.0;
+    if (numeric_ == nullptr) return 0.0;
     auto* Ax = const_cast<double*>(Ax_.data());  // KLU's interface is not const-correct
     if (klu_condest(const_cast<int*>(Ap_.data()), Ax, symbolic_, numeric_, &common_) != 1)
       return 0.0;

@@ -51,7 +51,7 @@ class LinearSolver {
   virtual FactorStatus factor() = 0;
   virtual Index singular_row() const = 0;
 
-  // x := S^-1 x, with the last factorisation that was ok.
+  // x := S^-1 x. NaN if the last factorisation was not ok: there is none to solve with.
   virtual void solve(std::span<double> x) const = 0;
 
   // Estimate of 1 / (|S| |S^-1|) of the last factorisation.
