@@ -9,7 +9,7 @@
 //   T^-1 is a dual matrix A + eps B: it acts as [ A B ; 0 A ]
 //
 // Coefficients, with x = theta^2 (each has a series below a threshold at which the closed form has lost
-// less than a digit, so that the whole range of angles is accurate to a few ulp):
+// about a digit; a2' loses one and a2'' two just above it, at 140 degrees, the others a few ulp at most):
 //   s(x)  = sin(theta/2)/theta      b(x) = (1 - cos theta)/theta^2 = 2 s^2
 //   c(x)  = (theta - sin theta)/theta^3
 //   a2(x) = (1 - (theta/2) cot(theta/2))/theta^2, its first and second derivative in x.
