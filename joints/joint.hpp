@@ -11,7 +11,8 @@
 //   direction:  f = lambda [ 0 ; e_j x c ],       L = lambda [ 0 0 ; 0  e_j~ c~ ]                    (4)
 // and z = Ad(b) U_Q - Ad(g^-1) Ad(a) U_P takes them to the nodes (metrics.hpp (4)).
 //
-// lambda: what b exerts on a through the joint (the joint exerts -lambda on b), resolved in b: force [N] for positions, moment [N.m] for
+// lambda: what b exerts on a through the joint (the joint exerts -lambda on b), resolved in b: force
+// [N] for positions, moment [N.m] for
 // directions and angles (unit gradients on the solution). Rows are resolved in b, which moves with the
 // joint, so the gradient keeps still while the mechanism turns (speed.md).
 // Not used: the log of R (singular at pi, and shafts turn for ever); a_3 . b_3 = 1 (its gradient vanishes
