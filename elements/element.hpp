@@ -25,6 +25,7 @@ struct Environment {
   double t = 0.0;                        // [s]
   double load_factor = 1.0;              // on every load
   std::span<const SignalValue> signals;  // values at t
+  double momentum_rate = 0.0;            // as in State
 };
 
 // Weights of dr/dV and dr/dVdot in the rate tangent D of an element.

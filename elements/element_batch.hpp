@@ -82,6 +82,16 @@ class ElementBatch : public Base {
     return sum;
   }
 
+  void add_momenta(const State& state, std::span<Vec6> p) const override {
+    if constexpr (requires(const NodeState<double>* x) { E::momentum(shared_, data_[0], x); }) {
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        NodeStates x;
+        gather(state, e, x);
+        p[static_cast<std::size_t>(nodes_[e])] += E::momentum(shared_, data_[e], x.data());
+      }
+    }
+  }
+
   static constexpr int max_nodes = E::template Output<double>::Vector::MaxRowsAtCompileTime / 6;
   using NodeStates = std::array<NodeState<double>, static_cast<std::size_t>(max_nodes)>;
 
@@ -107,7 +117,7 @@ class ElementBatch : public Base {
   int count() const { return E::nodes == Eigen::Dynamic ? n_ : E::nodes; }
 
   static Environment environment(const State& state) {
-    return {state.t, state.load_factor, state.signals};
+    return {state.t, state.load_factor, state.signals, state.momentum_rate};
   }
 
   template <Want want>

@@ -7,6 +7,9 @@
 //
 //   r = M Vdot - V~^T M V       dr/dVdot = M,   dr/dV = -( V~^T M + (M V)^U )                      (1)
 //   kinetic energy 1/2 V^T M V; HB 39-40. Depends on no pose: body-frame variables.
+// A stepper that balances momenta instead (generalized_alpha.hpp) sets State::momentum_rate = c and adds
+// what the past contributes itself:
+//   r = c M V,   dr/dV = c M                                                                        (2)
 // Not used: consistent mass with N + 1 Gauss points; it couples nodes in the tangent, and body-frame
 // velocities interpolated between nodes do not conserve momentum exactly. GLL sums do.
 #pragma once
@@ -33,12 +36,16 @@ struct Mass {
   static int node_count(const Shared&) { return 1; }
 
   template <Want want, class S>
-  static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment&,
+  static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment& env,
                     RateWeights w, Output<S>& out) {
     Vector6<S> p;
-    residual(data, x[0], p, out);
+    residual(data, x[0], env.momentum_rate, p, out);
     if constexpr (want == Want::tangent) {
       const Matrix6<S> M = data.M.cast<S>();
+      if (env.momentum_rate != 0.0) {
+        out.D = S(w.V * env.momentum_rate) * M;
+        return S(1);
+      }
       const Matrix6<S> G = twist_hat(x[0].V).transpose().lazyProduct(M) + wrench_hat(p);
       out.D = S(w.A) * M - S(w.V) * G;
     }
@@ -51,14 +58,22 @@ struct Mass {
     return {.kinetic = 0.5 * x[0].V.dot(p), .strain = 0.0, .potential = 0.0};
   }
 
+  // M V, node frame [N.s, N.m.s].
+  static Vec6 momentum(const Shared&, const Data& data, const NodeState<double>* x) {
+    return data.M * x[0].V;
+  }
+
  private:
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>
-  [[gnu::noinline]] static void residual(const Data& data, const NodeState<S>& x, Vector6<S>& p,
-                                         Output<S>& out) {
+  [[gnu::noinline]] static void residual(const Data& data, const NodeState<S>& x, double rate,
+                                         Vector6<S>& p, Output<S>& out) {
     const Matrix6<S> M = data.M.cast<S>();
     p = times<S>(M, x.V);
-    out.r = times<S>(M, x.Vdot) - twist_hat_transpose_times(x.V, p);
+    if (rate != 0.0)
+      out.r = S(rate) * p;
+    else
+      out.r = times<S>(M, x.Vdot) - twist_hat_transpose_times(x.V, p);
   }
 };
 

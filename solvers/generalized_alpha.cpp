@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "libmbd/core/error.hpp"
@@ -16,7 +17,10 @@ constexpr double theta_floor = 0.1;
 constexpr double theta_memory = 0.3;    // how fast a good contraction is believed
 constexpr double theta_refactor = 0.5;  // worse: a new tangent inside the step
 constexpr double theta_fresh = 0.05;    // assumed of a new tangent
-constexpr double jump_rounding = 1e-6;  // of a step: what sums of steps can be wrong by, and more
+constexpr double time_rounding = 1e-6;  // of a step: what sums of steps can be wrong by, and more
+constexpr double same_step = 1e-3;      // steps that differ less share a tangent
+constexpr int most_halvings = 40;
+constexpr int successes_double = 4;  // so many small steps in a row: back to twice the size
 constexpr int iterations_refactor = 3;  // this many: a new tangent at the next step
 
 }  // namespace
@@ -43,25 +47,40 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   if (!system.with_rates())
     throw Error("the system was compiled for statics: it has no inertia to integrate");
-  solver_->analyze(system.graph());
+  if (!(options.max_halvings >= 0 && options.max_halvings <= most_halvings))
+    throw Error(fmt::format("max_halvings must lie in 0 … {}, not {}", most_halvings,
+                            options.max_halvings));
+  BlockGraph graph = system.graph();
   const auto n = static_cast<std::size_t>(system.nodes());
+  if (options.balance == Balance::momentum) {
+    momentum_.resize(n);
+    p_.resize(n);
+    for (int k = 0; k + 1 < system.nodes(); ++k) graph.contributions.push_back({k, k});
+  }
+  solver_->analyze(graph);
   Q_.assign(n, Vec6::Zero());
   A_.assign(n, Vec6::Zero());
-  A_end_.assign(n, Vec6::Zero());
   Vdot_old_.assign(n, Vec6::Zero());
   T_inv_.assign(n, Mat6::Identity());
   x_.resize(system.unknowns());
 }
 
 StepReport GeneralizedAlpha::start(State& state) {
+  origin_ = state.t;
+  count_ = 0;
+  halvings_ = 0;
+  return restart(state);
+}
+
+StepReport GeneralizedAlpha::restart(State& state) {
   StepReport report;
   system_.set_time(state, state.t, Side::right);
   // r is linear in Vdot and lambda: one solve, and one more against round-off.
   for (Vec6& a : state.Vdot) a.setZero();
   state.lambda.setZero();
-  VecX gdot, gddot_rest;
-  system_.constraint_rates(state, gdot, gddot_rest);
+  system_.constraint_rates(state, gdot_, gddot_rest_);
   system_.linearize(state, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, r_, *solver_);
+  mass_ = largest_stiffness(system_, *solver_);
   ++counters_.tangents;
   ++counters_.factorizations;
   if (solver_->factor() != FactorStatus::ok) {
@@ -77,9 +96,9 @@ StepReport GeneralizedAlpha::start(State& state) {
   for (int pass = 0; pass < 2; ++pass) {
     if (pass > 0) system_.residual(state, r_);
     x_ = -r_.tail(x_.size());
-    x_.tail(gddot_rest.size()) = -gddot_rest;
+    x_.tail(gddot_rest_.size()) = -gddot_rest_;
     // B Vdot + gddot_rest, with B Vdot from what has been solved: the residual's constraint rows are g.
-    if (pass > 0) x_.tail(gddot_rest.size()).setZero();
+    if (pass > 0) x_.tail(gddot_rest_.size()).setZero();
     solver_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
     for (Index n = 1; n < system_.nodes(); ++n)
       state.Vdot[static_cast<std::size_t>(n)] += x_.segment<6>(6 * (n - 1));
@@ -89,44 +108,80 @@ StepReport GeneralizedAlpha::start(State& state) {
     report.failure = "the initial accelerations are not finite";
     return report;
   }
-  const double h = options_.step;
-  VecX unused;
-  system_.linearize(
-      state,
-      {.U = a_.beta * h * h, .V = 0.0, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = {}},
-      unused, *solver_);
-  norm_.set_floor(state, largest_stiffness(system_, *solver_) / (a_.beta * h * h));
+  system_.linearize(state, {.U = 1.0, .V = 0.0, .A = 0.0, .T_inv = {}}, r_, *solver_);
+  stiffness_ = largest_stiffness(system_, *solver_);
+  ++counters_.tangents;
+  if (!momentum_.empty()) {
+    // Inertial force: what keeps the others in balance. With momentum_rate = 1, r = M V + the others.
+    system_.momenta(state, p_);
+    state.momentum_rate = 1.0;
+    system_.residual(state, r_);
+    state.momentum_rate = 0.0;
+    for (std::size_t n = 1; n < momentum_.size(); ++n) {
+      const Vec6 f = p_[n] - r_.segment<6>(6 * static_cast<Index>(n));
+      Momentum& m = momentum_[n];
+      m.mu = inertial_wrench<double>(state.pose[n], p_[n]);
+      m.f = m.a = inertial_wrench<double>(state.pose[n], f);
+    }
+  }
   A_ = state.Vdot;
   Vdot_old_ = state.Vdot;
   lambda_old_ = state.lambda;
   lambda_older_ = state.lambda;
   norm_.observe(state.lambda);
+  power_ = system_.load_power(state);
+  drive_power_ = system_.drive_power(state);
   history_ = 0;
-  start_time_ = state.t;
+  h_ = 0.0;
   factored_ = false;
   refactor_next_ = true;
   report.converged = true;
   return report;
 }
 
+// A, and a of (3), for a step of another size.
+void GeneralizedAlpha::set_step(const State& state, double h) {
+  if (h == h_) return;
+  if (h_ > 0.0) {
+    const double ratio = h / h_;
+    for (std::size_t n = 1; n < A_.size(); ++n)
+      A_[n] = state.Vdot[n] + ratio * (A_[n] - state.Vdot[n]);
+    for (Momentum& m : momentum_) m.a = m.f + ratio * (m.a - m.f);
+    if (std::abs(ratio - 1.0) > same_step) refactor_next_ = true;
+  }
+  h_ = h;
+  norm_.set_floor(state, stiffness_ + mass_ / (a_.beta * h * h));
+}
+
 // Predicted end of the step, and what of (1) does not change in the iterations.
 void GeneralizedAlpha::predict(const State& state, double t, bool extrapolate) {
-  const double h = options_.step;
+  const double h = h_;
   end_ = state;
   system_.set_time(end_, t, Side::left);  // what acts during the step, if it ends on a jump
+  const double ahead = extrapolate && history_ >= 1 ? h / (state.t - t_old_) : 0.0;
   if (extrapolate && history_ >= 2) {
-    end_.lambda = 3.0 * (state.lambda - lambda_old_) + lambda_older_;
-  } else if (extrapolate && history_ == 1) {
-    end_.lambda = 2.0 * state.lambda - lambda_old_;
+    const double t0 = state.t, t1 = t_old_, t2 = t_older_;
+    end_.lambda = ((t - t1) * (t - t2) / ((t0 - t1) * (t0 - t2))) * state.lambda +
+                  ((t - t0) * (t - t2) / ((t1 - t0) * (t1 - t2))) * lambda_old_ +
+                  ((t - t0) * (t - t1) / ((t2 - t0) * (t2 - t1))) * lambda_older_;
+  } else if (ahead > 0.0) {
+    end_.lambda = state.lambda + ahead * (state.lambda - lambda_old_);
   }
   for (std::size_t n = 1; n < Q_.size(); ++n) {
     const Vec6& Vdot_i = state.Vdot[n];
-    const Vec6 Vdot_f = extrapolate && history_ >= 1 ? Vec6(2.0 * Vdot_i - Vdot_old_[n]) : Vdot_i;
+    const Vec6 Vdot_f = Vdot_i + ahead * (Vdot_i - Vdot_old_[n]);
     const Vec6 A_f = ((1.0 - a_.alpha_f) * Vdot_f + a_.alpha_f * Vdot_i - a_.alpha_m * A_[n]) /
                      (1.0 - a_.alpha_m);
     Q_[n] = h * state.V[n] + h * h * ((0.5 - a_.beta) * A_[n] + a_.beta * A_f);
     end_.V[n] = state.V[n] + h * ((1.0 - a_.gamma) * A_[n] + a_.gamma * A_f);
     end_.Vdot[n] = Vdot_f;
+  }
+  if (!momentum_.empty()) {
+    const double m = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), g = a_.gamma;
+    end_.momentum_rate = m / (g * h);
+    for (Momentum& n : momentum_)
+      n.past = m * (n.mu / (g * h) + ((1.0 - g) / g) * n.a) +
+               (a_.alpha_f * n.f - a_.alpha_m * n.a) / (1.0 - a_.alpha_f);
   }
   update_poses();
 }
@@ -135,14 +190,31 @@ void GeneralizedAlpha::update_poses() {
   for (std::size_t n = 1; n < Q_.size(); ++n) end_.pose[n] = begin_.pose[n] * exp_se3(Q_[n]);
 }
 
+// r of (1), or of (3), at the present iterate. False if an element is out of its range.
+bool GeneralizedAlpha::residual() {
+  const bool in_range = system_.residual(end_, r_);
+  for (std::size_t n = 1; n < momentum_.size(); ++n)
+    r_.segment<6>(6 * static_cast<Index>(n)) -=
+        body_wrench<double>(end_.pose[n], momentum_[n].past);
+  return in_range;
+}
+
 // Tangent (2) and residual at the present iterate.
 bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
-  const double h = options_.step, s = a_.beta * h * h;
+  const double h = h_, s = a_.beta * h * h;
   for (std::size_t n = 1; n < Q_.size(); ++n) T_inv_[n] = T_inverse(Q_[n]).matrix();
   in_range = system_.linearize(
       end_,
       {.U = s, .V = a_.gamma * h, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = T_inv_},
       r_, *solver_);
+  const std::span<const Slot> own = solver_->slots().subspan(system_.graph().contributions.size());
+  for (std::size_t n = 1; n < momentum_.size(); ++n) {
+    // d(Ad^T p) = (Ad^T p)^U dU
+    const Vec6 past = body_wrench<double>(end_.pose[n], momentum_[n].past);
+    r_.segment<6>(6 * static_cast<Index>(n)) -= past;
+    Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(own[n - 1].data, Eigen::OuterStride<>(own[n - 1].ld)) -=
+        s * wrench_hat(past);
+  }
   ++counters_.tangents;
   ++counters_.factorizations;
   factored_ = solver_->factor() == FactorStatus::ok;
@@ -157,7 +229,7 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
 }
 
 bool GeneralizedAlpha::iterate(StepReport& report) {
-  const double h = options_.step, s = a_.beta * h * h;
+  const double h = h_, s = a_.beta * h * h;
   const double gamma_ = a_.gamma / (h * a_.beta);
   const double beta_ = (1.0 - a_.alpha_m) / (h * h * a_.beta * (1.0 - a_.alpha_f));
   const Index motions = 6 * (system_.nodes() - 1);
@@ -174,7 +246,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
       refactor = false;
       previous = 0.0;
     } else {
-      in_range = system_.residual(end_, r_);
+      in_range = residual();
     }
     ++counters_.residuals;
     x_ = -r_.tail(x_.size());
@@ -222,12 +294,13 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     if (theta_ > theta_refactor) refactor = true;
   }
   if (report.failure.empty()) {
-    system_.residual(end_, r_);
+    residual();
     const std::string element = system_.out_of_range(end_);
     report.failure =
         element.empty()
             ? fmt::format(
-                  "Newton's iterations do not converge (worst equation: {}); try a smaller step",
+                  "Newton's iterations do not converge (worst equation: {}); look for a lock, a "
+                  "jump or an instability there, or try a smaller step",
                   system_.name_of(worst_row(system_, r_)))
             : fmt::format("{} is bent beyond the range of its metric; give the beam more elements",
                           element);
@@ -237,11 +310,73 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
 
 StepReport GeneralizedAlpha::step(State& state) {
   StepReport report;
+  const double slack = time_rounding * options_.step;
+  const std::vector<Breakpoint>& breakpoints = system_.breakpoints();
+  double end = origin_ + static_cast<double>(count_ + 1) * options_.step;
+  while (state.t < end - slack) {
+    // The next breakpoints, if they come before the end: those closer than round-off count as one.
+    auto first = std::upper_bound(breakpoints.begin(), breakpoints.end(), state.t + slack,
+                                  [](double t, const Breakpoint& b) { return t < b.t; });
+    auto last = first;
+    bool jumps = false;
+    for (; last != breakpoints.end() && last->t <= std::min(first->t, end) + slack; ++last)
+      jumps = jumps || last->restart;
+    double t = end;
+    if (last != first) {
+      t = first->t;
+      if (t > end - slack) end = t;  // so that its left limit is taken
+    }
+    if (!advance(state, t, report)) return report;
+    if (!jumps) continue;
+    state.t = std::prev(last)->t;
+    const StepReport again = restart(state);
+    ++counters_.restarts;
+    if (!again.converged) {
+      report.failure =
+          fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", t, again.failure);
+      return report;
+    }
+  }
+  ++count_;
+  ++counters_.steps;
+  report.converged = true;
+  return report;
+}
+
+// To time t, in one step or in pieces.
+bool GeneralizedAlpha::advance(State& state, double t, StepReport& report) {
+  const double whole = t - state.t;
+  for (;;) {
+    const double h = std::ldexp(whole, -halvings_);
+    const bool last = h > (t - state.t) * (1.0 - time_rounding);
+    if (try_step(state, last ? t : state.t + h, report)) {
+      if (halvings_ > 0 && ++good_ == successes_double) {
+        --halvings_;
+        good_ = 0;
+      }
+      if (last) return true;
+      continue;
+    }
+    good_ = 0;
+    if (halvings_ == options_.max_halvings) break;
+    ++halvings_;
+    ++counters_.retries;
+  }
+  report.converged = false;
+  report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
+                               options_.max_halvings > 0
+                                   ? fmt::format(", even with a step of {:.3g} s",
+                                                 std::ldexp(whole, -halvings_))
+                                   : std::string(),
+                               report.failure);
+  return false;
+}
+
+bool GeneralizedAlpha::try_step(State& state, double t, StepReport& report) {
   begin_ = state;
-  double t = start_time_ + static_cast<double>(history_ + 1) * options_.step;
-  for (const double jump : system_.jump_times())
-    if (std::abs(t - jump) < jump_rounding * options_.step)
-      t = jump;  // so that its left limit is taken
+  set_step(begin_, t - begin_.t);
+  const int before = report.iterations;
+  report.iterations = 0;
   predict(begin_, t, true);
   bool converged = iterate(report);
   if (!converged) {  // once more without extrapolation, with a tangent of its own
@@ -250,14 +385,14 @@ StepReport GeneralizedAlpha::step(State& state) {
     predict(begin_, t, false);
     converged = iterate(report);
   }
-  report.converged = converged;
-  if (!converged) {
+  report.iterations += before;
+  if (converged) {
+    accept(state);
+    report.failure.clear();
+  } else {
     refactor_next_ = true;
-    report.failure = fmt::format("to t = {:.9g} s: {}", t, report.failure);
-    return report;
   }
-  accept(state);
-  return report;
+  return converged;
 }
 
 void GeneralizedAlpha::accept(State& state) {
@@ -268,14 +403,33 @@ void GeneralizedAlpha::accept(State& state) {
     A_[n] = A_f;
     renormalize(end_.pose[n]);
   }
+  if (!momentum_.empty()) {
+    system_.momenta(end_, p_);
+    for (std::size_t n = 1; n < momentum_.size(); ++n) {
+      Momentum& m = momentum_[n];
+      const Vec6 mu = inertial_wrench<double>(end_.pose[n], p_[n]);
+      const Vec6 a = (mu - m.mu) / (h_ * a_.gamma) - ((1.0 - a_.gamma) / a_.gamma) * m.a;
+      m.f = ((1.0 - a_.alpha_m) * a + a_.alpha_m * m.a - a_.alpha_f * m.f) / (1.0 - a_.alpha_f);
+      m.a = a;
+      m.mu = mu;
+    }
+    end_.momentum_rate = 0.0;
+  }
   system_.count_turns(begin_, end_);
+  const double power = system_.load_power(end_), drive_power = system_.drive_power(end_);
+  end_.work.loads += 0.5 * h_ * (power_ + power);
+  end_.work.drives += 0.5 * h_ * (drive_power_ + drive_power);
+  power_ = power;
+  drive_power_ = drive_power;
   std::swap(Vdot_old_, begin_.Vdot);
   std::swap(lambda_older_, lambda_old_);
-  lambda_old_ = begin_.lambda;
+  std::swap(lambda_old_, begin_.lambda);
+  t_older_ = t_old_;
+  t_old_ = begin_.t;
   norm_.observe(end_.lambda);
   state = end_;
-  ++history_;
-  ++counters_.steps;
+  history_ = std::min(history_ + 1, 2);
+  ++counters_.substeps;
 }
 
 }  // namespace mbd

@@ -15,6 +15,21 @@
 // of an increment in tolerances, theta = max(e_k/e_(k-1), 0.3 theta, 0.1), stop when
 // e min(1, theta/(1 - theta)) < 1; accepting after one iteration doubles theta, because nothing was
 // measured. Predictor: Vdot linear, lambda quadratic in time.
+//
+// Balance of momenta (Balance::momentum). In (1) M Vdot - V~^T M V is the rate of the momentum M V seen
+// from the moving node; a scheme that averages such rates lets the total drift at its own order. In
+// inertial axes, about one point, mu = Ad(H)^-T M V has the plain rate mu' = f and internal forces cancel in
+// the sum, so the same scheme on mu keeps the total to round-off. With a the algorithmic rate,
+//   mu_f = mu_i + h [ (1 - gamma) a_i + gamma a_f ],
+//   (1 - alpha_m) a_f + alpha_m a_i = (1 - alpha_f) f_f + alpha_f f_i,
+// and V_f(Q) from (1) as before, inertia enters r as
+//   Ad(H_f)^T f_f = c M V_f - Ad(H_f)^T p,   c = (1 - alpha_m) / ((1 - alpha_f) gamma h),             (3)
+// p known from the last state. Linear systems give the same as (1). Angular momentum is kept too;
+// energy is not (order 2, as in (1)).
+//
+// A step lands on every breakpoint of the signals inside it, and starts afresh where accelerations jump.
+// A step that fails is tried in halves, down to 2^-max_halvings. Where the step changes, A - Vdot, which
+// is proportional to h, is scaled with it.
 #pragma once
 
 #include <memory>
@@ -29,6 +44,8 @@ namespace mbd {
 struct GeneralizedAlphaOptions {
   double step = 0.0;          // h [s]
   double rho_infinity = 0.0;  // [0, 1]
+  Balance balance = Balance::acceleration;
+  int max_halvings = 5;  // of a step that fails
   NewtonOptions newton;
 };
 
@@ -46,18 +63,24 @@ class GeneralizedAlpha {
 
   // Consistent accelerations and multipliers at state.t (the state must satisfy its constraints at
   // position and velocity level: check_initial_state), and the algorithmic acceleration. Also after a
-  // user has changed the state, or at a jump of a load.
+  // user has changed the state. Steps are counted from here.
   StepReport start(State& state);
 
-  // From t to t + h; on failure the state is as before.
+  // From the last multiple of the step, counted from start(), to the next. On failure the state is the last
+  // one that was reached, which may lie inside the step.
   StepReport step(State& state);
 
   const Counters& counters() const { return counters_; }
   const LinearSolver& linear_solver() const { return *solver_; }
 
  private:
+  StepReport restart(State& state);
+  bool advance(State& state, double t, StepReport& report);
+  bool try_step(State& state, double t, StepReport& report);
+  void set_step(const State& state, double h);
   void predict(const State& state, double t, bool extrapolate);
   void update_poses();
+  bool residual();
   bool factorize(StepReport& report, bool& in_range);
   bool iterate(StepReport& report);
   void accept(State& state);
@@ -69,16 +92,33 @@ class GeneralizedAlpha {
   IncrementNorm norm_;
   Counters counters_;
 
-  State begin_, end_;           // of the step under way
-  std::vector<Vec6> Q_;         // H_f = H_i exp(Q)
-  std::vector<Vec6> A_;         // algorithmic acceleration at the last accepted time
-  std::vector<Vec6> A_end_;     // predicted, at the end of the step
-  std::vector<Vec6> Vdot_old_;  // at the accepted time before the last
-  VecX lambda_old_, lambda_older_;
-  double start_time_ = 0.0;  // [s]
-  long history_ = 0;         // accepted steps since start()
+  double origin_ = 0.0;  // time of start() [s]
+  long count_ = 0;       // whole steps since
+  double h_ = 0.0;       // step under way [s]
+  int halvings_ = 0;     // of the steps now tried, and how many in a row have gone well
+  int good_ = 0;
+  double stiffness_ = 0.0, mass_ = 0.0;  // largest entries of dr/dU and dr/dVdot at the last start
+
+  State begin_, end_;        // of the step under way
+  std::vector<Vec6> Q_;      // H_f = H_i exp(Q)
+  std::vector<Vec6> A_;      // algorithmic acceleration at the last accepted time
   std::vector<Mat6> T_inv_;  // T^-1(Q) by node
-  VecX r_, x_;
+
+  // What the predictor extrapolates from: the accepted state before the last, and multipliers before that.
+  int history_ = 0;  // how many of them there are
+  double t_old_ = 0.0, t_older_ = 0.0;
+  std::vector<Vec6> Vdot_old_;
+  VecX lambda_old_, lambda_older_;
+  double power_ = 0.0, drive_power_ = 0.0;  // of loads and of drives at the last accepted state [W]
+
+  // Equation (3), by node, inertial axes about the origin: mu, f, a at the last accepted time, and p.
+  struct Momentum {
+    Vec6 mu = Vec6::Zero(), f = Vec6::Zero(), a = Vec6::Zero(), past = Vec6::Zero();
+  };
+  std::vector<Momentum> momentum_;  // empty for Balance::acceleration
+  std::vector<Vec6> p_;             // M V, body axes
+
+  VecX r_, x_, gdot_, gddot_rest_;
   bool factored_ = false;
   bool refactor_next_ = true;
   double theta_ = 0.1;  // contraction of the kept tangent

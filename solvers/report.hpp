@@ -13,8 +13,15 @@ struct NewtonOptions {
   enum class Tangent { kept, every_iteration } tangent = Tangent::kept;
 };
 
+// How a time stepper balances inertia: by accelerations in body axes, or by momenta in inertial axes
+// (generalized_alpha.hpp).
+enum class Balance { acceleration, momentum };
+
 struct Counters {
-  long steps = 0;
+  long steps = 0;     // whole ones
+  long substeps = 0;  // accepted, among them those that end at a breakpoint or are parts of a failed step
+  long retries = 0;   // steps that failed and were tried in halves
+  long restarts = 0;  // at jumps of loads and drives
   long iterations = 0;
   long residuals = 0;
   long tangents = 0;

@@ -62,6 +62,15 @@ class Batch {
   virtual void count_turns(const State& /*before*/, State& /*after*/) const {}
 
   virtual Energies energies(const State& /*state*/) const { return {}; }
+
+  // Power of the external loads on the bodies, gravity excepted [W].
+  virtual double load_power(const State& /*state*/) const { return 0.0; }
+
+  // Power that drives and prescribed motions give to the mechanism [W].
+  virtual double drive_power(const State& /*state*/) const { return 0.0; }
+
+  // Adds to each node's p the momentum M V of what moves with it, node frame [N.s, N.m.s].
+  virtual void add_momenta(const State& /*state*/, std::span<Vec6> /*p*/) const {}
 };
 
 }  // namespace mbd

@@ -167,6 +167,19 @@ DualMatrix<S> adjoint_inverse(const Pose<S>& g) {
   return {Rt, -Rt * hat(g.r)};
 }
 
+// A wrench at the origin of H in its axes, as one at the base frame's origin in the base's axes, and back.
+template <class S>
+MBD_INLINE Vector6<S> inertial_wrench(const Pose<S>& H, const Vector6<S>& W) {
+  const Vector3<S> n = H.p * linear(W), m = H.p * angular(W);
+  return six<S>(n, m + H.r.cross(n));
+}
+template <class S>
+MBD_INLINE Vector6<S> body_wrench(const Pose<S>& H, const Vector6<S>& W) {
+  const Vector3<S> n = linear(W), m = angular(W) - H.r.cross(n);
+  const Quaternion<S> back = H.p.conjugate();
+  return six<S>(back * n, back * m);
+}
+
 // M x as a sum of columns: inlined, in vector registers.
 template <class S>
 MBD_INLINE Vector6<S> times(const Matrix6<S>& M, const Vector6<S>& x) {

@@ -9,6 +9,12 @@
 
 namespace mbd {
 
+// Work done since the state's start, by the trapezoidal rule over the steps taken [J].
+struct Work {
+  double loads = 0.0;   // by external loads, gravity excepted
+  double drives = 0.0;  // by drives and prescribed motions
+};
+
 // Arrays by node; node 0 is the ground, whose pose is the identity and never changes.
 // A State of a static System has no rates: V and Vdot are empty.
 struct State {
@@ -20,6 +26,8 @@ struct State {
   std::vector<Vec6> Vdot;  // its time derivative, body frame            [m/s2, rad/s2]
   VecX lambda;             // constraint multipliers, as each joint's file defines them [N, N.m]
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)
+  Work work;
+  double momentum_rate = 0.0;  // [1/s] c of a stepper that balances momenta; 0: r has M Vdot (mass.hpp)
   std::vector<int> turns;  // whole turns of each joint angle; changed on accepted steps only
 };
 

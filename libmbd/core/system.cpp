@@ -22,8 +22,9 @@ Index System::add_constraint(ConstraintInfo info) {
   return constraints_.back().first_row;
 }
 
-Index System::add_signal(Signal signal) {
+Index System::add_signal(Signal signal, SignalUse use) {
   signals_.push_back(std::move(signal));
+  signal_uses_.push_back(use);
   return static_cast<Index>(signals_.size()) - 1;
 }
 
@@ -39,9 +40,18 @@ void System::finish(bool with_rates, double length_scale) {
   for (const ConstraintInfo& c : constraints_)
     graph_.blocks.push_back({static_cast<int>(c.rows), BlockGraph::Kind::multiplier});
   for (const auto& batch : batches_) batch->connect(graph_);
-  for (const Signal& signal : signals_)
-    for (const Jump& jump : signal.jumps()) jump_times_.push_back(jump.t);
-  std::sort(jump_times_.begin(), jump_times_.end());
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const int accelerates = signal_uses_[i] == SignalUse::drive ? 2 : 0;
+    for (const Jump& jump : signals_[i].jumps())
+      breakpoints_.push_back({jump.t, jump.derivative <= accelerates});
+  }
+  std::sort(breakpoints_.begin(), breakpoints_.end(), [](const Breakpoint& a, const Breakpoint& b) {
+    return a.t != b.t ? a.t < b.t : a.restart > b.restart;  // of equals, the restart is kept
+  });
+  breakpoints_.erase(
+      std::unique(breakpoints_.begin(), breakpoints_.end(),
+                  [](const Breakpoint& a, const Breakpoint& b) { return a.t == b.t; }),
+      breakpoints_.end());
 }
 
 State System::reference_state() const {
@@ -104,6 +114,31 @@ Energies System::energies(const State& state) const {
     sum.strain += one.strain;
     sum.potential += one.potential;
   }
+  return sum;
+}
+
+double System::load_power(const State& state) const {
+  double sum = 0.0;
+  for (const auto& batch : batches_) sum += batch->load_power(state);
+  return sum;
+}
+
+double System::drive_power(const State& state) const {
+  double sum = 0.0;
+  for (const auto& batch : batches_) sum += batch->drive_power(state);
+  return sum;
+}
+
+void System::momenta(const State& state, std::span<Vec6> p) const {
+  std::fill(p.begin(), p.end(), Vec6::Zero());
+  for (const auto& batch : batches_) batch->add_momenta(state, p);
+}
+
+Vec6 System::momentum(const State& state) const {
+  std::vector<Vec6> p(state.pose.size());
+  momenta(state, p);
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t n = 1; n < p.size(); ++n) sum += inertial_wrench(state.pose[n], p[n]);
   return sum;
 }
 

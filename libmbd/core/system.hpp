@@ -24,13 +24,23 @@ struct ConstraintInfo {
   std::vector<bool> is_position;       // a gap [m] and a force [N]; otherwise an angle and a moment
 };
 
+// A drive moves something: its second derivative is an acceleration. A load is a force.
+enum class SignalUse { drive, load };
+
+// A time at which a signal or its first two derivatives jump.
+struct Breakpoint {
+  double t = 0.0;        // [s]
+  bool restart = false;  // accelerations and multipliers jump: an integrator starts afresh
+};
+
 class System {
  public:
   // --- building (by compile) ---
   System();                                                    // with the ground as node 0
   Index add_node(std::string name, const Pose<double>& pose);  // returns its index
   Index add_constraint(ConstraintInfo info);                   // returns its first multiplier
-  Index add_signal(Signal signal);  // returns its index in State::signals
+  // Returns its index in State::signals. `use` says which of its jumps make the accelerations jump.
+  Index add_signal(Signal signal, SignalUse use = SignalUse::drive);
   Index add_angle();                // a turn counter; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
@@ -46,8 +56,7 @@ class System {
   const std::vector<std::unique_ptr<Batch>>& batches() const { return batches_; }
   const std::vector<ConstraintInfo>& constraints() const { return constraints_; }
   const std::vector<Signal>& signals() const { return signals_; }
-  // Times at which a signal or its first two derivatives jump, rising [s].
-  const std::vector<double>& jump_times() const { return jump_times_; }
+  const std::vector<Breakpoint>& breakpoints() const { return breakpoints_; }  // t rising, distinct
 
   // --- evaluation ---
   State reference_state() const;  // all at rest in the reference configuration
@@ -61,6 +70,12 @@ class System {
                         VecX& gddot_rest) const;  // size multipliers()
   void count_turns(const State& before, State& after) const;
   Energies energies(const State& state) const;
+  double load_power(const State& state) const;   // of external loads, gravity excepted [W]
+  double drive_power(const State& state) const;  // of drives and prescribed motions [W]
+  // Momentum of what moves with each node, node frame; `p` has one entry a node [N.s, N.m.s].
+  void momenta(const State& state, std::span<Vec6> p) const;
+  // Linear momentum, and angular momentum about the inertial origin, inertial axes [N.s, N.m.s].
+  Vec6 momentum(const State& state) const;
 
   // Row of a residual in words: "beam 'shaft' node 7, moment 2", "revolute 'C', force 1".
   std::string name_of(Index row) const;
@@ -78,7 +93,8 @@ class System {
   std::vector<Signal> signals_;
   std::vector<std::unique_ptr<Batch>> batches_;
   BlockGraph graph_;
-  std::vector<double> jump_times_;
+  std::vector<SignalUse> signal_uses_;
+  std::vector<Breakpoint> breakpoints_;
   Index multipliers_ = 0;
   Index angles_ = 0;
   bool with_rates_ = true;

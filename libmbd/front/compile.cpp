@@ -488,7 +488,8 @@ class Compiler {
           const Expression& e = (*components)[i];
           if (e.is_constant() && e.value() == 0.0) continue;
           data.signals[first + i] = static_cast<int>(system_->add_signal(
-              e.is_constant() ? Signal::constant(e.value()) : Signal::from_expression(e)));
+              e.is_constant() ? Signal::constant(e.value()) : Signal::from_expression(e),
+              SignalUse::load));
         }
       };
       add(load.force, 0);
@@ -636,7 +637,7 @@ class Compiler {
                 j.name, jump.derivative == 0 ? "angle" : "rate", jump.size, jump.t));
       }
     }
-    const auto index = static_cast<int>(system_->add_signal(signal));
+    const auto index = static_cast<int>(system_->add_signal(signal, SignalUse::drive));
     joint::AnyJointBatch* batch = joint_batch(joint::DrivenRotation::name);
     const Index i = add_one(*batch, f, fmt::format("drive of '{}'", j.name), index, false);
     // The driven moment belongs to what the joint transmits.

@@ -32,7 +32,7 @@ void check_time(const ExpectScene& expect, const Scene& scene) {
                               expect.quantity, expect.at));
     return;
   }
-  const auto& [source, duration, step, rho, tolerance] = *scene.transient;
+  const double duration = scene.transient->duration, step = scene.transient->step;
   const double steps = std::round(expect.at / step);
   if (expect.at > duration * (1.0 + nearness))
     throw Error(expect.source, fmt::format("expect {}: at={} is after the end of the run at {} s",

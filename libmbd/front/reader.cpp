@@ -664,6 +664,7 @@ class Reader {
     transient.duration = item.number("duration");
     transient.step = item.number("step");
     transient.rho_infinity = item.number("rho_infinity");
+    transient.balance = item.choice<Balance>("balance");
     if (item.has("tolerance")) transient.tolerance = item.number("tolerance");
     set_once(scene_.transient, item, std::move(transient));
   }

@@ -79,28 +79,6 @@ void monitor(const System& system, const State& state, RunReport& report) {
   report.energy_most = std::max(report.energy_most, energies.total());
 }
 
-// Times at which a load jumps, or the acceleration of a drive: there the integrator starts afresh,
-// otherwise its order falls to one (formulation.md 4).
-std::vector<double> restart_times(const Scene& scene) {
-  std::vector<double> times;
-  const double end = scene.transient->duration;
-  const auto add = [&](const Signal& signal, int derivative) {
-    for (const Jump& jump : signal.jumps())
-      if (jump.t > 0.0 && jump.t < end && jump.derivative == derivative) times.push_back(jump.t);
-  };
-  for (const LoadScene& load : scene.loads)
-    for (const auto* components : {&load.force, &load.moment})
-      if (*components)
-        for (const Expression& component : **components) add(Signal::from_expression(component), 0);
-  for (const DriveScene& drive : scene.drives) {
-    if (drive.rate) add(Signal::from_expression(*drive.rate), 1);
-    if (drive.angle) add(Signal::from_expression(*drive.angle), 2);
-  }
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-  return times;
-}
-
 // One run under way: the model, who watches it, and the report that grows.
 class Run {
  public:
@@ -187,9 +165,10 @@ class Run {
           "and may "
           "diverge in long runs; 0.9 is safer");
     GeneralizedAlpha integrator(system, make_klu_solver(),
-                                {transient.step, transient.rho_infinity, report_.newton});
-    const std::vector<double> restarts = restart_times(scene_);
-    auto restart = restarts.begin();
+                                {.step = transient.step,
+                                 .rho_infinity = transient.rho_infinity,
+                                 .balance = transient.balance,
+                                 .newton = report_.newton});
     const long every = (steps_ + most_monitored - 1) / most_monitored;
 
     StepReport step = integrator.start(state);
@@ -198,12 +177,9 @@ class Run {
     bool going = step.converged && accept(state, true);
     for (long n = 1; n <= steps_ && going; ++n) {
       step = integrator.step(state);
-      if (step.converged && restart != restarts.end() &&
-          *restart <= state.t + 1e-9 * transient.step)
-        step = start_afresh(integrator, state, restart, restarts.end(), step.iterations);
       if (!step.converged) {
         report_.failure =
-            fmt::format("step {} of {}, from t = {:.9g} s {}", n, steps_, state.t, step.failure);
+            fmt::format("step {} of {}, {}", n, steps_, step.failure);
         break;
       }
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
@@ -216,25 +192,6 @@ class Run {
     if (!report_.complete() && report_.rows > 0) monitor(system, state, report_);
     report_.integration += watch_.lap();
     report_.transient_counters = integrator.counters();
-  }
-
-  using Times = std::vector<double>::const_iterator;
-  StepReport start_afresh(GeneralizedAlpha& integrator, State& state, Times& next, Times end,
-                          int iterations) {
-    const double slack = 1e-9 * scene_.transient->step;
-    const double jump = *next;
-    while (next != end && *next <= state.t + slack) ++next;
-    if (jump < state.t - slack)
-      report_.notes.push_back(
-          fmt::format("a load or drive jumps at {:.9g} s, between two time steps, which costs "
-                      "accuracy; a step of "
-                      "which it is a multiple does not",
-                      jump));
-    else
-      model_.system->set_time(state, std::max(state.t, jump));
-    StepReport result = integrator.start(state);
-    result.iterations += iterations;
-    return result;
   }
 
   // Shows a state to the observers. False ends the run.

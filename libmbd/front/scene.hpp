@@ -16,6 +16,7 @@
 #include "libmbd/core/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
 #include "libmbd/core/types.hpp"
+#include "solvers/report.hpp"
 
 namespace mbd {
 
@@ -119,6 +120,7 @@ struct TransientScene {
   double step = 0.0;                // [s]
   double rho_infinity = 0.0;        // spectral radius at infinite frequency, [0, 1]
   std::optional<double> tolerance;  // of Newton's increments, relative; default: the stepper's own
+  Balance balance = Balance::acceleration;  // of inertia: in body axes, or of momenta in inertial ones
 };
 
 // One line of output: quantities of a place or of a joint, at every accepted step (or every n-th).

@@ -15,6 +15,7 @@ constexpr Range at_least_one{1.0, 1e6};
 constexpr std::string_view metrics = "matrix quaternion geodesic";
 constexpr std::string_view rules = "gauss gauss_lobatto";
 constexpr std::string_view forms = "energy paper";
+constexpr std::string_view balances = "acceleration momentum";
 
 // --- attributes of each element: name, kind, unit, default, meaning, range, sizes, choices ---
 
@@ -170,6 +171,15 @@ constexpr Attribute transient_attributes[] = {
     {"rho_infinity", Kind::number, "", "0",
      "spectral radius of the integrator at infinite frequency: 0 damps most, 1 nothing",
      unit_interval},
+    {"balance",
+     Kind::choice,
+     "",
+     "acceleration",
+     "of inertia: accelerations in body axes, or momenta in inertial axes, which keeps those of free "
+     "systems to round-off",
+     any,
+     {3, 3},
+     balances},
     {"tolerance", Kind::number, "", optional,
      "of Newton's increments, relative (default: the integrator's own)", positive},
 };

@@ -151,24 +151,6 @@ TEST_F(RunOf, RefusesWhatItCannotDo) {
   EXPECT_THROW(run(falling_ball(), {.output = path_ / "file"}), Error);
 }
 
-TEST_F(RunOf, NotesAJumpBetweenTwoSteps) {
-  const auto notes = [](const char* force) {
-    Scene scene = falling_ball();
-    const Expression zero = Expression::parse("0", {}, Variables::none);
-    LoadScene load;
-    load.at = {Place::Kind::body, "ball", 0.0};
-    load.force = {Expression::parse(force, {}, Variables::time), zero, zero};
-    scene.loads.push_back(load);
-    const RunReport report = run(scene);
-    EXPECT_TRUE(report.complete()) << report.failure;
-    return report.notes;
-  };
-  EXPECT_TRUE(notes("t > 0.5 ? 1 : 0").empty());
-  EXPECT_TRUE(notes("t > 0.505 ? t - 0.505 : 0").empty());  // a kink, not a jump
-  ASSERT_EQ(notes("t > 0.505 ? 1 : 0").size(), 1u);
-  EXPECT_NE(notes("t > 0.505 ? 1 : 0")[0].find("jumps at 0.505 s"), std::string::npos);
-}
-
 // ---- the command ------------------------------------------------------------------------------
 
 using Command = Directory;
