@@ -20,7 +20,7 @@ constexpr double theta_fresh = 0.05;    // assumed of a new tangent
 constexpr double time_rounding = 1e-6;  // of a step: what sums of steps can be wrong by, and more
 constexpr double same_step = 1e-3;      // steps that differ less share a tangent
 constexpr int most_halvings = 40;
-constexpr int successes_double = 4;  // so many small steps in a row: back to twice the size
+constexpr int successes_double = 4;     // so many small steps in a row: back to twice the size
 constexpr int iterations_refactor = 3;  // this many: a new tangent at the next step
 
 }  // namespace
@@ -212,8 +212,8 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
     // d(Ad^T p) = (Ad^T p)^U dU
     const Vec6 past = body_wrench<double>(end_.pose[n], momentum_[n].past);
     r_.segment<6>(6 * static_cast<Index>(n)) -= past;
-    Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(own[n - 1].data, Eigen::OuterStride<>(own[n - 1].ld)) -=
-        s * wrench_hat(past);
+    Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(
+        own[n - 1].data, Eigen::OuterStride<>(own[n - 1].ld)) -= s * wrench_hat(past);
   }
   ++counters_.tangents;
   ++counters_.factorizations;
@@ -363,12 +363,12 @@ bool GeneralizedAlpha::advance(State& state, double t, StepReport& report) {
     ++counters_.retries;
   }
   report.converged = false;
-  report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
-                               options_.max_halvings > 0
-                                   ? fmt::format(", even with a step of {:.3g} s",
-                                                 std::ldexp(whole, -halvings_))
-                                   : std::string(),
-                               report.failure);
+  report.failure =
+      fmt::format("from t = {:.9g} s{}: {}", state.t,
+                  options_.max_halvings > 0
+                      ? fmt::format(", even with a step of {:.3g} s", std::ldexp(whole, -halvings_))
+                      : std::string(),
+                  report.failure);
   return false;
 }
 

@@ -18,8 +18,9 @@ struct NewtonOptions {
 enum class Balance { acceleration, momentum };
 
 struct Counters {
-  long steps = 0;     // whole ones
-  long substeps = 0;  // accepted, among them those that end at a breakpoint or are parts of a failed step
+  long steps = 0;  // whole ones
+  long substeps =
+      0;  // accepted, among them those that end at a breakpoint or are parts of a failed step
   long retries = 0;   // steps that failed and were tried in halves
   long restarts = 0;  // at jumps of loads and drives
   long iterations = 0;

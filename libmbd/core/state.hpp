@@ -27,7 +27,8 @@ struct State {
   VecX lambda;             // constraint multipliers, as each joint's file defines them [N, N.m]
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)
   Work work;
-  double momentum_rate = 0.0;  // [1/s] c of a stepper that balances momenta; 0: r has M Vdot (mass.hpp)
+  double momentum_rate =
+      0.0;                 // [1/s] c of a stepper that balances momenta; 0: r has M Vdot (mass.hpp)
   std::vector<int> turns;  // whole turns of each joint angle; changed on accepted steps only
 };
 

@@ -41,7 +41,7 @@ class System {
   Index add_constraint(ConstraintInfo info);                   // returns its first multiplier
   // Returns its index in State::signals. `use` says which of its jumps make the accelerations jump.
   Index add_signal(Signal signal, SignalUse use = SignalUse::drive);
-  Index add_angle();                // a turn counter; returns its index
+  Index add_angle();  // a turn counter; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
 

@@ -178,8 +178,7 @@ class Run {
     for (long n = 1; n <= steps_ && going; ++n) {
       step = integrator.step(state);
       if (!step.converged) {
-        report_.failure =
-            fmt::format("step {} of {}, {}", n, steps_, step.failure);
+        report_.failure = fmt::format("step {} of {}, {}", n, steps_, step.failure);
         break;
       }
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);

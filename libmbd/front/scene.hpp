@@ -120,7 +120,8 @@ struct TransientScene {
   double step = 0.0;                // [s]
   double rho_infinity = 0.0;        // spectral radius at infinite frequency, [0, 1]
   std::optional<double> tolerance;  // of Newton's increments, relative; default: the stepper's own
-  Balance balance = Balance::acceleration;  // of inertia: in body axes, or of momenta in inertial ones
+  Balance balance =
+      Balance::acceleration;  // of inertia: in body axes, or of momenta in inertial ones
 };
 
 // One line of output: quantities of a place or of a joint, at every accepted step (or every n-th).

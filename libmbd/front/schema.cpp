@@ -175,7 +175,8 @@ constexpr Attribute transient_attributes[] = {
      Kind::choice,
      "",
      "acceleration",
-     "of inertia: accelerations in body axes, or momenta in inertial axes, which keeps those of free "
+     "of inertia: accelerations in body axes, or momenta in inertial axes, which keeps those of "
+     "free "
      "systems to round-off",
      any,
      {3, 3},

@@ -1,0 +1,102 @@
+// Nothing is allocated while stepping: neither by operator new nor by malloc, which Eigen's arrays and
+// SuiteSparse call. A full factorisation of KLU (the first after a start, and where pivots have become poor)
+// makes its own arrays by malloc; the steps counted here have none, or the test says so.
+#include <gtest/gtest.h>
+
+#include "solvers/generalized_alpha.hpp"
+#include "solvers/klu_solver.hpp"
+#include "tests/support/scenes.hpp"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define MBD_COUNTS_ALLOCATIONS 0  // the sanitizer has its own allocator
+#else
+#define MBD_COUNTS_ALLOCATIONS 1
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<long> mallocs{0}, news{0};
+}  // namespace
+
+extern "C" void* __libc_malloc(std::size_t);
+extern "C" void* malloc(std::size_t size) {
+  if (counting) ++mallocs;
+  return __libc_malloc(size);
+}
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  if (counting) ++news;
+  if (void* p = std::malloc(size > 0 ? size : 1)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+#endif
+
+namespace mbd::test {
+namespace {
+
+#if MBD_COUNTS_ALLOCATIONS
+
+struct Count {
+  long news = 0, mallocs = 0;
+};
+template <class F>
+Count count(const F& f) {
+  news = mallocs = 0;
+  counting = true;
+  f();
+  counting = false;
+  return {news, mallocs};
+}
+
+TEST(Allocations, AreCounted) {
+  const Count c = count([] {
+    VecX x = VecX::Zero(100);
+    auto* p = new std::array<double, 100>;
+    volatile double y = x.sum() + static_cast<double>(reinterpret_cast<std::uintptr_t>(p) & 1);
+    (void)y;
+    delete p;
+  });
+  EXPECT_GE(c.news, 1);
+  EXPECT_GE(c.mallocs, 2);
+}
+
+class AllocationFree : public testing::TestWithParam<const char*> {};
+TEST_P(AllocationFree, Steps) {
+  for (const Balance balance : {Balance::acceleration, Balance::momentum}) {
+    const Scene scene = model_scene(GetParam());
+    const Model model = compile(scene);
+    GeneralizedAlpha stepper(*model.system, make_klu_solver(),
+                             {.step = scene.transient->step,
+                              .rho_infinity = scene.transient->rho_infinity,
+                              .balance = balance,
+                              .newton = {}});
+    State state = model.initial;
+    ASSERT_TRUE(stepper.start(state).converged);
+    for (int k = 0; k < 5; ++k) ASSERT_TRUE(stepper.step(state).converged);
+    const long tangents = stepper.counters().tangents;
+    bool converged = true;
+    const Count c = count([&] {
+      for (int k = 0; k < 400; ++k) converged = converged && stepper.step(state).converged;
+    });
+    EXPECT_TRUE(converged);
+    EXPECT_GT(stepper.counters().tangents, tangents);  // refactorisations are among the steps
+    EXPECT_EQ(c.news, 0);
+    EXPECT_EQ(c.mallocs, 0);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,
+                         testing::Values("four_bar", "shaft", "heavy_top", "free_beam"),
+                         [](const auto& model) { return std::string(model.param); });
+
+#else
+TEST(Allocations, AreCountedWithoutSanitizersOnly) {
+  GTEST_SKIP() << "the sanitizer has its own allocator";
+}
+#endif
+
+}  // namespace
+}  // namespace mbd::test
