@@ -22,8 +22,16 @@ Json json(const WorstConstraint& worst) {
   return {{"largest", worst.value}, {"time", worst.time}, {"where", worst.where}};
 }
 
+Json json(const Vec6& momentum) {
+  return {{"linear", {momentum(0), momentum(1), momentum(2)}},
+          {"angular_about_origin", {momentum(3), momentum(4), momentum(5)}}};
+}
+
 Json json(const Counters& c) {
   return {{"steps", c.steps},
+          {"substeps", c.substeps},
+          {"retries", c.retries},
+          {"restarts", c.restarts},
           {"iterations", c.iterations},
           {"residuals", c.residuals},
           {"tangents", c.tangents},
@@ -41,6 +49,9 @@ Json settings(const RunReport& report) {
                         {"duration", report.transient->duration},
                         {"step", report.transient->step},
                         {"rho_infinity", report.transient->rho_infinity},
+                        {"balance", report.transient->balance == Balance::momentum
+                                        ? "momentum"
+                                        : "acceleration"},
                         {"tolerance", report.newton.tolerance},
                         {"multiplier_tolerance", report.newton.multiplier_tolerance},
                         {"max_iterations", report.newton.max_iterations}};
@@ -95,6 +106,12 @@ std::string to_json(const RunReport& report) {
                    {"end", json(report.energy_end)},
                    {"least_total", report.energy_least},
                    {"most_total", report.energy_most}};
+  if (report.transient) {
+    all["energy"]["work_of_loads"] = report.work.loads;
+    all["energy"]["work_of_drives"] = report.work.drives;
+    all["energy"]["dissipated_by_integrator"] = report.dissipated();
+    all["momentum"] = {{"start", json(report.momentum_start)}, {"end", json(report.momentum_end)}};
+  }
   all["seconds"] = {{"compile", json(report.compile)},
                     {"static", json(report.equilibrium)},
                     {"transient", json(report.integration)},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libmbd/core/batch.hpp"
+#include "libmbd/core/state.hpp"
 #include "libmbd/front/scene.hpp"
 #include "solvers/report.hpp"
 
@@ -68,6 +69,12 @@ struct RunReport {
   WorstConstraint position, velocity;            // |g| [m, rad], |gdot| [m/s, rad/s]
   Energies energy_start, energy_end;             // [J]
   double energy_least = 0.0, energy_most = 0.0;  // total [J]
+  Work work;                                     // up to the last of them
+  Vec6 momentum_start = Vec6::Zero(), momentum_end = Vec6::Zero();  // System::momentum
+  // What the integrator took out (or, if negative, put in): zero to the order of its errors [J].
+  double dissipated() const {
+    return energy_start.total() + work.loads + work.drives - energy_end.total();
+  }
 
   Seconds compile, equilibrium, integration, output;  // of the parts; output is in no other
   std::vector<ExpectResult> expects;

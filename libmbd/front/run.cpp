@@ -70,8 +70,11 @@ void monitor(const System& system, const State& state, RunReport& report) {
   keep_worst(report.position, now.position, now.position_row);
   keep_worst(report.velocity, now.velocity, now.velocity_row);
   const Energies energies = system.energies(state);
+  report.momentum_end = state.V.empty() ? Vec6(Vec6::Zero()) : system.momentum(state);
+  report.work = state.work;
   if (report.sampled_states++ == 0) {
     report.energy_start = energies;
+    report.momentum_start = report.momentum_end;
     report.energy_least = report.energy_most = energies.total();
   }
   report.energy_end = energies;
