@@ -62,6 +62,9 @@ class Batch {
   virtual void count_turns(const State& /*before*/, State& /*after*/) const {}
 
   virtual Energies energies(const State& /*state*/) const { return {}; }
+
+  // Power of the external loads on the bodies [W], gravity excepted; 0 for a state without rates.
+  virtual double load_power(const State& /*state*/) const { return 0.0; }
 };
 
 }  // namespace mbd

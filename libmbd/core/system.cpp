@@ -107,6 +107,12 @@ Energies System::energies(const State& state) const {
   return sum;
 }
 
+double System::load_power(const State& state) const {
+  double sum = 0.0;
+  for (const auto& batch : batches_) sum += batch->load_power(state);
+  return sum;
+}
+
 std::string System::name_of(Index row) const {
   static constexpr std::array components{"force 1",  "force 2",  "force 3",
                                          "moment 1", "moment 2", "moment 3"};

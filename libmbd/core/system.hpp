@@ -61,6 +61,7 @@ class System {
                         VecX& gddot_rest) const;  // size multipliers()
   void count_turns(const State& before, State& after) const;
   Energies energies(const State& state) const;
+  double load_power(const State& state) const;  // of the external loads, gravity excepted [W]
 
   // Row of a residual in words: "beam 'shaft' node 7, moment 2", "revolute 'C', force 1".
   std::string name_of(Index row) const;
