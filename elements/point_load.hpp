@@ -62,12 +62,10 @@ struct PointLoad {
   template <Want want, class S>
   static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment& env,
                     RateWeights, Output<S>& out) {
-    const Quaternion<S> Rt = x[0].H.p.conjugate();
-    const Vector3<S> f = Rt * Vector3<S>((data.weight * load::force(data.signals, env)).cast<S>());
-    const Vector3<S> m = Rt * Vector3<S>((data.weight * load::moment(data.signals, env)).cast<S>());
-    out.r = six<S>(-f, -m);
+    residual(data, x[0], env, out);
     if constexpr (want == Want::tangent) {
-      out.K << Matrix3<S>::Zero(), -hat(f), Matrix3<S>::Zero(), -hat(m);
+      out.K << Matrix3<S>::Zero(), hat(out.r.template head<3>()), Matrix3<S>::Zero(),
+          hat(out.r.template tail<3>());
     }
     return S(1);
   }
@@ -77,6 +75,17 @@ struct PointLoad {
     const Vec3 v = x[0].H.p * linear(x[0].V), w = x[0].H.p * angular(x[0].V);
     return data.weight *
            (load::force(data.signals, env).dot(v) + load::moment(data.signals, env).dot(w));
+  }
+
+ private:
+  // Not inlined: the same to the last bit with and without the tangent.
+  template <class S>
+  [[gnu::noinline]] static void residual(const Data& data, const NodeState<S>& x,
+                                         const Environment& env, Output<S>& out) {
+    const Quaternion<S> Rt = x.H.p.conjugate();
+    const Vector3<S> f = Rt * Vector3<S>((data.weight * load::force(data.signals, env)).cast<S>());
+    const Vector3<S> m = Rt * Vector3<S>((data.weight * load::moment(data.signals, env)).cast<S>());
+    out.r = six<S>(-f, -m);
   }
 };
 
@@ -139,11 +148,10 @@ struct DeadForceArm {
   template <Want want, class S>
   static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment& env,
                     RateWeights, Output<S>& out) {
-    const Vector3<S> c = data.offset.cast<S>();
-    const Vector3<S> f =
-        x[0].H.p.conjugate() * Vector3<S>((data.weight * load::force(data.signals, env)).cast<S>());
-    out.r = six<S>(Vector3<S>::Zero(), f.cross(c));
+    Vector3<S> f;
+    residual(data, x[0], env, f, out);
     if constexpr (want == Want::tangent) {
+      const Vector3<S> c = data.offset.cast<S>();
       out.K << Matrix3<S>::Zero(), Matrix3<S>::Zero(), Matrix3<S>::Zero(),
           -hat(c).lazyProduct(hat(f));
     }
@@ -154,6 +162,15 @@ struct DeadForceArm {
                            const Environment& env) {
     const Vec3 w = x[0].H.p * angular(x[0].V), c = x[0].H.p * data.offset;
     return data.weight * load::force(data.signals, env).dot(w.cross(c));
+  }
+
+ private:
+  // Not inlined: the same to the last bit with and without the tangent.
+  template <class S>
+  [[gnu::noinline]] static void residual(const Data& data, const NodeState<S>& x,
+                                         const Environment& env, Vector3<S>& f, Output<S>& out) {
+    f = x.H.p.conjugate() * Vector3<S>((data.weight * load::force(data.signals, env)).cast<S>());
+    out.r = six<S>(Vector3<S>::Zero(), f.cross(Vector3<S>(data.offset.cast<S>())));
   }
 };
 

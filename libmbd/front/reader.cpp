@@ -742,7 +742,7 @@ class Reader {
                                                              "follower_moment"};
   static void some_load(const Item& item) {
     if (std::none_of(loads_.begin(), loads_.end(), [&](auto name) { return item.has(name); }))
-      item.fail("give a force or a moment: force, moment, follower_force, follower_moment");
+      item.fail("give a force, a moment or both: force, moment, follower_force, follower_moment");
   }
 
   void load(const Item& item) {

@@ -129,12 +129,14 @@ class ArcLength {
   double speed(double u) const {
     const double v = spline_.derivatives(u, 1).col(1).head<3>().matrix().norm();
     // A parameter close to the arc length has a speed of 1 (times the length): none anywhere near 0.
-    if (!(v > 0.01 * size_))
+    if (!(v > 0.01 * size_)) {
+      const Vec3 x = who_.origin + Vec3(spline_(u).head<3>().matrix());
       throw Error(
           who_.source,
-          fmt::format("beam \"{}\": the curve turns back or stops near {}; give more points "
-                      "there, or a lower degree",
-                      who_.beam, in_words(who_.origin + Vec3(spline_(u).head<3>().matrix()))));
+          fmt::format("beam \"{}\": the curve turns back or stops{}; give more points, or a "
+                      "lower degree",
+                      who_.beam, x.allFinite() ? " near " + in_words(x) : ""));
+    }
     return v;
   }
   double integral(double a, double b) const {
