@@ -128,14 +128,16 @@ class ArcLength {
 
   double speed(double u) const {
     const double v = spline_.derivatives(u, 1).col(1).head<3>().matrix().norm();
-    // A parameter close to the arc length has a speed of 1 (times the length): none anywhere near 0.
-    if (!(v > 0.01 * size_)) {
+    // A parameter close to the arc length has a speed of about `size`; NaN is refused too.
+    if (!(v > 0.01 * size_ && v < 10.0 * size_)) {
       const Vec3 x = who_.origin + Vec3(spline_(u).head<3>().matrix());
       throw Error(
           who_.source,
-          fmt::format("beam \"{}\": the curve turns back or stops{}; give more points, or a "
+          fmt::format("beam \"{}\": the curve {}{}; give more points, to more digits, or a "
                       "lower degree",
-                      who_.beam, x.allFinite() ? " near " + in_words(x) : ""));
+                      who_.beam,
+                      v <= 0.01 * size_ ? "turns back or stops" : "swings out between its points",
+                      v <= 0.01 * size_ ? " near " + in_words(x) : ""));
     }
     return v;
   }
