@@ -55,7 +55,8 @@ struct ElementOutput {
 //   node_count(shared)      the count at run time
 //   evaluate<want>(shared, data, node states, environment, weights, out) -> margin: how far the element
 //       is from the limit of its validity; not positive is out of range (1 where there is no limit)
-//   energies(shared, data, node states, environment)
+//   energies(shared, data, node states, environment)                      where it stores any
+//   load_power(shared, data, node states with V, environment) -> power [W] of a load on its nodes
 template <class E>
 concept Element = requires(const typename E::Shared& shared, const typename E::Data& data,
                            const NodeState<double>* x, const Environment& env, RateWeights w,

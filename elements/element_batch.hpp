@@ -92,6 +92,25 @@ class ElementBatch : public Base {
     }
   }
 
+  double load_power(const State& state) const override {
+    double sum = 0.0;
+    if constexpr (requires(const NodeState<double>* x, Environment env) {
+                    E::load_power(shared_, data_[0], x, env);
+                  }) {
+      if (state.V.empty()) return 0.0;
+      const Environment env = environment(state);
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        NodeStates x;
+        gather(state, e, x);
+        const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+        for (int a = 0; a < count(); ++a)  // residuals of loads do without rates
+          x[static_cast<std::size_t>(a)].V = state.V[static_cast<std::size_t>(node[a])];
+        sum += E::load_power(shared_, data_[e], x.data(), env);
+      }
+    }
+    return sum;
+  }
+
   static constexpr int max_nodes = E::template Output<double>::Vector::MaxRowsAtCompileTime / 6;
   using NodeStates = std::array<NodeState<double>, static_cast<std::size_t>(max_nodes)>;
 

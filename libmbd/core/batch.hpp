@@ -63,7 +63,7 @@ class Batch {
 
   virtual Energies energies(const State& /*state*/) const { return {}; }
 
-  // Power of the external loads on the bodies, gravity excepted [W].
+  // Power of the external loads on the bodies [W], gravity excepted; 0 for a state without rates.
   virtual double load_power(const State& /*state*/) const { return 0.0; }
 
   // Power that drives and prescribed motions give to the mechanism [W].

@@ -9,11 +9,13 @@
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
-#include "elements/point_load.hpp"
 #include "joints/any_joint_batch.hpp"
 #include "joints/driven_rotation.hpp"
+#include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
+#include "libmbd/front/reference_line.hpp"
 #include "libmbd/front/schema.hpp"
+#include "libmbd/front/section_table.hpp"
 #include "libmbd/front/spelling.hpp"
 #include "solvers/initial.hpp"
 
@@ -24,8 +26,6 @@ namespace {
 constexpr double open_tolerance = 1e-9;
 // Two beam parameters closer than this are one.
 constexpr double same_parameter = 1e-9;
-// Eigenvalues of a stiffness or a mass, relative to the largest after scaling, below which it is not definite.
-constexpr double definite = 1e-12;
 
 // Rotation whose third column is `third`; the first is any perpendicular one.
 Mat3 frame_with_third(const Vec3& third) {
@@ -37,94 +37,6 @@ Mat3 frame_with_third(const Vec3& third) {
   R << e1, e3.cross(e1), e3;
   return R;
 }
-
-Pose<double> make_pose(const Mat3& R, const Vec3& r) {
-  return {Quaternion<double>(Eigen::Quaterniond(Eigen::Matrix3d(R)).normalized()), r};
-}
-
-// Smallest eigenvalue of a symmetric matrix scaled to a unit diagonal: independent of units.
-double scaled_definiteness(const Mat6& M) {
-  const Vec6 d = M.diagonal();
-  if (!(d.minCoeff() > 0.0)) return d.minCoeff() < 0.0 ? -1.0 : 0.0;
-  const Vec6 s = d.cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix<double, 6, 6> scaled = s.asDiagonal() * M * s.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(scaled, Eigen::EigenvaluesOnly)
-      .eigenvalues()(0);
-}
-
-bool is_symmetric(const Mat6& M) {
-  const Vec6 d = M.diagonal().cwiseAbs().cwiseSqrt();
-  for (Index i = 0; i < 6; ++i)
-    for (Index j = 0; j < i; ++j)
-      if (!(std::abs(M(i, j) - M(j, i)) <= 1e-10 * d(i) * d(j))) return false;
-  return true;
-}
-
-// The reference line of a beam: length, and the section frame at a parameter in [0, 1].
-class ReferenceLine {
- public:
-  explicit ReferenceLine(const BeamScene& beam) {
-    Vec3 tangent;
-    if (const auto* straight = std::get_if<Straight>(&beam.line)) {
-      start_ = straight->from;
-      chord_ = straight->to - straight->from;
-      length_ = chord_.norm();
-      if (!(length_ > 0.0))
-        throw Error(beam.source,
-                    fmt::format("beam \"{}\" has no length: `from` and `to` are the same point",
-                                beam.name));
-      tangent = chord_ / length_;
-    } else {
-      const Arc& arc = std::get<Arc>(beam.line);
-      const double size = arc.axis.norm();
-      if (!(size > 0.0))
-        throw Error(
-            beam.source,
-            fmt::format("arc \"{}\": the axis has zero length; give a direction", beam.name));
-      axis_ = arc.axis / size;
-      start_ = arc.from;
-      center_ = arc.center;
-      const Vec3 radius = start_ - center_;
-      if (!(radius.norm() > 0.0))
-        throw Error(beam.source,
-                    fmt::format("arc \"{}\": `from` is its center; it has no radius", beam.name));
-      if (std::abs(radius.dot(axis_)) > 1e-9 * radius.norm())
-        throw Error(
-            beam.source,
-            fmt::format("arc \"{}\": the axis must be perpendicular to from - center", beam.name));
-      if (!(arc.angle > 0.0))
-        throw Error(
-            beam.source,
-            fmt::format(
-                "arc \"{}\": the angle must be positive; turn the axis round to go the other way",
-                beam.name));
-      angle_ = arc.angle;
-      length_ = radius.norm() * angle_;
-      tangent = axis_.cross(radius).normalized();
-    }
-    const Vec3 b3 = beam.normal - beam.normal.dot(tangent) * tangent;
-    if (!(b3.norm() > 1e-9 * beam.normal.norm()) || !(beam.normal.norm() > 0.0)) {
-      throw Error(
-          beam.source,
-          fmt::format("beam \"{}\": the normal ({}, {}, {}) is along the beam or zero; give a "
-                      "direction across it",
-                      beam.name, beam.normal(0), beam.normal(1), beam.normal(2)));
-    }
-    R_ << tangent, b3.normalized().cross(tangent), b3.normalized();
-  }
-
-  double length() const { return length_; }
-  Pose<double> at(double s) const {
-    if (angle_ == 0.0) return make_pose(R_, start_ + s * chord_);
-    const Mat3 turn = Eigen::AngleAxisd(s * angle_, Eigen::Vector3d(axis_)).toRotationMatrix();
-    return make_pose(turn * R_, center_ + turn * (start_ - center_));
-  }
-
- private:
-  Vec3 start_, chord_ = Vec3::Zero(), center_ = Vec3::Zero(), axis_ = Vec3::Zero();
-  double angle_ = 0.0, length_ = 0.0;
-  Mat3 R_;
-};
 
 // Where an element ends: for resultants.
 struct ElementEnd {
@@ -138,6 +50,7 @@ struct CompiledBeam {
   std::vector<double> boundaries;             // parameters, with 0 and 1
   std::vector<int> boundary_nodes;            // node at each
   std::vector<std::vector<ElementEnd>> ends;  // elements that meet at each
+  std::vector<BeamNode> nodes;  // those of each element in turn; ends of elements twice
 };
 
 // A node something is attached to, and the rigid frame of the place in it.
@@ -157,6 +70,7 @@ class Compiler {
     for (const BodyScene& body : scene_.bodies) add_body(body);
     for (CompiledBeam& beam : beams_) add_beam(beam);
     for (const BodyScene& body : scene_.bodies) attach_body(body);
+    for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
     measure();
     if (scene_.transient) add_inertia();
     if (scene_.gravity) add_gravity();
@@ -200,20 +114,7 @@ class Compiler {
   }
 
   void check_sections() const {
-    for (const Section& s : scene_.sections) {
-      if (!is_symmetric(s.stiffness))
-        throw Error(s.source,
-                    fmt::format("section \"{}\": the stiffness is not symmetric", s.name));
-      if (!(scaled_definiteness(s.stiffness) > definite))
-        throw Error(
-            s.source,
-            fmt::format("section \"{}\": the stiffness is not positive definite; check signs and "
-                        "couplings",
-                        s.name));
-      if (s.mass && (!is_symmetric(*s.mass) || scaled_definiteness(*s.mass) < -definite))
-        throw Error(s.source,
-                    fmt::format("section \"{}\": the mass is not symmetric and positive", s.name));
-    }
+    for (const Section& s : scene_.sections) check_section(s);
   }
 
   const Section& section_of(const BeamScene& beam) const {
@@ -232,7 +133,7 @@ class Compiler {
     if (beam.elements < 1)
       throw Error(beam.source, fmt::format("beam \"{}\" must have at least one element, not {}",
                                            beam.name, beam.elements));
-    CompiledBeam compiled{&beam, {}, {}, {}};
+    CompiledBeam compiled{&beam, {}, {}, {}, {}};
     for (int e = 0; e <= beam.elements; ++e)
       compiled.boundaries.push_back(static_cast<double>(e) / beam.elements);
     const auto add = [&](const Place& place) {
@@ -248,6 +149,11 @@ class Compiler {
       add(j.b);
     }
     for (const LoadScene& l : scene_.loads) add(l.at);
+    for (const PointMassScene& m : scene_.point_masses) add(m.at);
+    for (const DistributedLoadScene& l : scene_.distributed_loads) {
+      for (const double s : {l.from, l.to})
+        if (s >= 0.0 && s <= 1.0) add({Place::Kind::beam, l.beam, s});
+    }
     for (const RecordScene& r : scene_.records)
       if (r.at) add(*r.at);
     std::sort(compiled.boundaries.begin(), compiled.boundaries.end());
@@ -269,14 +175,15 @@ class Compiler {
 
   void add_beam(CompiledBeam& compiled) {
     const BeamScene& beam = *compiled.scene;
-    const Section& section = section_of(beam);
-    if (scene_.transient && !section.mass)
-      throw Error(section.source,
+    const Section& scene_section = section_of(beam);
+    const SectionTable section(scene_section);
+    if (scene_.transient && !section.has_mass())
+      throw Error(scene_section.source,
                   fmt::format("section \"{}\" of beam \"{}\" has no mass; a transient needs one",
-                              section.name, beam.name));
-    const ReferenceLine line(beam);
+                              scene_section.name, beam.name));
+    const ReferenceLine line = make_reference_line(beam);
     BeamElasticBatch& batch = elastic_batch(beam);
-    const int stiffness = batch.add_stiffness(section.stiffness);
+    int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
     const SpectralTable& table = batch.table();
     const auto order = static_cast<std::size_t>(beam.order);
     int count = 0;
@@ -292,23 +199,34 @@ class Compiler {
     compiled.ends.resize(compiled.boundaries.size());
     for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
       const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+      const auto at = [&](double xi) { return s0 + 0.5 * (s1 - s0) * (1.0 + xi); };
       std::vector<int> nodes{compiled.boundary_nodes.back()};
       std::vector<Pose<double>> poses{line.at(s0)};
+      std::vector<double> places{s0};
       for (std::size_t k = 1; k <= order; ++k) {
-        const double s = k == order ? s1 : s0 + 0.5 * (s1 - s0) * (1.0 + table.nodes.points[k]);
-        nodes.push_back(add_node(s));
-        poses.push_back(line.at(s));
+        places.push_back(k == order ? s1 : at(table.nodes.points[k]));
+        nodes.push_back(add_node(places[k]));
+        poses.push_back(line.at(places[k]));
       }
-      const double J = 0.5 * (s1 - s0) * line.length();
+      const double J = 0.5 * (s1 - s0) * line.length;
       const std::vector<double> Js(order + 1, J);
-      const Index element = batch.add_element(
-          Js, poses, nodes, stiffness, 0, fmt::format("beam '{}' element {}", beam.name, e + 1));
+      if (!section.is_uniform()) {
+        for (std::size_t i = 0; i < table.rule.points.size(); ++i) {
+          const int one = batch.add_stiffness(section.stiffness(at(table.rule.points[i])));
+          if (i == 0) stiffness = one;
+        }
+      }
+      const Index element =
+          batch.add_element(Js, poses, nodes, stiffness, section.is_uniform() ? 0 : 1,
+                            fmt::format("beam '{}' element {}", beam.name, e + 1));
       compiled.boundary_nodes.push_back(nodes.back());
       compiled.ends[e].push_back({&batch, element, -1.0});
       compiled.ends[e + 1].push_back({&batch, element, 1.0});
-      if (section.mass) {
-        for (std::size_t k = 0; k <= order; ++k)
-          masses_[static_cast<std::size_t>(nodes[k])] += table.nodes.weights[k] * J * *section.mass;
+      for (std::size_t k = 0; k <= order; ++k) {
+        const double weight = table.nodes.weights[k] * J;
+        compiled.nodes.push_back({nodes[k], places[k], weight});
+        if (section.has_mass())
+          masses_[static_cast<std::size_t>(nodes[k])] += weight * section.mass(places[k]);
       }
     }
   }
@@ -401,6 +319,19 @@ class Compiler {
     body_nodes_[body.name] = at.node;
   }
 
+  void add_point_mass(const PointMassScene& point) {
+    const std::string who = point.name.empty() ? std::string("point mass")
+                                               : fmt::format("point mass \"{}\"", point.name);
+    if (!(point.mass >= 0.0))
+      throw Error(point.source, fmt::format("{}: the mass must not be negative", who));
+    const Attachment at = find(point.at, point.source, who);
+    if (at.node == 0)
+      throw Error(point.source, fmt::format("{} on the ground does nothing; leave it out", who));
+    include(reference(at.node) * point.offset);
+    masses_[static_cast<std::size_t>(at.node)] +=
+        rigid_mass(point.mass, point.offset, Mat3::Zero());
+  }
+
   void set_velocities(State& state) const {
     for (const BodyScene& body : scene_.bodies) {
       if (body.velocity.isZero() && body.angular_velocity.isZero()) continue;
@@ -474,29 +405,17 @@ class Compiler {
   }
 
   void add_loads() {
-    if (scene_.loads.empty()) return;
-    auto batch = std::make_unique<ElementBatch<PointLoad>>(PointLoad::name, PointLoad::Shared{});
+    Loads loads(*system_);
     for (const LoadScene& load : scene_.loads) {
-      const Attachment at = find(load.at, load.source, "load");
-      if (at.node == 0)
-        throw Error(load.source, "a load on the ground does nothing; give a beam or a body");
-      PointLoad::Data data{{-1, -1, -1, -1, -1, -1}};
-      const auto add = [&](const std::optional<std::array<Expression, 3>>& components,
-                           std::size_t first) {
-        if (!components) return;
-        for (std::size_t i = 0; i < 3; ++i) {
-          const Expression& e = (*components)[i];
-          if (e.is_constant() && e.value() == 0.0) continue;
-          data.signals[first + i] = static_cast<int>(system_->add_signal(
-              e.is_constant() ? Signal::constant(e.value()) : Signal::from_expression(e),
-              SignalUse::load));
-        }
-      };
-      add(load.force, 0);
-      add(load.moment, 3);
-      batch->add(data, std::array{at.node}, fmt::format("load on {}", system_->node_name(at.node)));
+      const int node = find(load.at, load.source, "load").node;
+      loads.add(load, node);
     }
-    system_->add_batch(std::move(batch));
+    for (const DistributedLoadScene& load : scene_.distributed_loads) {
+      // Checks the beam's name; its ends are places like any other.
+      find({Place::Kind::beam, load.beam, 0.0}, load.source, "distributed load");
+      loads.add(load, find_beam(load.beam)->nodes);
+    }
+    loads.finish();
   }
 
   // --- joints ---

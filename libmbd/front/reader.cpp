@@ -150,11 +150,24 @@ class Item {
 
   std::array<Expression, 3> signals(std::string_view name) const {
     const std::string all = raw(name, {Kind::signals});
-    const std::vector<std::string_view> parts = schema::words(all);
-    if (parts.size() != 3)
-      fail(name, "has " + std::to_string(parts.size()) +
-                     " components, must have 3; they are separated by blanks and contain none");
+    const std::vector<std::string_view> parts = three(name, all);
     const auto part = [&](std::size_t i) { return parse(name, parts[i], Variables::time); };
+    return {part(0), part(1), part(2)};
+  }
+
+  // Tried at the ends of their interval.
+  std::array<FieldExpression, 3> fields(std::string_view name, double from, double to) const {
+    const std::string all = raw(name, {Kind::fields});
+    const std::vector<std::string_view> parts = three(name, all);
+    const auto part = [&](std::size_t i) {
+      FieldExpression field{std::string(parts[i]), parameters_};
+      try {
+        for (const double s : {from, to}) field.at(s);
+      } catch (const Error& error) {
+        fail(name, error.what());
+      }
+      return field;
+    };
     return {part(0), part(1), part(2)};
   }
 
@@ -222,6 +235,14 @@ class Item {
   static constexpr std::string_view places_are =
       "ground, the name of a body, or beam.start, beam.end, beam@0.5";
 
+  std::vector<std::string_view> three(std::string_view name, std::string_view all) const {
+    std::vector<std::string_view> parts = schema::words(all);
+    if (parts.size() != 3)
+      fail(name, "has " + std::to_string(parts.size()) +
+                     " components, must have 3; they are separated by blanks and contain none");
+    return parts;
+  }
+
   // The parent's check has found the element in the schema; only a root has no parent.
   static const schema::Element& entry(const XMLElement& xml, const std::string& file) {
     const schema::Element* const found = schema::find_element(xml.Name());
@@ -231,11 +252,22 @@ class Item {
     return *found;
   }
 
+  // What may stand in <repeat> depends on what it stands in.
   void check_child(const XMLElement& child) const {
-    const std::vector<std::string_view> here = schema::children(element_.name);
+    std::string_view around = element_.name;
+    for (const XMLElement* e = &xml_; around == "repeat"; e = e->Parent()->ToElement())
+      around = e->Parent()->ToElement()->Name();
+    std::vector<std::string_view> here = schema::children(element_.name);
+    if (around != element_.name) {
+      const std::vector<std::string_view> there = schema::children(around);
+      std::erase_if(here, [&there](std::string_view name) {
+        return std::find(there.begin(), there.end(), name) == there.end();
+      });
+    }
     if (std::find(here.begin(), here.end(), child.Name()) != here.end()) return;
     const std::string name = "<" + std::string(child.Name()) + ">";
-    const std::string where = "<" + std::string(element_.name) + ">";
+    const std::string where = "<" + std::string(element_.name) + ">" +
+                              (around == element_.name ? "" : " in <" + std::string(around) + ">");
     const Source at{file_, child.GetLineNum()};
     if (here.empty())
       throw Error(at, name + " cannot stand in " + where + ", which has no elements");
@@ -419,13 +451,23 @@ class Reader {
 
   void read_children(const XMLElement& parent) {
     static const std::map<std::string_view, Read> readers = {
-        {"parameter", &Reader::parameter}, {"section", &Reader::section},
-        {"beam", &Reader::beam},           {"arc", &Reader::beam},
-        {"body", &Reader::body},           {"drive", &Reader::drive},
-        {"load", &Reader::load},           {"gravity", &Reader::gravity},
-        {"static", &Reader::statics},      {"transient", &Reader::transient},
-        {"record", &Reader::record},       {"plot", &Reader::plot},
-        {"expect", &Reader::expect},       {"repeat", &Reader::repeat},
+        {"parameter", &Reader::parameter},
+        {"section", &Reader::section},
+        {"beam", &Reader::beam},
+        {"arc", &Reader::beam},
+        {"curve", &Reader::beam},
+        {"distributed", &Reader::distributed},
+        {"point_mass", &Reader::point_mass},
+        {"body", &Reader::body},
+        {"drive", &Reader::drive},
+        {"load", &Reader::load},
+        {"gravity", &Reader::gravity},
+        {"static", &Reader::statics},
+        {"transient", &Reader::transient},
+        {"record", &Reader::record},
+        {"plot", &Reader::plot},
+        {"expect", &Reader::expect},
+        {"repeat", &Reader::repeat},
     };
     for (const XMLElement* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
       const Item item(*e, scene_.file, parameters_);
@@ -477,26 +519,65 @@ class Reader {
       item.fail("there is a parameter " + in_quotes(name) + " already; choose another name");
   }
 
+  // f(item) for what stands in an element, and in any <repeat> there.
+  template <class F>
+  void each(const XMLElement& parent, const F& f) {
+    for (const XMLElement* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
+      const Item item(*e, scene_.file, parameters_);
+      if (item.element().name == "repeat")
+        repeat(item, [&] { each(*e, f); });
+      else
+        f(item);
+    }
+  }
+
   void section(const Item& item) {
     Section section;
     section.source = item.source();
     section.name = item.name();
     sections_.add(item, section.name);
     bool stiff = false;
-    for (const XMLElement* e = item.xml().FirstChildElement(); e; e = e->NextSiblingElement()) {
-      const Item part(*e, scene_.file, parameters_);
-      const bool is_mass = part.element().name == "mass";
-      if (is_mass ? section.mass.has_value() : stiff)
-        part.fail("section " + in_quotes(section.name) + " has one already");
-      if (is_mass) {
-        section.mass = mass(part);
-      } else {
-        section.stiffness = stiffness(part);
-        stiff = true;
-      }
+    each(item.xml(), [&](const Item& part) {
+      if (part.element().name == "station")
+        section.stations.push_back(station(part));
+      else
+        matrix(item, part, section, stiff);
+    });
+    if (section.stations.empty()) {
+      if (!stiff)
+        item.fail(
+            "<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers, or stations");
+      if (item.has("interpolation"))
+        item.fail("interpolation", "is between stations; leave it out or give <station>s");
+    } else if (stiff || section.mass) {
+      item.fail("stiffness and mass stand in the stations, or there are no stations");
     }
-    if (!stiff) item.fail("<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers");
+    section.interpolation = item.choice<Section::Interpolation>("interpolation");
     scene_.sections.push_back(std::move(section));
+  }
+
+  Station station(const Item& item) {
+    Station station;
+    station.source = item.source();
+    station.at = item.number("at");
+    bool stiff = false;
+    each(item.xml(), [&](const Item& part) { matrix(item, part, station, stiff); });
+    if (!stiff) item.fail("<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers");
+    return station;
+  }
+
+  // <stiffness> or <mass> of a section or station.
+  template <class Of>
+  static void matrix(const Item& item, const Item& part, Of& of, bool& stiff) {
+    const bool is_mass = part.element().name == "mass";
+    if (is_mass ? of.mass.has_value() : stiff)
+      part.fail("the " + std::string(item.element().name) + " has one already");
+    if (is_mass) {
+      of.mass = mass(part);
+    } else {
+      of.stiffness = stiffness(part);
+      stiff = true;
+    }
   }
 
   static Mat6 stiffness(const Item& item) {
@@ -554,6 +635,8 @@ class Reader {
     if (item.element().name == "arc")
       beam.line = Arc{item.vector("from"), item.vector("center"), item.vector("axis"),
                       item.number("angle")};
+    else if (item.element().name == "curve")
+      beam.line = curve(item);
     else
       beam.line = Straight{item.vector("from"), item.vector("to")};
     beam.normal = item.vector("normal");
@@ -563,6 +646,23 @@ class Reader {
     beam.rule = item.choice<Rule>("rule");
     beam.form = item.choice<Form>("form");
     scene_.beams.push_back(std::move(beam));
+  }
+
+  Curve curve(const Item& item) {
+    Curve curve;
+    if (item.has("degree")) curve.degree = item.count("degree");
+    each(item.xml(), [&](const Item& part) {
+      CurvePoint point;
+      point.source = part.source();
+      point.at = part.vector("at");
+      if (part.has("normal")) point.normal = part.vector("normal");
+      point.twist = part.number("twist");
+      curve.points.push_back(std::move(point));
+    });
+    if (curve.points.size() < 2)
+      item.fail("has " + std::to_string(curve.points.size()) +
+                " <point>s; a curve needs two at least");
+    return curve;
   }
 
   // Beams and bodies share their names, because places do.
@@ -638,15 +738,57 @@ class Reader {
     scene_.drives.push_back(std::move(drive));
   }
 
+  static constexpr std::array<std::string_view, 4> loads_ = {"force", "moment", "follower_force",
+                                                             "follower_moment"};
+  static void some_load(const Item& item) {
+    if (std::none_of(loads_.begin(), loads_.end(), [&](auto name) { return item.has(name); }))
+      item.fail("give a force, a moment or both: force, moment, follower_force, follower_moment");
+  }
+
   void load(const Item& item) {
-    if (!item.has("force") && !item.has("moment")) item.fail("give a force, a moment or both");
+    some_load(item);
     LoadScene load;
     load.source = item.source();
     if (item.has("name")) load.name = item.name();
     load.at = item.place("at");
     if (item.has("force")) load.force = item.signals("force");
     if (item.has("moment")) load.moment = item.signals("moment");
+    if (item.has("follower_force")) load.follower_force = item.signals("follower_force");
+    if (item.has("follower_moment")) load.follower_moment = item.signals("follower_moment");
+    if (item.has("offset") && !load.force && !load.follower_force)
+      item.fail("offset", "is where a force acts, and there is none; leave it out");
+    load.offset = item.vector("offset");
     scene_.loads.push_back(std::move(load));
+  }
+
+  void distributed(const Item& item) {
+    some_load(item);
+    DistributedLoadScene load;
+    load.source = item.source();
+    if (item.has("name")) load.name = item.name();
+    load.beam = item.text("beam");
+    load.from = item.number("from");
+    load.to = item.number("to");
+    if (!(load.from < load.to))
+      item.fail("to", "the load must end behind its beginning, at " + shortest(load.from));
+    const auto fields = [&](std::string_view name, auto& slot) {
+      if (item.has(name)) slot = item.fields(name, load.from, load.to);
+    };
+    fields("force", load.force);
+    fields("moment", load.moment);
+    fields("follower_force", load.follower_force);
+    fields("follower_moment", load.follower_moment);
+    scene_.distributed_loads.push_back(std::move(load));
+  }
+
+  void point_mass(const Item& item) {
+    PointMassScene mass;
+    mass.source = item.source();
+    if (item.has("name")) mass.name = item.name();
+    mass.at = item.place("at");
+    mass.mass = item.number("mass");
+    mass.offset = item.vector("offset");
+    scene_.point_masses.push_back(std::move(mass));
   }
 
   void gravity(const Item& item) {
@@ -749,13 +891,18 @@ class Reader {
   }
 
   void repeat(const Item& item) {
+    repeat(item, [&] { read_children(item.xml()); });
+  }
+
+  template <class Body>
+  void repeat(const Item& item, const Body& body) {
     const int count = item.count("count");
     const std::string index = item.name("index");
     for (int i = 0; i < count; ++i) {
       if (++repetitions_ > most_repetitions)
         item.fail("more than " + std::to_string(most_repetitions) + " repetitions in one model");
       define(item, index, i);
-      read_children(item.xml());
+      body();
       parameters_.erase(index);
     }
   }

@@ -28,14 +28,10 @@ Json json(const Vec6& momentum) {
 }
 
 Json json(const Counters& c) {
-  return {{"steps", c.steps},
-          {"substeps", c.substeps},
-          {"retries", c.retries},
-          {"restarts", c.restarts},
-          {"iterations", c.iterations},
-          {"residuals", c.residuals},
-          {"tangents", c.tangents},
-          {"factorizations", c.factorizations}};
+  return {{"steps", c.steps},           {"substeps", c.substeps},
+          {"retries", c.retries},       {"restarts", c.restarts},
+          {"iterations", c.iterations}, {"residuals", c.residuals},
+          {"tangents", c.tangents},     {"factorizations", c.factorizations}};
 }
 
 Json settings(const RunReport& report) {
@@ -45,16 +41,15 @@ Json settings(const RunReport& report) {
   if (report.statics)
     all["static"] = {{"steps", report.statics->steps}, {"tolerance", report.statics->tolerance}};
   if (report.transient)
-    all["transient"] = {{"method", "generalized-alpha"},
-                        {"duration", report.transient->duration},
-                        {"step", report.transient->step},
-                        {"rho_infinity", report.transient->rho_infinity},
-                        {"balance", report.transient->balance == Balance::momentum
-                                        ? "momentum"
-                                        : "acceleration"},
-                        {"tolerance", report.newton.tolerance},
-                        {"multiplier_tolerance", report.newton.multiplier_tolerance},
-                        {"max_iterations", report.newton.max_iterations}};
+    all["transient"] = {
+        {"method", "generalized-alpha"},
+        {"duration", report.transient->duration},
+        {"step", report.transient->step},
+        {"rho_infinity", report.transient->rho_infinity},
+        {"balance", report.transient->balance == Balance::momentum ? "momentum" : "acceleration"},
+        {"tolerance", report.newton.tolerance},
+        {"multiplier_tolerance", report.newton.multiplier_tolerance},
+        {"max_iterations", report.newton.max_iterations}};
   return all;
 }
 

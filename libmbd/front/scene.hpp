@@ -16,6 +16,7 @@
 #include "libmbd/core/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
 #include "libmbd/core/types.hpp"
+#include "libmbd/front/field_expression.hpp"
 #include "solvers/report.hpp"
 
 namespace mbd {
@@ -29,11 +30,25 @@ struct Place {
   double parameter = 0.0;  // beam only, in [0, 1]
 };
 
+// A section at one place of a beam.
+struct Station {
+  Source source;
+  double at = 0.0;  // fraction of the reference length of the beam that has the section
+  Mat6 stiffness = Mat6::Zero();  // as in Section
+  std::optional<Mat6> mass;
+};
+
 struct Section {
   Source source;
   std::string name;
   Mat6 stiffness = Mat6::Zero();  // D: [N1 Q2 Q3 M1 M2 M3] vs [gamma; kappa]   [N, N.m, N.m2]
   std::optional<Mat6> mass;       // M per unit length about the reference line  [kg/m, kg, kg.m]
+
+  // Where there are any, D and M vary along the beam and those above are not used. Entry by entry: linear
+  // between stations, or the interpolating spline of degree 3 (or less, with fewer than 4 stations). A kink
+  // of the linear table is best placed where two elements meet: within one it costs the element its order.
+  std::vector<Station> stations;  // at least two, rising from 0 to 1; all with mass, or none
+  enum class Interpolation { linear, smooth } interpolation = Interpolation::linear;
 };
 
 // A straight reference line.
@@ -51,14 +66,29 @@ struct Arc {
   double angle = 0.0;  // subtended angle, > 0  [rad]
 };
 
+// A smooth reference line through points (reference_line.hpp). b3 lies in the plane of the tangent and the
+// normal, both interpolated, turned by the twist about the tangent. Two points: a straight line.
+struct CurvePoint {
+  Source source;
+  Vec3 at = Vec3::Zero();      // [m]
+  std::optional<Vec3> normal;  // default: that of the beam
+  double twist = 0.0;          // right-handed about the tangent [rad]
+};
+struct Curve {
+  std::vector<CurvePoint> points;  // at least two
+  int degree = 0;                  // of the spline; 0: min(points - 1, 2 order + 1)
+};
+
 struct BeamScene {
   Source source;
   std::string name;
   std::string section;
-  std::variant<Straight, Arc> line;
-  Vec3 normal = Vec3::UnitZ();  // b3 at the start, made perpendicular to the tangent; b2 = b3 x b1
-  int elements = 1;  // equal in reference length, before boundaries are added at attachments
-  int order = 3;     // N, 1 … 8: N + 1 nodes an element
+  std::variant<Straight, Arc, Curve> line;
+  Vec3 normal =
+      Vec3::UnitZ();  // b3 at the start (of a curve: everywhere), made perpendicular to the
+                      // tangent; b2 = b3 x b1
+  int elements = 1;   // equal in reference length, before boundaries are added at attachments
+  int order = 3;      // N, 1 … 8: N + 1 nodes an element
   Metric metric = Metric::geodesic;
   Rule rule = Rule::gauss;
   Form form = Form::energy;
@@ -100,7 +130,31 @@ struct LoadScene {
   Place at;
   std::optional<std::array<Expression, 3>>
       force;  // dead: fixed inertial direction, expressions of t [N]
-  std::optional<std::array<Expression, 3>> moment;  // dead, inertial axes [N.m]
+  std::optional<std::array<Expression, 3>> moment;           // dead, inertial axes [N.m]
+  std::optional<std::array<Expression, 3>> follower_force;   // axes of the section or body [N]
+  std::optional<std::array<Expression, 3>> follower_moment;  // axes of the section or body [N.m]
+  Vec3 offset =
+      Vec3::Zero();  // of the forces' point from the place, axes of the section or body [m]
+};
+
+// Along a beam, per unit of its reference length. s is the fraction of that length, 0 … 1.
+struct DistributedLoadScene {
+  Source source;
+  std::string name;
+  std::string beam;
+  double from = 0.0, to = 1.0;  // where it begins and ends, fractions of the reference length
+  std::optional<std::array<FieldExpression, 3>> force;            // dead, inertial axes [N/m]
+  std::optional<std::array<FieldExpression, 3>> moment;           // dead, inertial axes [N]
+  std::optional<std::array<FieldExpression, 3>> follower_force;   // section axes [N/m]
+  std::optional<std::array<FieldExpression, 3>> follower_moment;  // section axes [N]
+};
+
+struct PointMassScene {
+  Source source;
+  std::string name;
+  Place at;
+  double mass = 0.0;           // [kg]
+  Vec3 offset = Vec3::Zero();  // from the place, axes of the section or body [m]
 };
 
 struct Gravity {
@@ -165,6 +219,8 @@ struct Scene {
   std::vector<JointScene> joints;
   std::vector<DriveScene> drives;
   std::vector<LoadScene> loads;
+  std::vector<DistributedLoadScene> distributed_loads;
+  std::vector<PointMassScene> point_masses;
   std::optional<Gravity> gravity;
   std::optional<StaticScene> statics;  // equilibrium at t = 0, before the transient if there is one
   std::optional<TransientScene> transient;

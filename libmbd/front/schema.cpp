@@ -16,6 +16,7 @@ constexpr std::string_view metrics = "matrix quaternion geodesic";
 constexpr std::string_view rules = "gauss gauss_lobatto";
 constexpr std::string_view forms = "energy paper";
 constexpr std::string_view balances = "acceleration momentum";
+constexpr std::string_view interpolations = "linear smooth";
 
 // --- attributes of each element: name, kind, unit, default, meaning, range, sizes, choices ---
 
@@ -30,6 +31,21 @@ constexpr Attribute parameter_attributes[] = {
 
 constexpr Attribute section_attributes[] = {
     {"name", Kind::name, "", required, "name beams refer to"},
+    {"interpolation",
+     Kind::choice,
+     "",
+     "linear",
+     "between stations, entry by entry: linear (kinks are best placed at ends of elements) or a "
+     "cubic "
+     "spline",
+     any,
+     {3, 3},
+     interpolations},
+};
+
+constexpr Attribute station_attributes[] = {
+    {"at", Kind::number, "", required, "fraction of the reference length of the beam",
+     unit_interval},
 };
 
 constexpr Attribute stiffness_attributes[] = {
@@ -71,7 +87,7 @@ constexpr Attribute mass_attributes[] = {
 // Of every beam, after its reference line.
 constexpr Attribute mesh_attributes[] = {
     {"normal", Kind::numbers, "", required,
-     "b3 at the start; its part along the reference line does not matter"},
+     "b3 at the start (of a curve: everywhere); its part along the reference line does not matter"},
     {"elements", Kind::count, "", "1", "spectral elements of equal length", at_least_one},
     {"order", Kind::count, "", "3", "order N: N + 1 nodes an element", Range{1.0, 8.0}},
     {"metric", Kind::choice, "", "geodesic", "interpolation of motion", any, {3, 3}, metrics},
@@ -100,6 +116,19 @@ constexpr Attribute arc_attributes[] = {
     {"center", Kind::numbers, "m", required, "centre of the circle"},
     {"axis", Kind::numbers, "", required, "the line runs right-handed about it"},
     {"angle", Kind::number, "rad", required, "subtended angle", positive},
+};
+
+constexpr Attribute curve_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among beams and bodies"},
+    {"section", Kind::text, "", required, "name of its section"},
+    {"degree", Kind::count, "", optional,
+     "of the spline (default: 2 order + 1, or as many as the points allow)", Range{1.0, 1e3}},
+};
+
+constexpr Attribute point_attributes[] = {
+    {"at", Kind::numbers, "m", required, "position"},
+    {"normal", Kind::numbers, "", optional, "b3 there (default: the normal of the curve)"},
+    {"twist", Kind::number, "rad", "0", "turns the section, right-handed about the tangent"},
 };
 
 constexpr Attribute body_attributes[] = {
@@ -154,6 +183,30 @@ constexpr Attribute load_attributes[] = {
     {"at", Kind::place, "", required, "where it acts"},
     {"force", Kind::signals, "N", optional, "dead force, inertial axes"},
     {"moment", Kind::signals, "N.m", optional, "dead moment, inertial axes"},
+    {"follower_force", Kind::signals, "N", optional, "force in the axes of the section or body"},
+    {"follower_moment", Kind::signals, "N.m", optional,
+     "moment in the axes of the section or body"},
+    {"offset", Kind::numbers, "m", "0 0 0",
+     "where the forces act, from the place, in the axes of the section or body"},
+};
+
+constexpr Attribute distributed_attributes[] = {
+    {"name", Kind::name, "", optional, "name, for messages"},
+    {"beam", Kind::text, "", required, "name of the beam"},
+    {"from", Kind::number, "", "0", "where it begins, fraction of the reference length",
+     unit_interval},
+    {"to", Kind::number, "", "1", "where it ends", unit_interval},
+    {"force", Kind::fields, "N/m", optional, "dead force per reference length, inertial axes"},
+    {"moment", Kind::fields, "N", optional, "dead moment per reference length, inertial axes"},
+    {"follower_force", Kind::fields, "N/m", optional, "force per reference length, section axes"},
+    {"follower_moment", Kind::fields, "N", optional, "moment per reference length, section axes"},
+};
+
+constexpr Attribute point_mass_attributes[] = {
+    {"name", Kind::name, "", optional, "name, for messages"},
+    {"at", Kind::place, "", required, "what it moves with"},
+    {"mass", Kind::number, "kg", required, "mass", not_negative},
+    {"offset", Kind::numbers, "m", "0 0 0", "from the place, axes of the section or body"},
 };
 
 constexpr Attribute gravity_attributes[] = {
@@ -277,19 +330,32 @@ const std::vector<Element>& table() {
         {"section", anywhere,
          "Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3.",
          of(section_attributes)},
-        {"stiffness", "section",
+        {"station", "section repeat",
+         "The section at one place of the beam; two or more, from 0 to 1, in order.",
+         of(station_attributes)},
+        {"stiffness", "section station",
          "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "
          "entries by name, or all of them row by row.",
          of(stiffness_attributes), "36 numbers"},
-        {"mass", "section",
+        {"mass", "section station",
          "M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).",
          of(mass_attributes)},
         {"beam", anywhere, "A straight beam.", of(beam_attributes, mesh_attributes)},
         {"arc", anywhere, "A beam along a circular arc: `from`, turned about the centre.",
          of(arc_attributes, mesh_attributes)},
+        {"curve", anywhere, "A beam along a smooth curve through points.",
+         of(curve_attributes, mesh_attributes)},
+        {"point", "curve repeat", "A point of a curve.", of(point_attributes)},
         {"body", anywhere, "A rigid body, free or fixed to a place.", of(body_attributes)},
         {"drive", anywhere, "Prescribes the angle of a joint.", of(drive_attributes)},
         {"load", anywhere, "A force and moment at a place.", of(load_attributes)},
+        {"distributed", anywhere,
+         "Forces and moments per unit of reference length along a beam; expressions of s, the "
+         "fraction "
+         "of that length, and t.",
+         of(distributed_attributes)},
+        {"point_mass", anywhere, "A mass without inertia of its own that moves with a place.",
+         of(point_mass_attributes)},
         {"gravity", top, "Uniform gravity on everything that has mass.", of(gravity_attributes)},
         {"static", top, "Static equilibrium at t = 0, before the transient if there is one.",
          of(static_attributes)},
@@ -298,7 +364,8 @@ const std::vector<Element>& table() {
         {"record", anywhere, "Columns of history.csv.", of(record_attributes)},
         {"plot", anywhere, "A panel of history.svg.", of(plot_attributes)},
         {"expect", anywhere, "A number the run must give.", of(expect_attributes)},
-        {"repeat", anywhere, "Reads its contents several times.", of(repeat_attributes)},
+        {"repeat", "mbd repeat curve section", "Reads its contents several times.",
+         of(repeat_attributes)},
     };
     const std::span<const Attribute> axis = axis_attributes, none;
     for (const JointKind& kind : joints())

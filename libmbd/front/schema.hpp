@@ -23,6 +23,7 @@ enum class Kind {
   numbers,  // as many expressions as `sizes` says
   signal,   // one expression of t
   signals,  // three expressions of t
+  fields,   // three expressions of s, the fraction of a beam's length, and t
   choice    // one of `choices`
 };
 

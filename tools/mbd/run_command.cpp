@@ -82,13 +82,13 @@ void print_summary(const RunReport& report) {
     fmt::print("static equilibrium in {} load steps, ", c.steps);
   fmt::print("{} iterations, {} factorizations; {:.3g} s ({:.3g} s CPU)\n", c.iterations,
              c.factorizations, wall, cpu);
-  if (c.retries > 0)
-    fmt::print("{} steps failed and were done in parts\n", c.retries);
+  if (c.retries > 0) fmt::print("{} steps failed and were done in parts\n", c.retries);
   if (report.transient && report.sampled_states > 0)
-    fmt::print("energy: {:.6g} J at the start + {:.6g} J work of loads + {:.6g} J work of drives = "
-               "{:.6g} J at the end + {:.3g} J taken out by the integrator\n",
-               report.energy_start.total(), report.work.loads, report.work.drives,
-               report.energy_end.total(), report.dissipated());
+    fmt::print(
+        "energy: {:.6g} J at the start + {:.6g} J work of loads + {:.6g} J work of drives = "
+        "{:.6g} J at the end + {:.3g} J taken out by the integrator\n",
+        report.energy_start.total(), report.work.loads, report.work.drives,
+        report.energy_end.total(), report.dissipated());
   for (const std::string& note : report.notes) fmt::print("note: {}\n", note);
   for (const std::filesystem::path& file : report.results) fmt::print("wrote {}\n", file.string());
   if (report.expects.empty()) return;

@@ -1,0 +1,137 @@
+#include "libmbd/front/loads.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace mbd {
+namespace {
+
+constexpr double same_parameter = 1e-9;  // as for the ends of elements
+
+bool any(const load::Signals& signals) {
+  return std::any_of(signals.begin(), signals.end(), [](int i) { return i >= 0; });
+}
+
+std::string label(std::string_view what, const std::string& name) {
+  return name.empty() ? std::string(what) : fmt::format("{} \"{}\"", what, name);
+}
+
+}  // namespace
+
+template <class E>
+ElementBatch<E>& Loads::batch(std::unique_ptr<ElementBatch<E>>& made) {
+  if (!made) made = std::make_unique<ElementBatch<E>>(E::name, typename E::Shared{});
+  return *made;
+}
+
+int Loads::signal(const Expression& e) {
+  if (!e.is_constant())
+    return static_cast<int>(system_.add_signal(Signal::from_expression(e), SignalUse::load));
+  if (e.value() == 0.0) return -1;
+  const auto [it, is_new] = constants_.try_emplace(e.value(), -1);
+  if (is_new)
+    it->second = static_cast<int>(system_.add_signal(Signal::constant(e.value()), SignalUse::load));
+  return it->second;
+}
+
+load::Signals Loads::signals(const Components& force, const Components& moment) {
+  load::Signals result{-1, -1, -1, -1, -1, -1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (force) result[i] = signal((*force)[i]);
+    if (moment) result[3 + i] = signal((*moment)[i]);
+  }
+  return result;
+}
+
+void Loads::add_dead(const load::Signals& signals, double weight, int node) {
+  if (any(signals))
+    batch(dead_).add({signals, weight}, std::array{node},
+                     fmt::format("load on {}", system_.node_name(node)));
+}
+
+void Loads::add_follower(const load::Signals& signals, double weight, const Vec3& offset,
+                         int node) {
+  if (any(signals))
+    batch(follower_).add({signals, weight, offset}, std::array{node},
+                         fmt::format("follower load on {}", system_.node_name(node)));
+}
+
+void Loads::add(const LoadScene& load, int node) {
+  if (node == 0)
+    throw Error(load.source, fmt::format("{} on the ground does nothing; give a beam or a body",
+                                         label("a load", load.name)));
+  const load::Signals dead = signals(load.force, load.moment);
+  add_dead(dead, 1.0, node);
+  add_follower(signals(load.follower_force, load.follower_moment), 1.0, load.offset, node);
+  const bool has_force = std::any_of(dead.begin(), dead.begin() + 3, [](int i) { return i >= 0; });
+  if (has_force && !load.offset.isZero(0.0))
+    batch(arm_).add({dead, 1.0, load.offset}, std::array{node},
+                    fmt::format("arm of a load on {}", system_.node_name(node)));
+}
+
+void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> nodes) {
+  const std::string who =
+      fmt::format("{} on beam \"{}\"", label("distributed load", load.name), load.beam);
+  if (!(load.from >= 0.0 && load.from < load.to && load.to <= 1.0))
+    throw Error(load.source,
+                fmt::format("{}: from={:g} and to={:g} must be fractions of its length, "
+                            "0 <= from < to <= 1",
+                            who, load.from, load.to));
+  // An expression without s is one signal for all nodes.
+  using Fields = std::optional<std::array<FieldExpression, 3>>;
+  struct Row {
+    const Fields& fields;
+    std::array<int, 3> everywhere{-1, -1, -1};
+  };
+  std::array<Row, 4> rows{Row{load.force}, Row{load.moment}, Row{load.follower_force},
+                          Row{load.follower_moment}};
+  const auto signal_at = [&](const FieldExpression& field, double s) {
+    try {
+      return signal(field.at(s));
+    } catch (const Error& e) {
+      throw Error(load.source, fmt::format("{}, at s = {:.6g}: {}", who, s, e.what()));
+    }
+  };
+  for (Row& row : rows)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (row.fields && !(*row.fields)[i].varies())
+        row.everywhere[i] = signal_at((*row.fields)[i], load.from);
+
+  const auto at = [&](std::size_t force, double s) {
+    load::Signals result{-1, -1, -1, -1, -1, -1};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const Row& row = rows[force + k / 3];
+      const std::size_t i = k % 3;
+      if (!row.fields) continue;
+      result[k] = (*row.fields)[i].varies() ? signal_at((*row.fields)[i], s) : row.everywhere[i];
+    }
+    return result;
+  };
+  // Where two elements meet, the load's signals and kernel are needed once.
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    BeamNode here = nodes[k];
+    if (k + 1 < nodes.size() && nodes[k + 1].node == here.node) {
+      const bool before =
+          here.s > load.from + same_parameter &&
+          here.s<load.to + same_parameter, after = here.s> load.from - same_parameter &&
+          here.s < load.to - same_parameter;
+      here.weight = (before ? here.weight : 0.0) + (after ? nodes[k + 1].weight : 0.0);
+      ++k;
+    }
+    if (here.s < load.from - same_parameter || here.s > load.to + same_parameter ||
+        here.weight == 0.0)
+      continue;
+    add_dead(at(0, here.s), here.weight, here.node);
+    add_follower(at(2, here.s), here.weight, Vec3::Zero(), here.node);
+  }
+}
+
+void Loads::finish() {
+  if (dead_) system_.add_batch(std::move(dead_));
+  if (follower_) system_.add_batch(std::move(follower_));
+  if (arm_) system_.add_batch(std::move(arm_));
+}
+
+}  // namespace mbd
