@@ -268,7 +268,7 @@ void GeneralizedAlpha::accept(State& state) {
     A_[n] = A_f;
     renormalize(end_.pose[n]);
   }
-  system_.count_turns(begin_, end_);
+  system_.follow_angles(end_);
   std::swap(Vdot_old_, begin_.Vdot);
   std::swap(lambda_older_, lambda_old_);
   lambda_old_ = begin_.lambda;

@@ -58,10 +58,13 @@ class Batch {
   virtual void constraint_rates(const State& /*state*/, VecX& /*gdot*/,
                                 VecX& /*gddot_rest*/) const {}
 
-  // Updates the turn counters of `after`, less than half a turn on from `before`.
-  virtual void count_turns(const State& /*before*/, State& /*after*/) const {}
+  // Sets the followed angles to the present ones, less than half a turn away: on accepted states only.
+  virtual void follow_angles(State& /*state*/) const {}
 
   virtual Energies energies(const State& /*state*/) const { return {}; }
+
+  // Power that prescribed motions deliver to the mechanism [W].
+  virtual double drive_power(const State& /*state*/) const { return 0.0; }
 };
 
 }  // namespace mbd

@@ -20,7 +20,8 @@ struct State {
   std::vector<Vec6> Vdot;  // its time derivative, body frame            [m/s2, rad/s2]
   VecX lambda;             // constraint multipliers, as each joint's file defines them [N, N.m]
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)
-  std::vector<int> turns;  // whole turns of each joint angle; changed on accepted steps only
+  std::vector<double> angles;  // unwrapped angle of each followed joint at the last accepted state;
+                               // the present angle is the one nearest to it [rad]
 };
 
 }  // namespace mbd

@@ -31,7 +31,7 @@ class System {
   Index add_node(std::string name, const Pose<double>& pose);  // returns its index
   Index add_constraint(ConstraintInfo info);                   // returns its first multiplier
   Index add_signal(Signal signal);  // returns its index in State::signals
-  Index add_angle();                // a turn counter; returns its index
+  Index add_angle();                // one more followed angle; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
 
@@ -59,8 +59,9 @@ class System {
   std::string out_of_range(const State& state) const;
   void constraint_rates(const State& state, VecX& gdot,
                         VecX& gddot_rest) const;  // size multipliers()
-  void count_turns(const State& before, State& after) const;
+  void follow_angles(State& state) const;         // on accepted states only
   Energies energies(const State& state) const;
+  double drive_power(const State& state) const;  // delivered to the mechanism [W]
 
   // Row of a residual in words: "beam 'shaft' node 7, moment 2", "revolute 'C', force 1".
   std::string name_of(Index row) const;

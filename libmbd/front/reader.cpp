@@ -422,10 +422,11 @@ class Reader {
         {"parameter", &Reader::parameter}, {"section", &Reader::section},
         {"beam", &Reader::beam},           {"arc", &Reader::beam},
         {"body", &Reader::body},           {"drive", &Reader::drive},
-        {"load", &Reader::load},           {"gravity", &Reader::gravity},
-        {"static", &Reader::statics},      {"transient", &Reader::transient},
-        {"record", &Reader::record},       {"plot", &Reader::plot},
-        {"expect", &Reader::expect},       {"repeat", &Reader::repeat},
+        {"motion", &Reader::motion},       {"load", &Reader::load},
+        {"gravity", &Reader::gravity},     {"static", &Reader::statics},
+        {"transient", &Reader::transient}, {"record", &Reader::record},
+        {"plot", &Reader::plot},           {"expect", &Reader::expect},
+        {"repeat", &Reader::repeat},
     };
     for (const XMLElement* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
       const Item item(*e, scene_.file, parameters_);
@@ -624,18 +625,45 @@ class Reader {
     joints_.add(item, joint.name);
     std::tie(joint.a, joint.b) = item.places("between");
     if (item.has("at")) joint.at = item.vector("at");
-    if (schema::find_joint_kind(joint.kind)->has_axis) joint.axis = item.vector("axis");
+    const joint::Traits& traits = schema::find_joint_kind(joint.kind)->traits;
+    if (traits.axis) joint.axis = item.vector("axis");
+    if (traits.second_axis) joint.second_axis = item.vector("second_axis");
+    if (traits.parameter.name[0] != '\0') joint.parameter = item.number(traits.parameter.name);
+    if (item.has("at_a")) joint.at_a = item.vector("at_a");
+    if (item.has("at_b")) joint.at_b = item.vector("at_b");
     scene_.joints.push_back(std::move(joint));
   }
 
   void drive(const Item& item) {
-    one_of(item, "rate", "angle");
+    const std::initializer_list<std::string_view> laws{"rate", "angle", "speed", "displacement"};
+    const auto given = std::count_if(laws.begin(), laws.end(),
+                                     [&](std::string_view law) { return item.has(law); });
+    if (given != 1)
+      item.fail(std::string("give one of the attributes rate, angle, speed and displacement") +
+                (given > 1 ? ", not more; another coordinate has a drive of its own" : ""));
     DriveScene drive;
     drive.source = item.source();
     drive.joint = item.text("joint");
     if (item.has("rate")) drive.rate = item.signal("rate");
     if (item.has("angle")) drive.angle = item.signal("angle");
+    if (item.has("speed")) drive.speed = item.signal("speed");
+    if (item.has("displacement")) drive.displacement = item.signal("displacement");
     scene_.drives.push_back(std::move(drive));
+  }
+
+  void motion(const Item& item) {
+    MotionScene motion;
+    motion.source = item.source();
+    motion.name = item.name();
+    joints_.add(item, motion.name);
+    motion.of = item.place("of");
+    if (item.has("displacement")) motion.displacement = item.signals("displacement");
+    if (item.has("velocity")) motion.velocity = item.signals("velocity");
+    if (item.has("rotation")) motion.rotation = item.signals("rotation");
+    if (item.has("axis")) motion.axis = item.vector("axis");
+    if (item.has("angle")) motion.angle = item.signal("angle");
+    if (item.has("rate")) motion.rate = item.signal("rate");
+    scene_.motions.push_back(std::move(motion));
   }
 
   void load(const Item& item) {

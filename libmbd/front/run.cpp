@@ -95,6 +95,19 @@ std::vector<double> restart_times(const Scene& scene) {
   for (const DriveScene& drive : scene.drives) {
     if (drive.rate) add(Signal::from_expression(*drive.rate), 1);
     if (drive.angle) add(Signal::from_expression(*drive.angle), 2);
+    if (drive.speed) add(Signal::from_expression(*drive.speed), 1);
+    if (drive.displacement) add(Signal::from_expression(*drive.displacement), 2);
+  }
+  for (const MotionScene& motion : scene.motions) {
+    const auto add_each = [&](const std::optional<std::array<Expression, 3>>& law, int derivative) {
+      if (!law) return;
+      for (const Expression& component : *law) add(Signal::from_expression(component), derivative);
+    };
+    add_each(motion.displacement, 2);
+    add_each(motion.rotation, 2);
+    add_each(motion.velocity, 1);
+    if (motion.angle) add(Signal::from_expression(*motion.angle), 2);
+    if (motion.rate) add(Signal::from_expression(*motion.rate), 1);
   }
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
