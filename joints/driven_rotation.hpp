@@ -1,7 +1,7 @@
-// A prescribed rotation phi(t) of b relative to a about e3, added to a revolute or cylindrical joint.
+// A prescribed rotation phi(t) of b relative to a about e3, added to a joint with an angle.
 //
 //   sin(theta - phi) = -sin(phi) a1.b1 + cos(phi) a2.b1 = 0       (moment about e3)
-// Needs no turn counter: it holds modulo pi, and the state moves continuously. phi, its rate and its
+// Needs no unwrapped angle: it holds modulo pi, and the state moves continuously. phi, its rate and its
 // acceleration come from a signal; a rate law is integrated to position first (signal.hpp).
 #pragma once
 
@@ -11,9 +11,9 @@ namespace mbd::joint {
 
 struct DrivenRotation {
   static constexpr const char* name = "driven rotation";
+  static constexpr const char* doc = "A prescribed angle.";
   static constexpr std::array rows{angle()};
-  static constexpr bool has_axis = true;
-  static constexpr bool has_angle = false;
+  static constexpr Traits traits{.axis = true, .law = Law::coordinate};
 };
 
 }  // namespace mbd::joint

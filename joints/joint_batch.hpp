@@ -1,9 +1,6 @@
 // Joints of one type: gather the two nodes, evaluate, hand over. Once for every type.
 #pragma once
 
-#include <cmath>
-#include <numbers>
-#include <string>
 #include <vector>
 
 #include "joints/any_joint_batch.hpp"
@@ -15,25 +12,20 @@ namespace mbd::joint {
 template <Joint J>
 class JointBatch final : public AnyJointBatch {
  public:
-  static constexpr int m = static_cast<int>(J::rows.size());
+  static constexpr int m = rows_of<J>;
+  static constexpr Law law = J::traits.law;
+  static constexpr bool moves_a = law == Law::translation || law == Law::rotation;
   using Rows = Matrix<double, m, 1>;
 
-  struct Data {
-    Pose<double> a, b;     // frames in their nodes: H_P^-1 H_a, H_Q^-1 H_b
-    Mat6 Ad_a, Ad_b;       // adjoints of their inverses: node increments seen in the frames
-    int P = 0, Q = 0;      // nodes; 0 is the ground
-    int signal = -1;       // driven angle
-    int block = 0;         // index of the constraint among the System's
-    Index multiplier = 0;  // first row in State::lambda
-    int angle = -1;        // turn counter, if the angle is followed
+  struct Data : Definition {
+    Mat6 Ad_a, Ad_b;  // adjoints of the inverses of a and b: node increments seen in the frames
   };
 
   std::span<const Row> rows() const override { return J::rows; }
+  Traits traits() const override { return J::traits; }
 
-  Index add(const Pose<double>& a, const Pose<double>& b, int P, int Q, int signal,
-            Index constraint, Index multiplier, Index angle) override {
-    data_.push_back({a, b, adjoint_inverse(a).matrix(), adjoint_inverse(b).matrix(), P, Q, signal,
-                     static_cast<int>(constraint), multiplier, static_cast<int>(angle)});
+  Index add(const Definition& joint) override {
+    data_.push_back({joint, adjoint_inverse(joint.a).matrix(), adjoint_inverse(joint.b).matrix()});
     return size() - 1;
   }
 
@@ -47,7 +39,7 @@ class JointBatch final : public AnyJointBatch {
     int nodes = 0;
     for (const auto& block : graph.blocks) nodes += block.kind == BlockGraph::Kind::node ? 1 : 0;
     for (const Data& d : data_) {
-      const int P = d.P - 1, Q = d.Q - 1, l = nodes + d.block;
+      const int P = d.P - 1, Q = d.Q - 1, l = nodes + static_cast<int>(d.constraint);
       for (const auto& c :
            {std::pair{P, P}, {P, Q}, {Q, P}, {Q, Q}, {P, l}, {Q, l}, {l, P}, {l, Q}})
         graph.contributions.push_back({c.first, c.second});
@@ -59,8 +51,8 @@ class JointBatch final : public AnyJointBatch {
     for (const Data& d : data_) {
       const Pose<double> g = relative_pose(state, d);
       const Rows lambda = state.lambda.segment<m>(d.multiplier);
-      const double phi = angle_of(state, d);
-      add_residual(d, g, phi, wrench<J, double>(g, phi, lambda), first, r);
+      const Given<double> given = given_of(state, d);
+      add_residual(d, Ad_a(state, d), g, given, wrench<J, double>(g, given, lambda), first, r);
     }
     return true;
   }
@@ -72,19 +64,20 @@ class JointBatch final : public AnyJointBatch {
     for (const Data& d : data_) {
       const Pose<double> g = relative_pose(state, d);
       const Rows lambda = state.lambda.segment<m>(d.multiplier);
-      const double phi = angle_of(state, d);
-      const Vec6 f = wrench<J, double>(g, phi, lambda);
-      add_residual(d, g, phi, f, first, r);
+      const Given<double> given = given_of(state, d);
+      decltype(auto) A = Ad_a(state, d);
+      const Vec6 f = wrench<J, double>(g, given, lambda);
+      add_residual(d, A, g, given, f, first, r);
 
-      const Matrix<double, m, 6> G = gradient<J, double>(g, phi);
+      const Matrix<double, m, 6> G = gradient<J, double>(g, given);
       const PairTangent<double> t =
-          pair_tangent(g, f, geometric_stiffness<J, double>(g, phi, lambda));
+          joint_tangent<J>(g, f, geometric_stiffness<J, double>(g, given, lambda));
       const Mat6 Ad_g = adjoint_inverse(g).matrix();
       const Matrix<double, m, 6> BQ = G * d.Ad_b;
-      const Matrix<double, m, 6> BP = -G * Ad_g * d.Ad_a;
-      add<6, 6>(slot[0], w.U * (d.Ad_a.transpose() * t.jj * d.Ad_a));
-      add<6, 6>(slot[1], w.U * (d.Ad_a.transpose() * t.jk * d.Ad_b));
-      add<6, 6>(slot[2], w.U * (d.Ad_b.transpose() * t.kj * d.Ad_a));
+      const Matrix<double, m, 6> BP = -G * Ad_g * A;
+      add<6, 6>(slot[0], w.U * (A.transpose() * t.jj * A));
+      add<6, 6>(slot[1], w.U * (A.transpose() * t.jk * d.Ad_b));
+      add<6, 6>(slot[2], w.U * (d.Ad_b.transpose() * t.kj * A));
       add<6, 6>(slot[3], w.U * (d.Ad_b.transpose() * t.kk * d.Ad_b));
       add<6, m>(slot[4], BP.transpose());
       add<6, m>(slot[5], BQ.transpose());
@@ -95,8 +88,8 @@ class JointBatch final : public AnyJointBatch {
     return true;
   }
 
-  // g along H exp(tau V) and phi(t + tau): its value, first and second derivative in tau at 0 are g, gdot
-  // and the part of gddot without Vdot.
+  // g along H exp(tau V) and t + tau: its value, first and second derivative in tau at 0 are g, gdot and
+  // the part of gddot without Vdot.
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const override {
     using D2 = Dual<Dual<double>>;
     const D2 tau{Dual<double>{0.0, 1.0}, Dual<double>{1.0, 0.0}};
@@ -106,14 +99,11 @@ class JointBatch final : public AnyJointBatch {
         const Vector6<D2> V = state.V[n].template cast<D2>() * tau;
         return state.pose[n].template cast<D2>() * exp_se3<D2>(V);
       };
-      D2 phi = D2(0.0);
-      if (d.signal >= 0) {
-        const SignalValue s = state.signals[static_cast<std::size_t>(d.signal)];
-        phi = {Dual<double>{s.f, s.fdot}, Dual<double>{s.fdot, s.fddot}};
-      }
-      const auto g = constraint<J, D2>(
-          relative(moved(d.P) * d.a.template cast<D2>(), moved(d.Q) * d.b.template cast<D2>()),
-          phi);
+      const auto s = [&](std::size_t i) {
+        const SignalValue x = signal(state, d, i);
+        return D2{Dual<double>{x.f, x.fdot}, Dual<double>{x.fdot, x.fddot}};
+      };
+      const auto g = constraint_at<D2>(state, d, moved(d.P), moved(d.Q), s);
       for (Index i = 0; i < m; ++i) {
         gdot(d.multiplier + i) = g(i).v.d;
         gddot_rest(d.multiplier + i) = g(i).d.d;
@@ -121,51 +111,106 @@ class JointBatch final : public AnyJointBatch {
     }
   }
 
-  void count_turns(const State& before, State& after) const override {
-    if constexpr (J::has_angle) {
+  // The joint exerts -G^T lambda, on what moves with G V = gdot - g_t = -g_t: lambda . g_t.
+  double drive_power(const State& state) const override {
+    double sum = 0.0;
+    if constexpr (law != Law::none) {
+      using D1 = Dual<double>;
       for (const Data& d : data_) {
-        if (d.angle < 0) continue;
-        const double from = principal_angle(before, d), to = principal_angle(after, d);
-        after.turns[static_cast<std::size_t>(d.angle)] +=
-            static_cast<int>(std::lround((from - to) / (2.0 * std::numbers::pi)));
+        const auto still = [&](int node) {
+          return state.pose[static_cast<std::size_t>(node)].template cast<D1>();
+        };
+        const auto s = [&](std::size_t i) {
+          const SignalValue x = signal(state, d, i);
+          return D1{x.f, x.fdot};
+        };
+        const auto g = constraint_at<D1>(state, d, still(d.P), still(d.Q), s);
+        for (Index i = 0; i < m; ++i) sum += state.lambda(d.multiplier + i) * g(i).d;
       }
+    }
+    return sum;
+  }
+
+  void follow_angles(State& state) const override {
+    if constexpr (J::traits.angle) {
+      for (Index i = 0; i < size(); ++i)
+        if (const Index k = data(i).angle; k >= 0)
+          state.angles[static_cast<std::size_t>(k)] = angle(state, i);
     }
   }
 
   double angle(const State& state, Index i) const override {
     const Data& d = data(i);
-    const int turns = d.angle < 0 ? 0 : state.turns[static_cast<std::size_t>(d.angle)];
-    return principal_angle(state, d) + 2.0 * std::numbers::pi * turns;
+    return unwrapped_angle<double>(relative_pose(state, d).R(), given_of(state, d).near);
+  }
+  double displacement(const State& state, Index i) const override {
+    const Pose<double> g = relative_pose(state, data(i));
+    return (g.R().transpose() * g.r)(2);
   }
   Vec6 relative_velocity(const State& state, Index i) const override {
     const Data& d = data(i);
-    const Vec6 Va = d.Ad_a * state.V[static_cast<std::size_t>(d.P)];
+    const Vec6 Va = Ad_a(state, d) * state.V[static_cast<std::size_t>(d.P)];
     return d.Ad_b * state.V[static_cast<std::size_t>(d.Q)] -
            adjoint_inverse(relative_pose(state, d)) * Va;
   }
   Vec6 reaction(const State& state, Index i) const override {
     const Data& d = data(i);
-    return -wrench<J, double>(relative_pose(state, d), angle_of(state, d),
+    return -wrench<J, double>(relative_pose(state, d), given_of(state, d),
                               state.lambda.segment<m>(d.multiplier));
   }
 
  private:
+  static SignalValue signal(const State& state, const Data& d, std::size_t i) {
+    return d.signals[i] < 0 ? SignalValue{0.0, 0.0, 0.0}
+                            : state.signals[static_cast<std::size_t>(d.signals[i])];
+  }
+  static double near_of(const State& state, const Data& d) {
+    return d.angle < 0 ? 0.0 : state.angles[static_cast<std::size_t>(d.angle)];
+  }
+  static Given<double> given_of(const State& state, const Data& d) {
+    return {law == Law::coordinate ? signal(state, d, 0).f : 0.0, d.parameter, near_of(state, d)};
+  }
+
+  // M(t) of a moving frame a; s(i) are the values of the signals.
+  template <class S, class F>
+  static Pose<S> motion(const F& s) {
+    const Vector3<S> x(s(0), s(1), s(2));
+    if constexpr (law == Law::translation)
+      return {Quaternion<S>(S(1.0), S(0.0), S(0.0), S(0.0)), x};
+    else
+      return {exp_so3<S>(x), Vector3<S>::Zero()};
+  }
+  static Pose<double> motion(const State& state, const Data& d) {
+    return motion<double>([&](std::size_t i) { return signal(state, d, i).f; });
+  }
+
   static Pose<double> relative_pose(const State& state, const Data& d) {
-    return relative(state.pose[static_cast<std::size_t>(d.P)] * d.a,
-                    state.pose[static_cast<std::size_t>(d.Q)] * d.b);
+    Pose<double> a = state.pose[static_cast<std::size_t>(d.P)] * d.a;
+    if constexpr (moves_a) a = a * motion(state, d);
+    return relative(a, state.pose[static_cast<std::size_t>(d.Q)] * d.b);
   }
-  static double angle_of(const State& state, const Data& d) {
-    return d.signal < 0 ? 0.0 : state.signals[static_cast<std::size_t>(d.signal)].f;
+  // Node increments of P seen in frame a, where it is now.
+  static decltype(auto) Ad_a(const State& state, const Data& d) {
+    if constexpr (moves_a)
+      return Mat6(adjoint_inverse(motion(state, d)).matrix() * d.Ad_a);
+    else
+      return static_cast<const Mat6&>(d.Ad_a);
   }
-  static double principal_angle(const State& state, const Data& d) {
-    const Mat3 R = relative_pose(state, d).R();
-    return std::atan2(R(1, 0), R(0, 0));
+  template <class S, class F>
+  static Matrix<S, m, 1> constraint_at(const State& state, const Data& d, const Pose<S>& P,
+                                       const Pose<S>& Q, const F& s) {
+    Pose<S> a = P * d.a.template cast<S>();
+    if constexpr (moves_a) a = a * motion<S>(s);
+    Given<S> given{S(0.0), d.parameter, near_of(state, d)};
+    if constexpr (law == Law::coordinate) given.s = s(0);
+    return constraint<J, S>(relative(a, Q * d.b.template cast<S>()), given);
   }
-  static void add_residual(const Data& d, const Pose<double>& g, double phi, const Vec6& f,
-                           Index first, VecX& r) {
-    r.segment<m>(first + d.multiplier) = constraint<J, double>(g, phi);
+
+  static void add_residual(const Data& d, const Mat6& A, const Pose<double>& g,
+                           const Given<double>& given, const Vec6& f, Index first, VecX& r) {
+    r.segment<m>(first + d.multiplier) = constraint<J, double>(g, given);
     r.segment<6>(6 * d.Q).noalias() += d.Ad_b.transpose() * f;
-    r.segment<6>(6 * d.P).noalias() -= d.Ad_a.transpose() * adjoint_inverse(g).transpose_times(f);
+    r.segment<6>(6 * d.P).noalias() -= A.transpose() * adjoint_inverse(g).transpose_times(f);
   }
   template <int rows, int cols>
   static void add(const Slot& slot, const Matrix<double, rows, cols>& block) {

@@ -11,7 +11,7 @@ std::unique_ptr<AnyJointBatch> make_joint_batch(std::string_view name) {
     if (name == J::name) batch = std::make_unique<JointBatch<J>>();
   };
   for_each(Types{}, try_type);
-  try_type.template operator()<DrivenRotation>();
+  for_each(Prescribed{}, try_type);
   return batch;
 }
 

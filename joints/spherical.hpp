@@ -9,9 +9,9 @@ namespace mbd::joint {
 
 struct Spherical {
   static constexpr const char* name = "spherical";
+  static constexpr const char* doc = "Three rotations are left free.";
   static constexpr std::array rows{position(1), position(2), position(3)};
-  static constexpr bool has_axis = false;
-  static constexpr bool has_angle = false;
+  static constexpr Traits traits{};
 };
 
 }  // namespace mbd::joint

@@ -415,7 +415,7 @@ void GeneralizedAlpha::accept(State& state) {
     }
     end_.momentum_rate = 0.0;
   }
-  system_.count_turns(begin_, end_);
+  system_.follow_angles(end_);
   const double power = system_.load_power(end_), drive_power = system_.drive_power(end_);
   end_.work.loads += 0.5 * h_ * (power_ + power);
   end_.work.drives += 0.5 * h_ * (drive_power_ + drive_power);

@@ -90,6 +90,7 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     const long before = report.counters.iterations;
     if (equilibrium(system, solver, options.newton, trial, report.counters, failure)) {
       state = trial;
+      system.follow_angles(state);
       report.load_factor = next;
       ++report.counters.steps;
       if (report.counters.iterations - before <= 6) increment *= 2.0;

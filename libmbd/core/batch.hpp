@@ -58,8 +58,8 @@ class Batch {
   virtual void constraint_rates(const State& /*state*/, VecX& /*gdot*/,
                                 VecX& /*gddot_rest*/) const {}
 
-  // Updates the turn counters of `after`, less than half a turn on from `before`.
-  virtual void count_turns(const State& /*before*/, State& /*after*/) const {}
+  // Sets the followed angles to the present ones, less than half a turn away: on accepted states only.
+  virtual void follow_angles(State& /*state*/) const {}
 
   virtual Energies energies(const State& /*state*/) const { return {}; }
 

@@ -27,9 +27,9 @@ struct State {
   VecX lambda;             // constraint multipliers, as each joint's file defines them [N, N.m]
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)
   Work work;
-  double momentum_rate =
-      0.0;                 // [1/s] c of a stepper that balances momenta; 0: r has M Vdot (mass.hpp)
-  std::vector<int> turns;  // whole turns of each joint angle; changed on accepted steps only
+  double momentum_rate = 0.0;  // [1/s] c of a stepper that balances momenta; 0: none (mass.hpp)
+  std::vector<double> angles;  // unwrapped angle of each followed joint at the last accepted state;
+                               // the present angle is the one nearest to it [rad]
 };
 
 }  // namespace mbd

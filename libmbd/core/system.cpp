@@ -63,7 +63,7 @@ State System::reference_state() const {
   }
   state.lambda = VecX::Zero(multipliers_);
   state.signals.resize(signals_.size());
-  state.turns.assign(static_cast<std::size_t>(angles_), 0);
+  state.angles.assign(static_cast<std::size_t>(angles_), 0.0);
   set_time(state, 0.0);
   return state;
 }
@@ -102,8 +102,8 @@ void System::constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) 
   for (const auto& batch : batches_) batch->constraint_rates(state, gdot, gddot_rest);
 }
 
-void System::count_turns(const State& before, State& after) const {
-  for (const auto& batch : batches_) batch->count_turns(before, after);
+void System::follow_angles(State& state) const {
+  for (const auto& batch : batches_) batch->follow_angles(state);
 }
 
 Energies System::energies(const State& state) const {

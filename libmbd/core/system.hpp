@@ -41,7 +41,7 @@ class System {
   Index add_constraint(ConstraintInfo info);                   // returns its first multiplier
   // Returns its index in State::signals. `use` says which of its jumps make the accelerations jump.
   Index add_signal(Signal signal, SignalUse use = SignalUse::drive);
-  Index add_angle();  // a turn counter; returns its index
+  Index add_angle();  // one more followed angle; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
 
@@ -68,7 +68,7 @@ class System {
   std::string out_of_range(const State& state) const;
   void constraint_rates(const State& state, VecX& gdot,
                         VecX& gddot_rest) const;  // size multipliers()
-  void count_turns(const State& before, State& after) const;
+  void follow_angles(State& state) const;         // on accepted states only
   Energies energies(const State& state) const;
   double load_power(const State& state) const;   // of external loads, gravity excepted [W]
   double drive_power(const State& state) const;  // of drives and prescribed motions [W]

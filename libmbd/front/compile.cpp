@@ -9,8 +9,7 @@
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
-#include "joints/any_joint_batch.hpp"
-#include "joints/driven_rotation.hpp"
+#include "libmbd/front/compile_joints.hpp"
 #include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/reference_line.hpp"
@@ -22,21 +21,8 @@
 namespace mbd {
 namespace {
 
-// Two points of a joint closer than this, relative to the scene's length, are one.
-constexpr double open_tolerance = 1e-9;
 // Two beam parameters closer than this are one.
 constexpr double same_parameter = 1e-9;
-
-// Rotation whose third column is `third`; the first is any perpendicular one.
-Mat3 frame_with_third(const Vec3& third) {
-  const Vec3 e3 = third.normalized();
-  Index smallest = 0;
-  e3.cwiseAbs().minCoeff(&smallest);
-  const Vec3 e1 = Vec3::Unit(smallest).cross(e3).normalized();
-  Mat3 R;
-  R << e1, e3.cross(e1), e3;
-  return R;
-}
 
 // Where an element ends: for resultants.
 struct ElementEnd {
@@ -51,12 +37,6 @@ struct CompiledBeam {
   std::vector<int> boundary_nodes;            // node at each
   std::vector<std::vector<ElementEnd>> ends;  // elements that meet at each
   std::vector<BeamNode> nodes;  // those of each element in turn; ends of elements twice
-};
-
-// A node something is attached to, and the rigid frame of the place in it.
-struct Attachment {
-  int node = 0;
-  bool is_point = false;  // a beam node: joints act at the node itself
 };
 
 class Compiler {
@@ -75,7 +55,11 @@ class Compiler {
     if (scene_.transient) add_inertia();
     if (scene_.gravity) add_gravity();
     add_loads();
-    add_joints();
+    joints_.emplace(scene_, *system_, length_,
+                    [this](const Place& place, const Source& source, std::string_view who) {
+                      return find(place, source, who);
+                    });
+    joints_->add_all();
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     if (!scene_.transient && !scene_.statics)
@@ -101,16 +85,18 @@ class Compiler {
       if (name.empty()) throw Error(source, fmt::format("{} has no name", what));
       const auto [other, is_new] = seen.emplace(name, &source);
       if (!is_new) {
-        throw Error(
-            source,
-            fmt::format(
-                "the name \"{}\" is taken{}; names of beams, bodies and joints must differ", name,
-                other->second->line > 0 ? fmt::format(" (line {})", other->second->line) : ""));
+        throw Error(source, fmt::format("the name \"{}\" is taken{}; names of beams, bodies, "
+                                        "joints and motions must differ",
+                                        name,
+                                        other->second->line > 0
+                                            ? fmt::format(" (line {})", other->second->line)
+                                            : ""));
       }
     };
     for (const BeamScene& b : scene_.beams) add(b.name, b.source, "a beam");
     for (const BodyScene& b : scene_.bodies) add(b.name, b.source, "a body");
     for (const JointScene& j : scene_.joints) add(j.name, j.source, "a joint");
+    for (const MotionScene& m : scene_.motions) add(m.name, m.source, "a motion");
   }
 
   void check_sections() const {
@@ -148,6 +134,7 @@ class Compiler {
       add(j.a);
       add(j.b);
     }
+    for (const MotionScene& m : scene_.motions) add(m.of);
     for (const LoadScene& l : scene_.loads) add(l.at);
     for (const PointMassScene& m : scene_.point_masses) add(m.at);
     for (const DistributedLoadScene& l : scene_.distributed_loads) {
@@ -362,7 +349,8 @@ class Compiler {
 
   void measure() {
     for (const JointScene& j : scene_.joints)
-      if (j.at) include(*j.at);
+      for (const std::optional<Vec3>& point : {j.at, j.at_a, j.at_b})
+        if (point) include(*point);
     if (!any_) throw Error({scene_.file, 1}, "the scene is empty: it has no beam and no body");
     length_ = (high_ - low_).norm();
     if (!(length_ > 0.0)) length_ = 1.0;  // a body about its own mass centre
@@ -377,11 +365,14 @@ class Compiler {
     system_->add_batch(std::move(batch));
     for (const BodyScene& body : scene_.bodies) {
       if (body.attached_to) continue;
+      const auto is_body = [&body](const Place& place) {
+        return place.kind == Place::Kind::body && place.name == body.name;
+      };
       const bool held =
-          std::any_of(scene_.joints.begin(), scene_.joints.end(), [&body](const JointScene& j) {
-            return (j.a.kind == Place::Kind::body && j.a.name == body.name) ||
-                   (j.b.kind == Place::Kind::body && j.b.name == body.name);
-          });
+          std::any_of(scene_.joints.begin(), scene_.joints.end(),
+                      [&](const JointScene& j) { return is_body(j.a) || is_body(j.b); }) ||
+          std::any_of(scene_.motions.begin(), scene_.motions.end(),
+                      [&](const MotionScene& m) { return is_body(m.of); });
       if (!held && !(scaled_definiteness(
                          masses_[static_cast<std::size_t>(body_nodes_.at(body.name))]) > definite))
         throw Error(
@@ -418,154 +409,6 @@ class Compiler {
     loads.finish();
   }
 
-  // --- joints ---
-
-  struct Reading {  // how output reads a joint
-    std::function<double(const State&)> angle;
-    std::function<Vec6(const State&)> relative_velocity, reaction;
-  };
-
-  // The batch of a joint type, made when first called for; nullptr if there is no such type.
-  joint::AnyJointBatch* joint_batch(std::string_view type) {
-    for (const auto& batch : system_->batches()) {
-      auto* joints = dynamic_cast<joint::AnyJointBatch*>(batch.get());
-      if (joints != nullptr && joints->type() == type) return joints;
-    }
-    auto batch = joint::make_joint_batch(type);
-    joint::AnyJointBatch* made = batch.get();
-    if (made != nullptr) system_->add_batch(std::move(batch));
-    return made;
-  }
-
-  // Frames a and b in their nodes.
-  struct Frames {
-    int P, Q;
-    Pose<double> a, b;
-  };
-
-  Index add_one(joint::AnyJointBatch& batch, const Frames& f, const std::string& name, int signal,
-                bool follow_angle) {
-    ConstraintInfo info;
-    info.name = name;
-    info.rows = static_cast<Index>(batch.rows().size());
-    for (const joint::Row& row : batch.rows()) {
-      const bool is_position = row.kind == joint::Row::Kind::position;
-      info.is_position.push_back(is_position);
-      info.row_names.push_back(is_position ? fmt::format("position {}", row.i)
-                               : row.kind == joint::Row::Kind::direction
-                                   ? fmt::format("direction a{}.b{}", row.i, row.j)
-                                   : std::string("angle"));
-    }
-    const auto index = static_cast<Index>(system_->constraints().size());
-    const Index multiplier = system_->add_constraint(std::move(info));
-    return batch.add(f.a, f.b, f.P, f.Q, signal, index, multiplier,
-                     follow_angle ? system_->add_angle() : -1);
-  }
-
-  void add_joints() {
-    for (const DriveScene& d : scene_.drives) find_joint(d.joint, d.source, "drive");
-    for (const JointScene& j : scene_.joints) add_joint(j);
-  }
-
-  const JointScene& find_joint(const std::string& name, const Source& source,
-                               std::string_view who) const {
-    std::vector<std::string_view> names;
-    for (const JointScene& j : scene_.joints) {
-      if (j.name == name) return j;
-      names.push_back(j.name);
-    }
-    throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, name,
-                                    suggest(name, names, "joints are")));
-  }
-
-  void add_joint(const JointScene& j) {
-    const std::string who = fmt::format("{} joint \"{}\"", j.kind, j.name);
-    const schema::JointKind* kind = schema::find_joint_kind(j.kind);
-    if (kind == nullptr)
-      throw Error(j.source, fmt::format("there is no joint type \"{}\"", j.kind));
-    const Attachment A = find(j.a, j.source, who), B = find(j.b, j.source, who);
-    if (A.node == B.node) throw Error(j.source, fmt::format("{} joins a thing to itself", who));
-    if (kind->has_axis && !j.axis) throw Error(j.source, fmt::format("{} needs an axis", who));
-    if (!kind->has_axis && j.axis)
-      throw Error(j.source, fmt::format("{} has no axis; leave it out", who));
-    if (j.axis && !(j.axis->norm() > 0.0))
-      throw Error(j.source, fmt::format("{}: axis has zero length; give a direction", who));
-
-    // A beam is joined at its node; ground and bodies anywhere.
-    const Vec3 point = j.at                                         ? *j.at
-                       : B.is_point || (!A.is_point && B.node != 0) ? reference(B.node).r
-                                                                    : reference(A.node).r;
-    for (const Attachment& end : {A, B}) {
-      if (!end.is_point) continue;
-      const double gap = (reference(end.node).r - point).norm();
-      if (!(gap <= open_tolerance * length_))
-        throw Error(
-            j.source,
-            fmt::format(
-                "{} is open: {} is {:.6g} m from the joint's point ({:.9g}, {:.9g}, {:.9g})", who,
-                system_->node_name(end.node), gap, point(0), point(1), point(2)));
-    }
-    const Pose<double> H =
-        make_pose(j.axis ? frame_with_third(*j.axis) : Mat3(Mat3::Identity()), point);
-    const Frames f{A.node, B.node, relative(reference(A.node), H), relative(reference(B.node), H)};
-
-    const DriveScene* drive = nullptr;
-    for (const DriveScene& d : scene_.drives) {
-      if (d.joint != j.name) continue;
-      if (drive != nullptr) throw Error(d.source, fmt::format("{} is driven twice", who));
-      drive = &d;
-    }
-    joint::AnyJointBatch* batch = joint_batch(j.kind);
-    const Index i = add_one(*batch, f, fmt::format("{} '{}'", j.kind, j.name), -1, kind->has_angle);
-    Reading& reading = readings_[j.name];
-    if (kind->has_angle) reading.angle = [batch, i](const State& s) { return batch->angle(s, i); };
-    reading.relative_velocity = [batch, i](const State& s) {
-      return batch->relative_velocity(s, i);
-    };
-    reading.reaction = [batch, i](const State& s) { return batch->reaction(s, i); };
-    if (drive != nullptr) add_drive(*drive, j, *kind, f);
-  }
-
-  void add_drive(const DriveScene& d, const JointScene& j, const schema::JointKind& kind,
-                 const Frames& f) {
-    if (!kind.has_angle)
-      throw Error(d.source,
-                  fmt::format("joint \"{}\" is {}: it has no angle to drive", j.name, j.kind));
-    if (d.rate.has_value() == d.angle.has_value())
-      throw Error(d.source,
-                  fmt::format("the drive of joint \"{}\" needs either a rate or an angle", j.name));
-    const double duration = scene_.transient ? scene_.transient->duration : 1.0;
-    const auto signal = [&]() -> Signal {
-      try {
-        if (d.angle) {
-          return d.angle->is_constant() ? Signal::constant(d.angle->value())
-                                        : Signal::from_expression(*d.angle);
-        }
-        return Signal::from_rate(*d.rate, 0.0, 0.0, duration);
-      } catch (const Error& e) {
-        throw Error(d.source, fmt::format("drive of joint \"{}\": {}", j.name, e.what()));
-      }
-    }();
-    for (const Jump& jump : signal.jumps()) {
-      if (jump.derivative < 2 && jump.t < duration) {
-        throw Error(
-            d.source,
-            fmt::format(
-                "drive of joint \"{}\": the {} jumps by {:.6g} at t = {:.9g} s, an impact; make "
-                "the law continuous",
-                j.name, jump.derivative == 0 ? "angle" : "rate", jump.size, jump.t));
-      }
-    }
-    const auto index = static_cast<int>(system_->add_signal(signal, SignalUse::drive));
-    joint::AnyJointBatch* batch = joint_batch(joint::DrivenRotation::name);
-    const Index i = add_one(*batch, f, fmt::format("drive of '{}'", j.name), index, false);
-    // The driven moment belongs to what the joint transmits.
-    Reading& reading = readings_[j.name];
-    reading.reaction = [batch, i, joint = reading.reaction](const State& s) {
-      return Vec6(joint(s) + batch->reaction(s, i));
-    };
-  }
-
   // --- checks ---
 
   void check(const State& initial) const {
@@ -599,14 +442,18 @@ class Compiler {
   void add_channels(Model& model) const {
     for (const RecordScene& record : scene_.records) {
       for (const std::string& name : record.quantities) {
-        const auto known = record.joint ? schema::joint_quantities() : schema::place_quantities();
+        const auto known = record.joint ? schema::joint_quantities()
+                           : record.at  ? schema::place_quantities()
+                                        : schema::system_quantities();
         const schema::Quantity* q = schema::find_quantity(known, name);
         if (q == nullptr)
           throw Error(record.source,
                       fmt::format("record \"{}\": there is no quantity \"{}\"{}", record.name, name,
                                   suggest(name, schema::names(known), "quantities are")));
-        model.channels.push_back(channel(
-            record, *q, record.joint ? joint_sample(record, name) : place_sample(record, name)));
+        model.channels.push_back(channel(record, *q,
+                                         record.joint ? joints_->sample(record, name)
+                                         : record.at  ? place_sample(record, name)
+                                                      : system_sample(name)));
       }
     }
   }
@@ -617,6 +464,29 @@ class Compiler {
     return [f = std::move(f)](const State& s, std::span<double> out) {
       const Vec3 x = f(s);
       std::copy(x.data(), x.data() + 3, out.begin());
+    };
+  }
+
+  Sample system_sample(const std::string& name) const {
+    const System* system = system_.get();
+    const bool rates = scene_.transient.has_value();
+    const auto momentum = [system, rates](const State& s) {
+      return rates ? system->momentum(s) : Vec6(Vec6::Zero());
+    };
+    if (name == "linear_momentum")
+      return vector([momentum](const State& s) { return linear(momentum(s)); });
+    if (name == "angular_momentum")
+      return vector([momentum](const State& s) { return angular(momentum(s)); });
+    if (name == "work_of_loads")
+      return [](const State& s, std::span<double> out) { out[0] = s.work.loads; };
+    if (name == "work_of_drives")
+      return [](const State& s, std::span<double> out) { out[0] = s.work.drives; };
+    return [system, name](const State& s, std::span<double> out) {
+      const Energies e = system->energies(s);
+      out[0] = name == "kinetic_energy"     ? e.kinetic
+               : name == "strain_energy"    ? e.strain
+               : name == "potential_energy" ? e.potential
+                                            : e.total();
     };
   }
 
@@ -682,32 +552,12 @@ class Compiler {
     });
   }
 
-  Sample joint_sample(const RecordScene& record, const std::string& name) const {
-    const JointScene& j =
-        find_joint(*record.joint, record.source, fmt::format("record \"{}\"", record.name));
-    const Reading& reading = readings_.at(j.name);
-    const bool rates = scene_.transient.has_value();
-    if (name == "angle" || name == "rate") {
-      if (!reading.angle)
-        throw Error(record.source,
-                    fmt::format("joint \"{}\" is {}: it has no angle", j.name, j.kind));
-      if (name == "angle")
-        return [f = reading.angle](const State& s, std::span<double> out) { out[0] = f(s); };
-      return [f = reading.relative_velocity, rates](const State& s, std::span<double> out) {
-        out[0] = rates ? f(s)(5) : 0.0;
-      };
-    }
-    if (name == "force")
-      return vector([f = reading.reaction](const State& s) { return linear(f(s)); });
-    return vector([f = reading.reaction](const State& s) { return angular(f(s)); });
-  }
-
   const Scene& scene_;
   std::unique_ptr<System> system_;
   std::map<std::tuple<Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>> elastic_;
   std::vector<CompiledBeam> beams_;
   std::map<std::string, int> body_nodes_;
-  std::map<std::string, Reading> readings_;
+  std::optional<JointCompiler> joints_;
   std::vector<Mat6> masses_{Mat6::Zero()};  // by node
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
   bool any_ = false;

@@ -460,6 +460,7 @@ class Reader {
         {"point_mass", &Reader::point_mass},
         {"body", &Reader::body},
         {"drive", &Reader::drive},
+        {"motion", &Reader::motion},
         {"load", &Reader::load},
         {"gravity", &Reader::gravity},
         {"static", &Reader::statics},
@@ -724,18 +725,45 @@ class Reader {
     joints_.add(item, joint.name);
     std::tie(joint.a, joint.b) = item.places("between");
     if (item.has("at")) joint.at = item.vector("at");
-    if (schema::find_joint_kind(joint.kind)->has_axis) joint.axis = item.vector("axis");
+    const joint::Traits& traits = schema::find_joint_kind(joint.kind)->traits;
+    if (traits.axis) joint.axis = item.vector("axis");
+    if (traits.second_axis) joint.second_axis = item.vector("second_axis");
+    if (traits.parameter.name[0] != '\0') joint.parameter = item.number(traits.parameter.name);
+    if (item.has("at_a")) joint.at_a = item.vector("at_a");
+    if (item.has("at_b")) joint.at_b = item.vector("at_b");
     scene_.joints.push_back(std::move(joint));
   }
 
   void drive(const Item& item) {
-    one_of(item, "rate", "angle");
+    const std::initializer_list<std::string_view> laws{"rate", "angle", "speed", "displacement"};
+    const auto given = std::count_if(laws.begin(), laws.end(),
+                                     [&](std::string_view law) { return item.has(law); });
+    if (given != 1)
+      item.fail(std::string("give one of the attributes rate, angle, speed and displacement") +
+                (given > 1 ? ", not more; another coordinate has a drive of its own" : ""));
     DriveScene drive;
     drive.source = item.source();
     drive.joint = item.text("joint");
     if (item.has("rate")) drive.rate = item.signal("rate");
     if (item.has("angle")) drive.angle = item.signal("angle");
+    if (item.has("speed")) drive.speed = item.signal("speed");
+    if (item.has("displacement")) drive.displacement = item.signal("displacement");
     scene_.drives.push_back(std::move(drive));
+  }
+
+  void motion(const Item& item) {
+    MotionScene motion;
+    motion.source = item.source();
+    motion.name = item.name();
+    joints_.add(item, motion.name);
+    motion.of = item.place("of");
+    if (item.has("displacement")) motion.displacement = item.signals("displacement");
+    if (item.has("velocity")) motion.velocity = item.signals("velocity");
+    if (item.has("rotation")) motion.rotation = item.signals("rotation");
+    if (item.has("axis")) motion.axis = item.vector("axis");
+    if (item.has("angle")) motion.angle = item.signal("angle");
+    if (item.has("rate")) motion.rate = item.signal("rate");
+    scene_.motions.push_back(std::move(motion));
   }
 
   static constexpr std::array<std::string_view, 4> loads_ = {"force", "moment", "follower_force",
@@ -812,7 +840,10 @@ class Reader {
   }
 
   void record(const Item& item) {
-    one_of(item, "at", "joint");
+    if (item.has("at") && item.has("joint"))
+      item.fail(
+          "give one of the attributes \"at\" and \"joint\", not both (neither: the whole "
+          "system)");
     RecordScene record;
     record.source = item.source();
     record.name = item.name();
@@ -820,14 +851,17 @@ class Reader {
     if (item.has("at")) record.at = item.place("at");
     if (item.has("joint")) record.joint = item.text("joint");
     record.quantities = item.names("quantities");
-    const auto known = record.at ? schema::place_quantities() : schema::joint_quantities();
+    const auto known = record.at      ? schema::place_quantities()
+                       : record.joint ? schema::joint_quantities()
+                                      : schema::system_quantities();
     for (const std::string& quantity : record.quantities) {
       const schema::Quantity* const found = schema::find_quantity(known, quantity);
       if (!found)
-        item.fail("quantities",
-                  "unknown quantity " + in_quotes(quantity) +
-                      suggest(quantity, schema::names(known),
-                              record.at ? "quantities of a place" : "quantities of a joint"));
+        item.fail("quantities", "unknown quantity " + in_quotes(quantity) +
+                                    suggest(quantity, schema::names(known),
+                                            record.at      ? "quantities of a place"
+                                            : record.joint ? "quantities of a joint"
+                                                           : "quantities of the whole system"));
       if (found->of == schema::Quantity::Of::beam_place && record.at->kind != Place::Kind::beam)
         item.fail("quantities", in_quotes(quantity) +
                                     " is a resultant of a beam; record it at a beam "

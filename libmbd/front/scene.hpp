@@ -110,18 +110,35 @@ struct BodyScene {
 
 struct JointScene {
   Source source;
-  std::string kind;  // "fixed", "revolute", "cylindrical", "spherical"
+  std::string kind;  // a name of joints/joint_list.hpp
   std::string name;
   Place a, b;
-  std::optional<Vec3> at;    // joint's point [m]; default: the point of b (of a if b is the ground)
-  std::optional<Vec3> axis;  // required by kinds that have one, refused by others
+  std::optional<Vec3> at;  // joint's point [m]; default: the point of b (of a if b is the ground)
+  // Required by kinds that have them, refused by others.
+  std::optional<Vec3> axis, second_axis;
+  std::optional<double> parameter;  // of a screw: its pitch [m per turn]
+  std::optional<Vec3> at_a, at_b;   // of kinds with two points [m]; default: those of the places
 };
 
 struct DriveScene {
   Source source;
-  std::string joint;                // a revolute or cylindrical joint
-  std::optional<Expression> rate;   // rotation rate of b relative to a about the axis [rad/s]; or
-  std::optional<Expression> angle;  // the rotation itself [rad]
+  std::string joint;
+  // One of these, of b relative to a, about or along the axis.
+  std::optional<Expression> rate, angle;          // [rad/s], [rad]
+  std::optional<Expression> speed, displacement;  // [m/s], [m]
+};
+
+// The motion of a place from its reference configuration, inertial axes, expressions of t. What is not
+// given is free.
+struct MotionScene {
+  Source source;
+  std::string name;
+  Place of;
+  std::optional<std::array<Expression, 3>> displacement;  // [m], or
+  std::optional<std::array<Expression, 3>> velocity;      // [m/s]
+  std::optional<std::array<Expression, 3>> rotation;  // rotation vector, of any length [rad]; or
+  std::optional<Vec3> axis;                           // of turning, and
+  std::optional<Expression> angle, rate;              // one of these [rad], [rad/s]
 };
 
 struct LoadScene {
@@ -178,7 +195,7 @@ struct TransientScene {
       Balance::acceleration;  // of inertia: in body axes, or of momenta in inertial ones
 };
 
-// One line of output: quantities of a place or of a joint, at every accepted step (or every n-th).
+// One line of output: quantities of a place, of a joint or (with neither) of the whole system, at every accepted step (or every n-th).
 struct RecordScene {
   Source source;
   std::string name;
@@ -218,6 +235,7 @@ struct Scene {
   std::vector<BodyScene> bodies;
   std::vector<JointScene> joints;
   std::vector<DriveScene> drives;
+  std::vector<MotionScene> motions;
   std::vector<LoadScene> loads;
   std::vector<DistributedLoadScene> distributed_loads;
   std::vector<PointMassScene> point_masses;

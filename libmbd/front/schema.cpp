@@ -165,17 +165,41 @@ constexpr Attribute joint_attributes[] = {
      "its point (default: that of b, or of a when b is the ground)"},
 };
 
-// Of the joints that have an axis.
-constexpr Attribute axis_attributes[] = {
-    {"axis", Kind::numbers, "", required,
-     "direction of its axis; angles turn right-handed about it"},
+// Of the joints that have two points, an axis, two axes.
+constexpr Attribute two_points_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among joints"},
+    {"between", Kind::places, "", required, "the two places a and b it joins"},
+    {"at_a", Kind::numbers, "m", optional, "its point of a (default: that of the place)"},
+    {"at_b", Kind::numbers, "m", optional, "its point of b (default: that of the place)"},
 };
+constexpr Attribute axis_attribute{"axis", Kind::numbers, "", required,
+                                   "direction of its axis; angles turn right-handed about it"};
+constexpr Attribute second_axis_attribute{
+    "second_axis", Kind::numbers, "", required,
+    "direction of its second axis, fixed in b, perpendicular to the first, which is fixed in a"};
 
 constexpr Attribute drive_attributes[] = {
-    {"joint", Kind::text, "", required, "name of a joint with an angle"},
+    {"joint", Kind::text, "", required, "name of a joint with an angle or a displacement"},
     {"rate", Kind::signal, "rad/s", optional,
-     "rotation rate of b relative to a; the angle starts at 0 (one of rate, angle)"},
-    {"angle", Kind::signal, "rad", optional, "rotation of b relative to a (one of rate, angle)"},
+     "rotation rate of b relative to a; the angle starts at 0"},
+    {"angle", Kind::signal, "rad", optional, "or the rotation of b relative to a, 0 at the start"},
+    {"speed", Kind::signal, "m/s", optional,
+     "or the speed of b relative to a along the axis; the displacement starts at 0"},
+    {"displacement", Kind::signal, "m", optional,
+     "or the displacement of b relative to a along the axis, 0 at the start"},
+};
+
+constexpr Attribute motion_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among joints and motions"},
+    {"of", Kind::place, "", required, "the place that moves"},
+    {"displacement", Kind::signals, "m", optional,
+     "from the reference configuration, inertial axes, 0 at the start"},
+    {"velocity", Kind::signals, "m/s", optional, "or its rate; the displacement starts at 0"},
+    {"rotation", Kind::signals, "rad", optional,
+     "rotation vector from the reference configuration, inertial axes, of any length"},
+    {"axis", Kind::numbers, "", optional, "or an inertial axis, and one of angle and rate"},
+    {"angle", Kind::signal, "rad", optional, "rotation about the axis, 0 at the start"},
+    {"rate", Kind::signal, "rad/s", optional, "or its rate; the angle starts at 0"},
 };
 
 constexpr Attribute load_attributes[] = {
@@ -240,8 +264,8 @@ constexpr Attribute transient_attributes[] = {
 
 constexpr Attribute record_attributes[] = {
     {"name", Kind::name, "", required, "first part of its columns in history.csv"},
-    {"at", Kind::place, "", optional, "a place (one of at, joint)"},
-    {"joint", Kind::text, "", optional, "name of a joint (one of at, joint)"},
+    {"at", Kind::place, "", optional, "a place; without place and joint: the whole system"},
+    {"joint", Kind::text, "", optional, "name of a joint or a motion (one of at, joint)"},
     {"quantities", Kind::names, "", required, "what to write, separated by blanks"},
 };
 
@@ -297,15 +321,31 @@ constexpr Quantity of_places[] = {
 constexpr Quantity of_joints[] = {
     {"angle", "rad", 1, "rotation of b relative to a, unwrapped", Of::joint_with_angle},
     {"rate", "rad/s", 1, "rotation rate of b relative to a", Of::joint_with_angle},
-    {"force", "N", 3, "of the joint on b, joint axes that move with b", Of::any_joint},
-    {"moment", "N.m", 3, "of the joint on b, joint axes that move with b", Of::any_joint},
+    {"displacement", "m", 1, "of b relative to a along the axis", Of::joint_with_displacement},
+    {"speed", "m/s", 1, "of b relative to a along the axis", Of::joint_with_displacement},
+    {"reaction_force", "N", 3,
+     "of the joint (with its drives) or motion on b, joint axes that move with b", Of::any_joint},
+    {"reaction_moment", "N.m", 3,
+     "the same, about the joint's point of b, joint axes that move with b", Of::any_joint},
+};
+
+constexpr Quantity of_system[] = {
+    {"linear_momentum", "N.s", 3, "of everything, inertial axes", Of::whole_system},
+    {"angular_momentum", "N.m.s", 3, "the same about the inertial origin, inertial axes",
+     Of::whole_system},
+    {"kinetic_energy", "J", 1, "of everything", Of::whole_system},
+    {"strain_energy", "J", 1, "of all beams", Of::whole_system},
+    {"potential_energy", "J", 1, "of gravity, zero at the inertial origin", Of::whole_system},
+    {"total_energy", "J", 1, "kinetic, strain and potential", Of::whole_system},
+    {"work_of_loads", "J", 1, "since the start, gravity excepted", Of::whole_system},
+    {"work_of_drives", "J", 1, "of drives and motions since the start", Of::whole_system},
 };
 
 const std::vector<JointKind>& joints() {
   static const std::vector<JointKind> all = [] {
     std::vector<JointKind> list;
     joint::for_each(joint::Types{}, [&]<class J>() {
-      list.push_back({J::name, J::has_axis, J::has_angle});
+      list.push_back({J::name, J::doc, J::traits});
     });
     return list;
   }();
@@ -317,6 +357,17 @@ std::vector<Attribute> of(std::span<const Attribute> first,
                           std::span<const Attribute> second = {}) {
   std::vector<Attribute> result(first.begin(), first.end());
   result.insert(result.end(), second.begin(), second.end());
+  return result;
+}
+
+std::vector<Attribute> of(const JointKind& kind) {
+  const joint::Traits& traits = kind.traits;
+  std::vector<Attribute> result =
+      traits.points == joint::Points::two ? of(two_points_attributes) : of(joint_attributes);
+  if (traits.axis) result.push_back(axis_attribute);
+  if (traits.second_axis) result.push_back(second_axis_attribute);
+  if (const joint::Parameter& p = traits.parameter; p.name[0] != '\0')
+    result.push_back({p.name, Kind::number, p.unit, required, p.doc});
   return result;
 }
 
@@ -347,7 +398,10 @@ const std::vector<Element>& table() {
          of(curve_attributes, mesh_attributes)},
         {"point", "curve repeat", "A point of a curve.", of(point_attributes)},
         {"body", anywhere, "A rigid body, free or fixed to a place.", of(body_attributes)},
-        {"drive", anywhere, "Prescribes the angle of a joint.", of(drive_attributes)},
+        {"drive", anywhere, "Prescribes the angle or the displacement of a joint.",
+         of(drive_attributes)},
+        {"motion", anywhere, "Prescribes the motion of a place; what is not given is free.",
+         of(motion_attributes)},
         {"load", anywhere, "A force and moment at a place.", of(load_attributes)},
         {"distributed", anywhere,
          "Forces and moments per unit of reference length along a beam; expressions of s, the "
@@ -367,10 +421,8 @@ const std::vector<Element>& table() {
         {"repeat", "mbd repeat curve section", "Reads its contents several times.",
          of(repeat_attributes)},
     };
-    const std::span<const Attribute> axis = axis_attributes, none;
     for (const JointKind& kind : joints())
-      list.push_back({kind.name, anywhere, "A joint between two places.",
-                      of(joint_attributes, kind.has_axis ? axis : none)});
+      list.push_back({kind.name, anywhere, kind.doc, of(kind)});
     return list;
   }();
   return all;
@@ -396,6 +448,7 @@ std::span<const Element> elements() { return table(); }
 std::span<const JointKind> joint_kinds() { return joints(); }
 std::span<const Quantity> place_quantities() { return of_places; }
 std::span<const Quantity> joint_quantities() { return of_joints; }
+std::span<const Quantity> system_quantities() { return of_system; }
 
 const Element* find_element(std::string_view name) { return find(table(), name); }
 const Attribute* find_attribute(const Element& element, std::string_view name) {

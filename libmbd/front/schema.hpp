@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "joints/traits.hpp"
+
 namespace mbd::schema {
 
 // What the text of an attribute is. Numbers are expressions of the model's parameters, signals also of
@@ -62,9 +64,8 @@ struct Element {
 
 // One for each type of joints/joint_list.hpp.
 struct JointKind {
-  std::string_view name;
-  bool has_axis = false;
-  bool has_angle = false;  // that a <drive> can prescribe and a <record> can show
+  std::string_view name, doc;
+  joint::Traits traits;
 };
 
 // Something <record> can write, and the columns it makes: name.quantity, or name.quantity.1 … .3.
@@ -73,13 +74,21 @@ struct Quantity {
   std::string_view unit;
   int components = 3;
   std::string_view doc;
-  enum class Of { any_place, beam_place, any_joint, joint_with_angle } of = Of::any_place;
+  enum class Of {
+    any_place,
+    beam_place,
+    any_joint,
+    joint_with_angle,
+    joint_with_displacement,
+    whole_system
+  } of = Of::any_place;
 };
 
 std::span<const Element> elements();
 std::span<const JointKind> joint_kinds();
 std::span<const Quantity> place_quantities();
 std::span<const Quantity> joint_quantities();
+std::span<const Quantity> system_quantities();
 
 const Element* find_element(std::string_view name);  // nullptr when there is none; so below
 const Attribute* find_attribute(const Element& element, std::string_view name);

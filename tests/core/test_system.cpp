@@ -528,7 +528,7 @@ TEST(System, RedundantConstraintsAreSingular) {
     const auto constraint = static_cast<Index>(system.constraints().size());
     const Index first = system.add_constraint(
         {name, 0, 6, {"1", "2", "3", "4", "5", "6"}, std::vector<bool>(6, false)});
-    joints->add(H * at, at, 0, node, -1, constraint, first, -1);
+    joints->add({.a = H * at, .b = at, .Q = node, .constraint = constraint, .multiplier = first});
   }
   system.add_batch(std::move(joints));
   system.finish(true, 1.0);

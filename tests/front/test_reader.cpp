@@ -273,8 +273,9 @@ TEST(Reader, RefusesMissingAndSuperfluousAttributes) {
               "revolute \"A\": attribute \"axis\" is missing");
   EXPECT_SAYS(message("<spherical name=\"A\" between=\"ground b\" axis=\"1 0 0\"/>"),
               "unknown attribute \"axis\"");
-  EXPECT_SAYS(message("<drive joint=\"A\"/>"), "give one of the attributes \"rate\" and \"angle\"");
-  EXPECT_SAYS(message("<drive joint=\"A\" rate=\"1\" angle=\"t\"/>"), "not both");
+  EXPECT_SAYS(message("<drive joint=\"A\"/>"),
+              "give one of the attributes rate, angle, speed and displacement");
+  EXPECT_SAYS(message("<drive joint=\"A\" rate=\"1\" angle=\"t\"/>"), "not more");
   EXPECT_SAYS(message("<load at=\"b\"/>"), "give a force, a moment or both");
   EXPECT_SAYS(message("<body name=\"b\" mass=\"1\" inertia=\"1 1 1\" mass=\"2\"/>"),
               "is given twice");

@@ -146,7 +146,7 @@ TEST(HardStart, RedundantConstraintsAreReportedByName) {
 }
 
 bool same(const State& a, const State& b) {
-  bool equal = a.t == b.t && a.lambda == b.lambda && a.turns == b.turns;
+  bool equal = a.t == b.t && a.lambda == b.lambda && a.angles == b.angles;
   for (std::size_t n = 0; n < a.pose.size(); ++n) {
     equal = equal && a.pose[n].r == b.pose[n].r && a.pose[n].p.coeffs() == b.pose[n].p.coeffs();
     equal = equal && a.V[n] == b.V[n] && a.Vdot[n] == b.Vdot[n];

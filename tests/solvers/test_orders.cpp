@@ -33,7 +33,7 @@ RecordScene joint_record(const std::string& joint) {
   RecordScene record;
   record.name = "joint_" + joint;
   record.joint = joint;
-  record.quantities = {"force", "moment"};
+  record.quantities = {"reaction_force", "reaction_moment"};
   return record;
 }
 
@@ -131,7 +131,7 @@ TimeErrors rigid_errors(const RigidCase& c, const Scene& model, double rho,
     EXPECT_EQ(t.rows(), n);
     errors.motion.push_back(
         relative_rms(components(t, c.place + ".position"), columns_of(reference.position), 0, n));
-    const Columns force = components(t, "joint_" + c.joint + ".force");
+    const Columns force = components(t, "joint_" + c.joint + ".reaction_force");
     if (c.model == "pendulum") {
       const std::vector<double> tension = along_largest(force);
       errors.multipliers.push_back(relative_rms({&tension}, {&reference.tension}, 0, n));
@@ -190,7 +190,7 @@ TEST_P(OrderInTime, OfTheFirstMultipliersOfHeavyTop) {
       scene.transient->duration = c.duration;
       scene.transient->rho_infinity = GetParam();
       const History history = run_to_table(scene);
-      errors.push_back(relative_rms(components(history.table, "joint_O.force"),
+      errors.push_back(relative_rms(components(history.table, "joint_O.reaction_force"),
                                     columns_of(reference.force), k, k + 1));
     }
     EXPECT_GT(fitted_order(h, errors), 1.9) << "accepted time " << k << ": " << listed(errors);
@@ -255,9 +255,9 @@ TEST(OrderInTimeOfStarts, OfAChainThatStartsTurning) {
       scene.transient->step = step / 16;
       const Table fine = run_to_table(scene, 16).table;
       for (const JointScene& joint : scene.joints) {
-        for (const auto* column : components(coarse, "joint_" + joint.name + ".force"))
+        for (const auto* column : components(coarse, "joint_" + joint.name + ".reaction_force"))
           a.push_back(column);
-        for (const auto* column : components(fine, "joint_" + joint.name + ".force"))
+        for (const auto* column : components(fine, "joint_" + joint.name + ".reaction_force"))
           b.push_back(column);
       }
       first.push_back(relative_rms(a, b, 1, 2));
@@ -299,9 +299,10 @@ TEST_P(OrderInTimeSlow, Shaft) {
     h.push_back(5e-3 / refinement);
     motion.push_back(error({&t["M.displacement.2"], &t["M.displacement.3"]},
                            {&reference["M.displacement.2"], &reference["M.displacement.3"]}));
-    for (const auto& [name, errors] :
-         {std::pair{"joint_R.force", &R_force}, std::pair{"joint_R.moment", &R_moment},
-          std::pair{"joint_T.force", &T_force}, std::pair{"joint_T.moment", &T_moment}})
+    for (const auto& [name, errors] : {std::pair{"joint_R.reaction_force", &R_force},
+                                       std::pair{"joint_R.reaction_moment", &R_moment},
+                                       std::pair{"joint_T.reaction_force", &T_force},
+                                       std::pair{"joint_T.reaction_moment", &T_moment}})
       errors->push_back(error(components(t, name), components(reference, name)));
   }
   const double tolerance = rho == 0.0 ? 0.2 : 0.06;

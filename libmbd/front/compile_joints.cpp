@@ -1,0 +1,366 @@
+#include "libmbd/front/compile_joints.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "joints/driven_rotation.hpp"
+#include "joints/driven_translation.hpp"
+#include "joints/prescribed_rotation.hpp"
+#include "joints/prescribed_translation.hpp"
+#include "libmbd/front/reference_line.hpp"
+#include "libmbd/front/spelling.hpp"
+
+namespace mbd {
+namespace {
+
+// Two points of a joint closer than this, relative to the scene's length, are one.
+constexpr double open_tolerance = 1e-9;
+// Cosine of the angle between two axes that are called perpendicular.
+constexpr double perpendicular = 1e-9;
+
+// Rotation whose third column is `third`; the first is `first`, or any perpendicular one.
+Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {}) {
+  const Vec3 e3 = third.normalized();
+  Index smallest = 0;
+  e3.cwiseAbs().minCoeff(&smallest);
+  const Vec3 across =
+      first ? Vec3(*first - e3.dot(*first) * e3) : Vec3(Vec3::Unit(smallest).cross(e3));
+  const Vec3 e1 = across.normalized();
+  Mat3 R;
+  R << e1, e3.cross(e1), e3;
+  return R;
+}
+
+// An attribute that a kind of joint needs, or has not.
+template <class T>
+void check_given(const std::optional<T>& value, bool wanted, std::string_view attribute,
+                 const JointScene& j, const std::string& who) {
+  if (wanted && !value) throw Error(j.source, fmt::format("{} needs {}", who, attribute));
+  if (!wanted && value)
+    throw Error(j.source, fmt::format("{} has no {}; leave it out", who, attribute));
+}
+void check_direction(const std::optional<Vec3>& v, std::string_view attribute, const Source& source,
+                     const std::string& who) {
+  if (v && !(v->norm() > 0.0))
+    throw Error(source, fmt::format("{}: {} has zero length; give a direction", who, attribute));
+}
+
+std::string row_name(const joint::Row& row) {
+  using Kind = joint::Row::Kind;
+  switch (row.kind) {
+    case Kind::position:
+      return fmt::format("position {}", row.i);
+    case Kind::direction:
+      return fmt::format("direction a{}.b{}", row.i, row.j);
+    case Kind::angle:
+      return "angle";
+    case Kind::displacement:
+      return "displacement";
+    case Kind::advance:
+      return "advance";
+    case Kind::distance:
+      return "distance";
+  }
+  return "";
+}
+
+}  // namespace
+
+// The batch of a joint type, made when first called for.
+joint::AnyJointBatch* JointCompiler::batch_of(std::string_view type) {
+  for (const auto& batch : system_.batches()) {
+    auto* joints = dynamic_cast<joint::AnyJointBatch*>(batch.get());
+    if (joints != nullptr && joints->type() == type) return joints;
+  }
+  auto batch = joint::make_joint_batch(type);
+  joint::AnyJointBatch* made = batch.get();
+  system_.add_batch(std::move(batch));
+  return made;
+}
+
+JointCompiler::Added JointCompiler::add(std::string_view type, const std::string& name,
+                                        joint::Definition definition) {
+  joint::AnyJointBatch* const batch = batch_of(type);
+  ConstraintInfo info;
+  info.name = name;
+  info.rows = static_cast<Index>(batch->rows().size());
+  for (const joint::Row& row : batch->rows()) {
+    info.is_position.push_back(row.is_length());
+    info.row_names.push_back(row_name(row));
+  }
+  definition.constraint = static_cast<Index>(system_.constraints().size());
+  definition.multiplier = system_.add_constraint(std::move(info));
+  if (batch->traits().angle) definition.angle = system_.add_angle();
+  return {batch, batch->add(definition)};
+}
+
+void JointCompiler::add_all() {
+  for (const DriveScene& d : scene_.drives) {
+    std::vector<std::string_view> names;
+    for (const JointScene& j : scene_.joints) names.push_back(j.name);
+    if (std::find(names.begin(), names.end(), d.joint) == names.end())
+      throw Error(d.source, fmt::format("drive: there is no joint \"{}\"{}", d.joint,
+                                        suggest(d.joint, names, "joints are")));
+  }
+  for (const JointScene& j : scene_.joints) add_joint(j);
+  for (const MotionScene& m : scene_.motions) add_motion(m);
+}
+
+// The point of a place in a joint of two points.
+Vec3 JointCompiler::own_point(const Place& place, const Attachment& at, const JointScene& j,
+                              std::string_view attribute) const {
+  if (place.kind == Place::Kind::ground)
+    throw Error(j.source, fmt::format("{} \"{}\": the ground has no point of its own; give {}",
+                                      j.kind, j.name, attribute));
+  return reference(at.node).r;
+}
+
+void JointCompiler::add_joint(const JointScene& j) {
+  const std::string who = fmt::format("{} joint \"{}\"", j.kind, j.name);
+  const schema::JointKind* kind = schema::find_joint_kind(j.kind);
+  if (kind == nullptr) throw Error(j.source, fmt::format("there is no joint type \"{}\"", j.kind));
+  const joint::Traits& traits = kind->traits;
+  const bool two_points = traits.points == joint::Points::two;
+  const Attachment A = find_(j.a, j.source, who), B = find_(j.b, j.source, who);
+  if (A.node == B.node) throw Error(j.source, fmt::format("{} joins a thing to itself", who));
+  check_given(j.axis, traits.axis, "an axis", j, who);
+  check_given(j.second_axis, traits.second_axis, "a second axis", j, who);
+  check_given(
+      j.parameter, traits.parameter.name[0] != '\0',
+      fmt::format("a {}", traits.parameter.name[0] != '\0' ? traits.parameter.name : "parameter"),
+      j, who);
+  if (two_points && j.at)
+    throw Error(j.source, fmt::format("{} has two points; give at_a and at_b, not at", who));
+  if (!two_points && (j.at_a || j.at_b))
+    throw Error(j.source, fmt::format("{} has one point; give at, not at_a and at_b", who));
+  check_direction(j.axis, "axis", j.source, who);
+  check_direction(j.second_axis, "second_axis", j.source, who);
+  if (j.second_axis) {
+    const double cosine = j.axis->dot(*j.second_axis) / (j.axis->norm() * j.second_axis->norm());
+    if (!(std::abs(cosine) <= perpendicular))
+      throw Error(j.source, fmt::format("{}: second_axis must be perpendicular to axis; they are "
+                                        "at {:.6g} degrees",
+                                        who, std::acos(cosine) * 180.0 / std::numbers::pi));
+  }
+  if (j.parameter && !(std::abs(*j.parameter) > 0.0))
+    throw Error(j.source, fmt::format("{}: the {} must not be zero", who, traits.parameter.name));
+
+  // A beam is joined at its node, but by an arm; ground and bodies anywhere.
+  Vec3 point_a, point_b;
+  if (two_points) {
+    point_a = j.at_a ? *j.at_a : own_point(j.a, A, j, "at_a");
+    point_b = j.at_b ? *j.at_b : own_point(j.b, B, j, "at_b");
+  } else if (j.at) {
+    point_a = point_b = *j.at;
+  } else {
+    const bool at_b = traits.points == joint::Points::one_away
+                          ? B.node != 0
+                          : B.is_point || (!A.is_point && B.node != 0);
+    point_a = point_b = reference(at_b ? B.node : A.node).r;
+  }
+  if (traits.points != joint::Points::one_away) {
+    for (const auto& [end, point] : {std::pair{A, point_a}, std::pair{B, point_b}}) {
+      if (!end.is_point) continue;
+      const double gap = (reference(end.node).r - point).norm();
+      if (!(gap <= open_tolerance * length_))
+        throw Error(
+            j.source,
+            fmt::format(
+                "{} is open: {} is {:.6g} m from the joint's point ({:.9g}, {:.9g}, {:.9g})", who,
+                system_.node_name(end.node), gap, point(0), point(1), point(2)));
+    }
+  }
+  const Mat3 R = j.axis ? frame_with_third(*j.axis, j.second_axis) : Mat3(Mat3::Identity());
+  joint::Definition f;
+  f.a = relative(reference(A.node), make_pose(R, point_a));
+  f.b = relative(reference(B.node), make_pose(R, point_b));
+  f.P = A.node;
+  f.Q = B.node;
+  if (j.parameter) f.parameter = *j.parameter;
+  if (two_points) {
+    f.parameter = (point_b - point_a).norm();
+    if (!(f.parameter > open_tolerance * length_))
+      throw Error(j.source,
+                  fmt::format("{}: its two points are the same; a distance needs a length "
+                              "(at_a, at_b), a spherical joint holds points together",
+                              who));
+  }
+
+  const auto [batch, i] = add(j.kind, fmt::format("{} '{}'", j.kind, j.name), f);
+  const auto bind = [b = batch, n = i](auto member) {
+    return [b, n, member](const State& s) { return (b->*member)(s, n); };
+  };
+  Reading& reading = readings_[j.name];
+  reading.what = fmt::format("joint \"{}\" is {}", j.name, j.kind);
+  if (traits.angle) reading.angle = bind(&joint::AnyJointBatch::angle);
+  if (traits.displacement) reading.displacement = bind(&joint::AnyJointBatch::displacement);
+  reading.relative_velocity = bind(&joint::AnyJointBatch::relative_velocity);
+  reading.reaction = bind(&joint::AnyJointBatch::reaction);
+
+  std::size_t free = 6 - batch->rows().size();
+  const DriveScene* previous = nullptr;
+  for (const DriveScene& d : scene_.drives) {
+    if (d.joint != j.name) continue;
+    const auto is_turning = [](const DriveScene& x) { return x.rate || x.angle; };
+    if (previous != nullptr && (free == 0 || is_turning(d) == is_turning(*previous)))
+      throw Error(d.source, fmt::format("{} is driven twice; another drive is on line {}", who,
+                                        previous->source.line));
+    add_drive(d, j, f);
+    previous = &d;
+    --free;
+  }
+}
+
+void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
+                              const joint::Definition& definition) {
+  const joint::Traits& traits = schema::find_joint_kind(j.kind)->traits;
+  const std::string who = fmt::format("drive of joint \"{}\"", j.name);
+  const int laws =
+      d.rate.has_value() + d.angle.has_value() + d.speed.has_value() + d.displacement.has_value();
+  if (laws != 1)
+    throw Error(d.source, fmt::format("the {} needs one of rate, angle, speed, displacement", who));
+  const bool turns = d.rate || d.angle;
+  if (turns ? !traits.angle : !traits.displacement)
+    throw Error(d.source, fmt::format("joint \"{}\" is {}: it has no {} to drive", j.name, j.kind,
+                                      turns ? "angle" : "displacement"));
+  joint::Definition f = definition;
+  f.parameter = 0.0;
+  f.signals[0] = d.rate    ? add_law(*d.rate, true, d.source, who, "angle")
+                 : d.angle ? add_law(*d.angle, false, d.source, who, "angle")
+                 : d.speed ? add_law(*d.speed, true, d.source, who, "displacement")
+                           : add_law(*d.displacement, false, d.source, who, "displacement");
+  const auto [batch, i] = add(turns ? joint::DrivenRotation::name : joint::DrivenTranslation::name,
+                              fmt::format("drive of '{}'", j.name), f);
+  // What drives it belongs to what the joint transmits.
+  Reading& reading = readings_[j.name];
+  reading.reaction = [b = batch, n = i, joint = reading.reaction](const State& s) {
+    return Vec6(joint(s) + b->reaction(s, n));
+  };
+}
+
+// A signal that may drive: continuous with its rate. Returns its index.
+int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& source,
+                           const std::string& who, std::string_view what) {
+  const double duration = scene_.transient ? scene_.transient->duration : 1.0;
+  const auto signal = [&]() -> Signal {
+    try {
+      if (is_rate) return Signal::from_rate(law, 0.0, 0.0, duration);
+      return law.is_constant() ? Signal::constant(law.value()) : Signal::from_expression(law);
+    } catch (const Error& e) {
+      throw Error(source, fmt::format("{}: {}", who, e.what()));
+    }
+  }();
+  for (const Jump& jump : signal.jumps()) {
+    if (jump.derivative < 2 && jump.t < duration) {
+      throw Error(source,
+                  fmt::format("{}: the {} jumps by {:.6g} at t = {:.9g} s, an impact; make the law "
+                              "continuous",
+                              who, jump.derivative != 0 ? std::string_view("rate") : what,
+                              jump.size, jump.t));
+    }
+  }
+  return static_cast<int>(system_.add_signal(signal, SignalUse::drive));
+}
+
+// The node's pose is the reference moved by d(t) and turned by exp(theta(t)), both in inertial axes; only
+// what is given is held. Frames a and b have inertial axes, or e3 along the axis of turning.
+void JointCompiler::add_motion(const MotionScene& m) {
+  const std::string who = fmt::format("motion \"{}\"", m.name);
+  const Attachment at = find_(m.of, m.source, who);
+  if (at.node == 0)
+    throw Error(m.source, fmt::format("{}: the ground does not move; give a beam or a body", who));
+  if (m.displacement && m.velocity)
+    throw Error(m.source, fmt::format("{}: give a displacement or a velocity, not both", who));
+  if (m.angle && m.rate)
+    throw Error(m.source, fmt::format("{}: give an angle or a rate, not both", who));
+  const bool turns = m.angle || m.rate;
+  if (m.rotation && (turns || m.axis))
+    throw Error(m.source,
+                fmt::format("{}: give a rotation vector, or an axis and an angle or rate", who));
+  if (turns != m.axis.has_value())
+    throw Error(m.source, fmt::format("{}: {}", who,
+                                      turns ? "an angle or a rate needs an axis"
+                                            : "an axis needs an angle or a rate; or leave it out"));
+  check_direction(m.axis, "axis", m.source, who);
+  const auto* const translation = m.displacement ? &*m.displacement
+                                  : m.velocity   ? &*m.velocity
+                                                 : nullptr;
+  if (translation == nullptr && !m.rotation && !turns)
+    throw Error(m.source, fmt::format("{} prescribes nothing; give a displacement, a velocity, a "
+                                      "rotation, or an axis and an angle or a rate",
+                                      who));
+
+  const Vec3 point = reference(at.node).r;
+  const auto prescribe = [&](std::string_view type, const Mat3& R, std::array<int, 3> signals) {
+    const Pose<double> H = make_pose(R, point);
+    joint::Definition f;
+    f.a = H;
+    f.b = relative(reference(at.node), H);
+    f.Q = at.node;
+    f.signals = signals;
+    const auto [batch, i] = add(type, fmt::format("motion '{}'", m.name), f);
+    Reading& reading = readings_[m.name];
+    reading.what = fmt::format("\"{}\" is a motion", m.name);
+    reading.reaction = [b = batch, n = i, R, before = reading.reaction](const State& s) {
+      const Vec6 r = b->reaction(s, n);
+      const Vec6 f_i = six<double>(R * Vec3(linear(r)), R * Vec3(angular(r)));
+      return before ? Vec6(before(s) + f_i) : f_i;
+    };
+  };
+  const auto laws = [&](const std::array<Expression, 3>& components, bool is_rate,
+                        std::string_view what) {
+    std::array<int, 3> signals{};
+    for (std::size_t i = 0; i < 3; ++i)
+      signals[i] = add_law(components[i], is_rate, m.source, who, what);
+    return signals;
+  };
+  if (translation != nullptr)
+    prescribe(joint::PrescribedTranslation::name, Mat3::Identity(),
+              laws(*translation, m.velocity.has_value(), "displacement"));
+  if (m.rotation)
+    prescribe(joint::PrescribedRotation::name, Mat3::Identity(),
+              laws(*m.rotation, false, "rotation"));
+  if (turns)
+    prescribe(
+        joint::PrescribedRotation::name, frame_with_third(*m.axis),
+        {-1, -1, add_law(m.rate ? *m.rate : *m.angle, m.rate.has_value(), m.source, who, "angle")});
+}
+
+// --- output ---
+
+const JointCompiler::Reading& JointCompiler::reading(const std::string& name, const Source& source,
+                                                     std::string_view who) const {
+  if (const auto it = readings_.find(name); it != readings_.end()) return it->second;
+  std::vector<std::string_view> names;
+  for (const auto& [known, r] : readings_) names.push_back(known);
+  throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, name,
+                                  suggest(name, names, "joints and motions are")));
+}
+
+std::function<void(const State&, std::span<double>)> JointCompiler::sample(
+    const RecordScene& record, const std::string& quantity) const {
+  const Reading& r =
+      reading(*record.joint, record.source, fmt::format("record \"{}\"", record.name));
+  const bool rates = scene_.transient.has_value();
+  const bool turning = quantity == "angle" || quantity == "rate";
+  const bool sliding = quantity == "displacement" || quantity == "speed";
+  if ((turning && !r.angle) || (sliding && !r.displacement))
+    throw Error(record.source,
+                fmt::format("{}: it has no {}", r.what, turning ? "angle" : "displacement"));
+  if (quantity == "angle" || quantity == "displacement")
+    return [f = turning ? r.angle : r.displacement](const State& s, std::span<double> out) {
+      out[0] = f(s);
+    };
+  if (turning || sliding)
+    return [f = r.relative_velocity, i = turning ? 5 : 2, rates](
+               const State& s, std::span<double> out) { out[0] = rates ? f(s)(i) : 0.0; };
+  return [f = r.reaction, first = quantity == "reaction_force" ? 0 : 3](const State& s,
+                                                                        std::span<double> out) {
+    const Vec6 w = f(s);
+    std::copy_n(w.data() + first, 3, out.begin());
+  };
+}
+
+}  // namespace mbd

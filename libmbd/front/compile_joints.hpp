@@ -1,0 +1,68 @@
+// Joints, drives and prescribed motions of a scene -> constraints of a System, and how output reads them.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "joints/any_joint_batch.hpp"
+#include "libmbd/core/system.hpp"
+#include "libmbd/front/model.hpp"
+#include "libmbd/front/scene.hpp"
+#include "libmbd/front/schema.hpp"
+
+namespace mbd {
+
+// A node something is attached to.
+struct Attachment {
+  int node = 0;
+  bool is_point = false;  // a beam node: joints act at the node itself
+};
+
+class JointCompiler {
+ public:
+  // Finds the node of a place; throws Error in the name of `who`.
+  using Find = std::function<Attachment(const Place&, const Source&, std::string_view who)>;
+
+  // `length`: size of the scene. All arguments must outlive the compiler.
+  JointCompiler(const Scene& scene, System& system, double length, Find find)
+      : scene_(scene), system_(system), length_(length), find_(std::move(find)) {}
+
+  void add_all();
+
+  // Writes one of schema::joint_quantities() of the record's joint or motion.
+  std::function<void(const State&, std::span<double>)> sample(const RecordScene& record,
+                                                              const std::string& quantity) const;
+
+ private:
+  struct Reading {  // how output reads a joint
+    std::string what;
+    std::function<double(const State&)> angle, displacement;
+    std::function<Vec6(const State&)> relative_velocity, reaction;
+  };
+  struct Added {
+    const joint::AnyJointBatch* batch;
+    Index index;
+  };
+
+  joint::AnyJointBatch* batch_of(std::string_view type);
+  Added add(std::string_view type, const std::string& name, joint::Definition definition);
+  void add_joint(const JointScene& joint);
+  void add_drive(const DriveScene& drive, const JointScene& joint,
+                 const joint::Definition& definition);
+  void add_motion(const MotionScene& motion);
+  int add_law(const Expression& law, bool is_rate, const Source& source, const std::string& who,
+              std::string_view what);
+  Vec3 own_point(const Place& place, const Attachment& at, const JointScene& joint,
+                 std::string_view attribute) const;
+  const Reading& reading(const std::string& name, const Source& source, std::string_view who) const;
+  Pose<double> reference(int node) const { return system_.reference_pose(node); }
+
+  const Scene& scene_;
+  System& system_;
+  double length_;
+  Find find_;
+  std::map<std::string, Reading> readings_;
+};
+
+}  // namespace mbd
