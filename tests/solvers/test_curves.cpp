@@ -184,6 +184,24 @@ TEST(Curve, ArcLengthOfAnEllipse) {
   EXPECT_LT(error.back(), 1e-12) << testing::PrintToString(error);
 }
 
+// At equal fractions of the length also where the spline's parameter is not the arc length (few points, low
+// degree): |dr/ds| = 1. Detects places by the parameter.
+TEST(Curve, PlacesAreFractionsOfTheLength) {
+  BeamScene beam;
+  Curve curve;
+  for (const double x : {0.0, 0.5, 0.8, 2.0, 2.4})
+    curve.points.push_back({{}, Vec3(x, std::sin(x), 0.1 * x * x), {}, 0.0});
+  for (const int degree : {2, 3, 4}) {
+    curve.degree = degree;
+    beam.line = curve;
+    const ReferenceLine line = make_reference_line(beam);
+    for (const double s : {0.01, 0.2, 0.4, 0.65, 0.9}) {
+      const Vec3 d = first_difference([&](double e) { return line.at(s + e).r; }, 1e-4);
+      EXPECT_NEAR(d.norm() / line.length, 1.0, 1e-9) << degree << ", " << s;
+    }
+  }
+}
+
 // Two points are a straight beam; with a twist it is constant: K0 = (1 0 0; theta/L 0 0).
 TEST(Curve, TwoPointsAreAStraightLine) {
   BeamScene curve, straight;
