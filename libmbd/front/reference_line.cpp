@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <unsupported/Eigen/Splines>
 
 #include "libmbd/core/spectral.hpp"
+#include "libmbd/front/spline.hpp"
 
 namespace mbd {
 namespace {
@@ -75,9 +75,6 @@ ReferenceLine arc_line(const BeamScene& beam, const Arc& arc) {
 
 // --- curves ---
 
-using Spline = Eigen::Spline<double, 7>;  // [x; n; theta]
-using Parameters1D = Spline::KnotVectorType;
-
 // For messages.
 struct Who {
   Source source;
@@ -85,16 +82,16 @@ struct Who {
   Vec3 origin;  // of the spline's coordinates
 };
 
-// The spline together with its arc length.
+// A spline of [x; n; theta] together with its arc length.
 class ArcLength {
  public:
   // `who` is for messages; `size` the length of the chords, the speed of a good parameter in [0, 1].
   ArcLength(Who who, Spline spline, double size)
       : who_(std::move(who)), spline_(std::move(spline)), size_(size) {
-    const Parameters1D& knots = spline_.knots();
+    const std::vector<double>& knots = spline_.breaks();
     panels_.push_back({0.0, 0.0});
-    for (Index i = 0; i + 1 < knots.size(); ++i)
-      if (knots(i + 1) > knots(i)) add(knots(i), knots(i + 1), integral(knots(i), knots(i + 1)), 0);
+    for (std::size_t i = 0; i + 1 < knots.size(); ++i)
+      add(knots[i], knots[i + 1], integral(knots[i], knots[i + 1]), 0);
   }
 
   double length() const { return panels_.back().s; }
@@ -127,10 +124,10 @@ class ArcLength {
   };
 
   double speed(double u) const {
-    const double v = spline_.derivatives(u, 1).col(1).head<3>().matrix().norm();
+    const double v = spline_.derivative(u).head<3>().norm();
     // A parameter close to the arc length has a speed of about `size`; NaN is refused too.
     if (!(v > 0.01 * size_ && v < 10.0 * size_)) {
-      const Vec3 x = who_.origin + Vec3(spline_(u).head<3>().matrix());
+      const Vec3 x = who_.origin + Vec3(spline_.value(u).head<3>());
       throw Error(
           who_.source,
           fmt::format("beam \"{}\": the curve {}{}; give more points, to more digits, or a "
@@ -190,8 +187,8 @@ ReferenceLine curve_line(const BeamScene& beam, const Curve& curve) {
   const auto count = static_cast<Index>(curve.points.size());
   const Vec3 origin = curve.points[0].at;  // far from the inertial one, digits would be lost
   const Who who{beam.source, beam.name, origin};
-  Eigen::Array<double, 7, Eigen::Dynamic> data(7, count);
-  Parameters1D chord(count);
+  Eigen::MatrixXd data(7, count);
+  VecX chord(count);
   double size = 0.0;
   for (Index i = 0; i < count; ++i) {
     const CurvePoint& point = curve.points[static_cast<std::size_t>(i)];
@@ -200,9 +197,9 @@ ReferenceLine curve_line(const BeamScene& beam, const Curve& curve) {
       throw Error(point.source, fmt::format("beam \"{}\", point {}: the normal is zero; give a "
                                             "direction across the beam",
                                             beam.name, i + 1));
-    data.col(i) << (point.at - origin).array(), normal.normalized().array(), point.twist;
+    data.col(i) << point.at - origin, normal.normalized(), point.twist;
     if (i > 0) {
-      const double step = (data.col(i) - data.col(i - 1)).head<3>().matrix().norm();
+      const double step = (data.col(i) - data.col(i - 1)).head<3>().norm();
       if (!(step > 0.0))
         throw Error(point.source,
                     fmt::format("beam \"{}\": points {} and {} are the same; leave one out",
@@ -213,32 +210,28 @@ ReferenceLine curve_line(const BeamScene& beam, const Curve& curve) {
   }
   chord /= size;
 
-  const auto fit = [&](const Parameters1D& u) {
-    return Eigen::SplineFitting<Spline>::Interpolate(data, degree, u);
-  };
-  Parameters1D u = chord;
+  VecX u = chord;
   for (int round = 0; round < (degree - 1) / 2; ++round) {
-    const ArcLength s(who, fit(u), size);
-    Parameters1D next = u;
+    const ArcLength s(who, Spline(data, u, degree), size);
+    VecX next = u;
     for (Index i = 1; i + 1 < count; ++i) next(i) = s(u(i)) / s.length();
     u = next;
   }
-  auto spline = std::make_shared<const Spline>(fit(u));
+  auto spline = std::make_shared<const Spline>(data, u, degree);
   auto s_of_u = std::make_shared<const ArcLength>(who, *spline, size);
   const double length = s_of_u->length();
   return {length, [who, spline, s_of_u, length](double s) {
             const double at = s_of_u->parameter_at(s * length);
-            const auto d = spline->derivatives(at, 1);
-            const Vec3 tangent = d.col(1).head<3>().matrix().normalized();
+            const VecX x = spline->value(at);
+            const Vec3 tangent = spline->derivative(at).head<3>().normalized();
             Mat3 R;
-            if (!section_axes(tangent, d.col(0).segment<3>(3).matrix(), R))
+            if (!section_axes(tangent, x.segment<3>(3), R))
               throw Error(who.source,
                           fmt::format("beam \"{}\": the normal is along the curve at {:.3g} of its "
                                       "length; give the points normals of their own, across it",
                                       who.beam, s));
-            const Mat3 turn =
-                Eigen::AngleAxisd(d(6, 0), Eigen::Vector3d::UnitX()).toRotationMatrix();
-            return make_pose(R * turn, who.origin + Vec3(d.col(0).head<3>().matrix()));
+            const Mat3 turn = Eigen::AngleAxisd(x(6), Eigen::Vector3d::UnitX()).toRotationMatrix();
+            return make_pose(R * turn, who.origin + Vec3(x.head<3>()));
           }};
 }
 

@@ -154,7 +154,8 @@ struct LoadScene {
       Vec3::Zero();  // of the forces' point from the place, axes of the section or body [m]
 };
 
-// Along a beam, per unit of its reference length. s is the fraction of that length, 0 … 1.
+// Along a beam, per unit of its reference length. s is the fraction of that length, 0 … 1. Where a load
+// begins or ends is best said by `from` and `to`, which make ends of elements, not by a condition on s.
 struct DistributedLoadScene {
   Source source;
   std::string name;

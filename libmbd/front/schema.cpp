@@ -122,7 +122,8 @@ constexpr Attribute curve_attributes[] = {
     {"name", Kind::name, "", required, "name, unique among beams and bodies"},
     {"section", Kind::text, "", required, "name of its section"},
     {"degree", Kind::count, "", optional,
-     "of the spline (default: 2 order + 1, or as many as the points allow)", Range{1.0, 1e3}},
+     "of the spline (default: 2 order + 1, or what the points allow; lower it for rough points)",
+     Range{1.0, 1e3}},
 };
 
 constexpr Attribute point_attributes[] = {

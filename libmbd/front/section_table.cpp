@@ -4,7 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <unsupported/Eigen/Splines>
+
+#include "libmbd/front/spline.hpp"
 
 namespace mbd {
 namespace {
@@ -28,19 +29,16 @@ void check_matrices(const Source& source, const std::string& who, const Mat6& D,
     throw Error(source, fmt::format("{}: the mass is not symmetric and positive", who));
 }
 
-using Spline = Eigen::Spline<double, 36>;
-
 Spline spline(const std::vector<Station>& stations, bool of_mass) {
   const auto count = static_cast<Index>(stations.size());
-  Eigen::Array<double, 36, Eigen::Dynamic> data(36, count);
-  Spline::KnotVectorType at(count);
+  Eigen::MatrixXd data(36, count);
+  VecX at(count);
   for (Index i = 0; i < count; ++i) {
     const Station& station = stations[static_cast<std::size_t>(i)];
-    const Mat6& matrix = of_mass ? *station.mass : station.stiffness;
-    data.col(i) = Eigen::Map<const Eigen::Array<double, 36, 1>>(matrix.data());
+    data.col(i) = (of_mass ? *station.mass : station.stiffness).reshaped();
     at(i) = station.at;
   }
-  return Eigen::SplineFitting<Spline>::Interpolate(data, std::min<Index>(3, count - 1), at);
+  return {data, at, static_cast<int>(std::min<Index>(3, count - 1))};
 }
 
 }  // namespace
@@ -90,8 +88,7 @@ struct SectionTable::Smooth {
 
 SectionTable::SectionTable(const Section& section) : section_(section) {
   if (is_uniform() || section.interpolation != Section::Interpolation::smooth) return;
-  auto smooth = std::make_shared<Smooth>();
-  smooth->stiffness = spline(section.stations, false);
+  auto smooth = std::make_shared<Smooth>(Smooth{spline(section.stations, false), {}});
   if (has_mass()) smooth->mass = spline(section.stations, true);
   smooth_ = std::move(smooth);
 }
@@ -126,8 +123,7 @@ Mat6 SectionTable::mass(double s) const {
 
 Mat6 SectionTable::interpolated(double s, bool of_mass) const {
   if (smooth_) {
-    const Eigen::Array<double, 36, 1> entries = (of_mass ? *smooth_->mass : smooth_->stiffness)(s);
-    return Mat6(Eigen::Map<const Mat6>(entries.data()));
+    return (of_mass ? *smooth_->mass : smooth_->stiffness).value(s).reshaped(6, 6);
   }
   std::size_t i = 1;
   while (i + 1 < section_.stations.size() && section_.stations[i].at < s) ++i;

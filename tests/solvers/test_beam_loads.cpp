@@ -435,6 +435,24 @@ TEST(Loads, WorkIsTheGainInEnergy) {
   EXPECT_GT(fitted_order(h, error), 1.8) << testing::PrintToString(error);
 }
 
+// Weight is a dead force at the mass centre, of a body too. Detects a body's load without its offset.
+TEST(Loads, WeightIsADeadForceAtTheMassCentre) {
+  const auto top = [](const std::string& load) {
+    return solve(
+        scene_of(R"xml(<body name="top" mass="2" center="0.3 0.1 0.4" inertia="0.1 0.2 0.25"
+        angular_velocity="1 2 9"/><spherical name="O" between="ground top"/>)xml" +
+                 load + R"xml(<transient duration="0.5" step="0.01"/>
+        <record name="top" at="top" quantities="rotation angular_velocity"/>)xml"));
+  };
+  const Result a = top("<gravity acceleration=\"0 1 -9\"/>"),
+               b = top("<load at=\"top\" force=\"0 2 -18\" offset=\"0.3 0.1 0.4\"/>"),
+               c = top("<load at=\"top\" force=\"0 2 -18\"/>");
+  for (const std::string name : {"top.rotation", "top.angular_velocity"}) {
+    EXPECT_LT((a.vector(name) - b.vector(name)).norm(), 1e-11) << name;
+    EXPECT_GT((a.vector(name) - c.vector(name)).norm(), 1e-2) << name;
+  }
+}
+
 // A point mass on a beam is a body without inertia at the same offset, to the last digits of a motion.
 TEST(PointMass, IsABodyWithoutInertia) {
   const std::string model = R"xml(
