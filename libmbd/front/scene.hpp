@@ -138,7 +138,7 @@ struct TransientScene {
   std::optional<double> tolerance;  // of Newton's increments, relative; default: the stepper's own
 };
 
-// One line of output: quantities of a place or of a joint, at every accepted step (or every n-th).
+// One line of output: quantities of a place, or of a joint or motion, at every accepted step (or every n-th).
 struct RecordScene {
   Source source;
   std::string name;
