@@ -196,7 +196,8 @@ struct TransientScene {
       Balance::acceleration;  // of inertia: in body axes, or of momenta in inertial ones
 };
 
-// One line of output: quantities of a place, of a joint or (with neither) of the whole system, at every accepted step (or every n-th).
+// One line of output: quantities of a place, of a joint or motion, or (with neither) of the whole system,
+// at every accepted step (or every n-th).
 struct RecordScene {
   Source source;
   std::string name;
