@@ -20,6 +20,10 @@ constexpr double theta_fresh = 0.05;    // assumed of a new tangent
 constexpr double time_rounding = 1e-6;  // of a step: what sums of steps can be wrong by, and more
 constexpr double same_step = 1e-3;      // steps that differ less share a tangent
 constexpr int most_halvings = 40;
+// Of a rank-tolerant step: eps in units of 1/mass, and a factor on the tolerance of multipliers, of which some
+// are not determined there.
+constexpr double rank_tolerance = 1e-3;
+constexpr double multiplier_slack = 1e5;
 constexpr int successes_double = 4;     // so many small steps in a row: back to twice the size
 constexpr int iterations_refactor = 3;  // this many: a new tangent at the next step
 
@@ -50,19 +54,30 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
   if (!(options.max_halvings >= 0 && options.max_halvings <= most_halvings))
     throw Error(fmt::format("max_halvings must lie in 0 … {}, not {}", most_halvings,
                             options.max_halvings));
-  BlockGraph graph = system.graph();
   const auto n = static_cast<std::size_t>(system.nodes());
   if (options.balance == Balance::momentum) {
     momentum_.resize(n);
     p_.resize(n);
-    for (int k = 0; k + 1 < system.nodes(); ++k) graph.contributions.push_back({k, k});
   }
-  solver_->analyze(graph);
+  solver_->analyze(own_graph(false));
   Q_.assign(n, Vec6::Zero());
   A_.assign(n, Vec6::Zero());
   Vdot_old_.assign(n, Vec6::Zero());
   T_inv_.assign(n, Mat6::Identity());
   x_.resize(system.unknowns());
+}
+
+// The system's graph, then what the stepper adds: diagonal blocks of the nodes for a balance of momenta, and of
+// the multipliers.
+BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
+  BlockGraph graph = system_.graph();
+  const int nodes = static_cast<int>(system_.nodes()) - 1;
+  if (!momentum_.empty())
+    for (int k = 0; k < nodes; ++k) graph.contributions.push_back({k, k});
+  if (tolerant)
+    for (int k = nodes; k < static_cast<int>(graph.blocks.size()); ++k)
+      graph.contributions.push_back({k, k});
+  return graph;
 }
 
 StepReport GeneralizedAlpha::start(State& state) {
@@ -206,8 +221,8 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
   in_range = system_.linearize(
       end_,
       {.U = s, .V = a_.gamma * h, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = T_inv_},
-      r_, *solver_);
-  const std::span<const Slot> own = solver_->slots().subspan(system_.graph().contributions.size());
+      r_, solver());
+  std::span<const Slot> own = solver().slots().subspan(system_.graph().contributions.size());
   for (std::size_t n = 1; n < momentum_.size(); ++n) {
     // d(Ad^T p) = (Ad^T p)^U dU
     const Vec6 past = body_wrench<double>(end_.pose[n], momentum_[n].past);
@@ -217,9 +232,9 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
   }
   ++counters_.tangents;
   ++counters_.factorizations;
-  factored_ = solver_->factor() == FactorStatus::ok;
+  factored_ = solver().factor() == FactorStatus::ok;
   if (!factored_) {
-    const Index row = solver_->singular_row();
+    const Index row = solver().singular_row();
     report.failure =
         fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
                     row >= 0 ? " at " + system_.name_of(row + 6) : std::string());
@@ -251,10 +266,11 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     ++counters_.residuals;
     x_ = -r_.tail(x_.size());
     x_.head(motions) *= s;
-    solver_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
+    solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
     ++report.iterations;
     ++counters_.iterations;
-    const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s);
+    const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s,
+                           tolerant_ ? multiplier_slack : 1.0);
     if (static_cast<std::size_t>(k) < report.increments.size())
       report.increments[static_cast<std::size_t>(k)] = e;
     report.error = e;
@@ -385,12 +401,41 @@ bool GeneralizedAlpha::try_step(State& state, double t, StepReport& report) {
     predict(begin_, t, false);
     converged = iterate(report);
   }
+  if (!converged && system_.multipliers() > 0) converged = try_tolerantly(t, report);
   report.iterations += before;
   if (converged) {
     accept(state);
     report.failure.clear();
+    if (!tolerant_) return true;
+  }
+  tolerant_ = false;
+  factored_ = false;  // or by the other solver
+  refactor_next_ = true;
+  return converged;
+}
+
+// Once more with the block -eps I. What it leaves of the constraints must be as small as increments may be.
+bool GeneralizedAlpha::try_tolerantly(double t, StepReport& report) {
+  if (!tolerant_solver_) {
+    tolerant_solver_ = solver_->another();
+    if (!tolerant_solver_) return false;
+    tolerant_solver_->analyze(own_graph(true));
+  }
+  const std::string failure = report.failure;  // of the iterations that users know
+  tolerant_ = true;
+  refactor_next_ = true;
+  predict(begin_, t, true);
+  bool converged = iterate(report);
+  if (converged) {
+    residual();
+    converged = r_.tail(system_.multipliers()).cwiseAbs().maxCoeff() <=
+                options_.newton.tolerance * std::max(1.0, system_.length_scale());
+  }
+  if (converged) {
+    ++counters_.tolerant;
   } else {
-    refactor_next_ = true;
+    tolerant_ = false;
+    report.failure = failure;
   }
   return converged;
 }
@@ -428,7 +473,7 @@ void GeneralizedAlpha::accept(State& state) {
   t_old_ = begin_.t;
   norm_.observe(end_.lambda);
   state = end_;
-  history_ = std::min(history_ + 1, 2);
+  history_ = tolerant_ ? 0 : std::min(history_ + 1, 2);  // nothing to extrapolate multipliers from
   ++counters_.substeps;
 }
 

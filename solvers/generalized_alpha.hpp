@@ -28,7 +28,11 @@
 // energy is not (order 2, as in (1)).
 //
 // A step lands on every breakpoint of the signals inside it, and starts afresh where accelerations jump.
-// A step that fails is tried in halves, down to 2^-max_halvings. Where the step changes, A - Vdot, which
+// Near a singular configuration, where all links of a mechanism come into line, B loses rank and Newton's
+// iterations their convergence, though the motion goes smoothly through it. A step that fails is then tried
+// with -eps I in place of the zero block of (2), in units of 1/mass: with B of full rank that costs a factor
+// eps a iteration; where it is not, the motion is still determined, and multipliers stay finite.
+// A step that fails so too is tried in halves, down to 2^-max_halvings. Where the step changes, A - Vdot, which
 // is proportional to h, is scaled with it.
 #pragma once
 
@@ -74,15 +78,18 @@ class GeneralizedAlpha {
   const LinearSolver& linear_solver() const { return *solver_; }
 
  private:
+  BlockGraph own_graph(bool tolerant) const;
   StepReport restart(State& state);
   bool advance(State& state, double t, StepReport& report);
   bool try_step(State& state, double t, StepReport& report);
+  bool try_tolerantly(double t, StepReport& report);
   void set_step(const State& state, double h);
   void predict(const State& state, double t, bool extrapolate);
   void update_poses();
   bool residual();
   bool factorize(StepReport& report, bool& in_range);
   bool iterate(StepReport& report);
+  LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }
   void accept(State& state);
 
   const System& system_;
@@ -119,6 +126,9 @@ class GeneralizedAlpha {
   std::vector<Vec6> p_;             // M V, body axes
 
   VecX r_, x_, gdot_, gddot_rest_;
+  // With the block -eps I; made when it is first needed.
+  std::unique_ptr<LinearSolver> tolerant_solver_;
+  bool tolerant_ = false;
   bool factored_ = false;
   bool refactor_next_ = true;
   double theta_ = 0.1;  // contraction of the kept tangent

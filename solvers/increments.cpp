@@ -30,7 +30,8 @@ void IncrementNorm::set_floor(const State& state, double stiffness) {
   force_floor_ = units * eps * farthest * stiffness;
 }
 
-double IncrementNorm::operator()(std::span<const double> increment, double multiplier_scale) const {
+double IncrementNorm::operator()(std::span<const double> increment, double multiplier_scale,
+                                 double slack) const {
   double linear = 0.0, angular = 0.0, multipliers = 0.0;
   double sum = 0.0;  // not finite if any component is not: max() would hide a NaN
   const auto motions = static_cast<std::size_t>(motions_);
@@ -53,7 +54,7 @@ double IncrementNorm::operator()(std::span<const double> increment, double multi
   if (multipliers > 0.0) {
     // Before any multiplier has been met, the first increment is its own measure.
     const double force = std::max(force_, multipliers);
-    e = std::max(e, multipliers / std::max(multiplier_tolerance_ * force, force_floor_));
+    e = std::max(e, multipliers / std::max(slack * multiplier_tolerance_ * force, force_floor_));
   }
   return e;
 }

@@ -17,8 +17,10 @@ class IncrementNorm {
   IncrementNorm(const System& system, const NewtonOptions& options);
 
   // Largest weighted component of an increment [dU; dlambda] of the unknowns, dlambda divided by
-  // `multiplier_scale`; NaN if any component is not finite.
-  double operator()(std::span<const double> increment, double multiplier_scale) const;
+  // `multiplier_scale`; NaN if any component is not finite. `slack` is a factor on the tolerance of
+  // multipliers.
+  double operator()(std::span<const double> increment, double multiplier_scale,
+                    double slack = 1.0) const;
 
   // Follows the size of the multipliers, against which their increments are measured.
   void observe(const VecX& lambda);

@@ -124,6 +124,8 @@ class KluSolver : public LinearSolver {
 
   Index nonzeros() const override { return static_cast<Index>(Ai_.size()); }
 
+  std::unique_ptr<LinearSolver> another() const override { return make_klu_solver(); }
+
  private:
   void release() {
     if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);

@@ -22,6 +22,7 @@ struct Counters {
   long substeps =
       0;  // accepted, among them those that end at a breakpoint or are parts of a failed step
   long retries = 0;   // steps that failed and were tried in halves
+  long tolerant = 0;  // steps near a singular configuration, done with a rank-tolerant tangent
   long restarts = 0;  // at jumps of loads and drives
   long iterations = 0;
   long residuals = 0;

@@ -3,6 +3,7 @@
 // What stands behind it (scalar sparse LU, block elimination along the graph) is the solver's business.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -58,6 +59,9 @@ class LinearSolver {
   virtual double reciprocal_condition() const = 0;
 
   virtual Index nonzeros() const = 0;
+
+  // A new, empty solver of the same kind; nullptr if there is no other.
+  virtual std::unique_ptr<LinearSolver> another() const { return nullptr; }
 };
 
 }  // namespace mbd

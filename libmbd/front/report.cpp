@@ -28,10 +28,15 @@ Json json(const Vec6& momentum) {
 }
 
 Json json(const Counters& c) {
-  return {{"steps", c.steps},           {"substeps", c.substeps},
-          {"retries", c.retries},       {"restarts", c.restarts},
-          {"iterations", c.iterations}, {"residuals", c.residuals},
-          {"tangents", c.tangents},     {"factorizations", c.factorizations}};
+  return {{"steps", c.steps},
+          {"substeps", c.substeps},
+          {"retries", c.retries},
+          {"rank_tolerant_steps", c.tolerant},
+          {"restarts", c.restarts},
+          {"iterations", c.iterations},
+          {"residuals", c.residuals},
+          {"tangents", c.tangents},
+          {"factorizations", c.factorizations}};
 }
 
 Json settings(const RunReport& report) {
