@@ -111,6 +111,29 @@ TEST(Stepping, KeepsItsOrderAcrossAJump) {
   }
 }
 
+// Kinks in the load of another body split some steps: a body whose acceleration grows linearly must not
+// notice. Detects an algorithmic acceleration that is not scaled with the step.
+TEST(Stepping, UnequalStepsChangeNothingForALinearForce) {
+  const auto speed = [](Balance balance, const std::string& kinks) {
+    const Stepped s = step_through(scene_of(R"xml(
+        <body name="ball" mass="2" inertia="1 1 1"/><load at="ball" force="3*t 0 0"/>
+        <body name="other" mass="1" inertia="1 1 1"/><load at="other" force=")xml" +
+                                            kinks + R"xml( 0 0"/>
+        <transient duration="1" step="0.01" rho_infinity="0.3"/>)xml"),
+                                   {.balance = balance, .newton = {}});
+    return std::pair{s.state.V[1](0), s.counters.substeps};
+  };
+  for (const Balance balance : {Balance::acceleration, Balance::momentum}) {
+    const auto [even, steps] = speed(balance, "1");
+    const auto [uneven, more] =
+        speed(balance, "max(0,t-0.6037)+max(0,t-0.713)+max(0,t-0.83333)+max(0,t-0.9011)");
+    EXPECT_EQ(steps, 100);
+    EXPECT_EQ(more, 104);
+    EXPECT_NEAR(even, 0.75, 1e-4);
+    EXPECT_NEAR(uneven, even, 1e-13);
+  }
+}
+
 // ---- failures ---------------------------------------------------------------------------------
 
 // A crank of 1 drives a rocker of 1 through a rod of 1 over a base of 2: at cos(theta) = 1/4 the rod and
