@@ -230,6 +230,12 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
     Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(
         own[n - 1].data, Eigen::OuterStride<>(own[n - 1].ld)) -= s * wrench_hat(past);
   }
+  if (tolerant_) {
+    if (!momentum_.empty()) own = own.subspan(momentum_.size() - 1);
+    for (std::size_t k = 0; k < own.size(); ++k)
+      for (Index i = 0; i < system_.constraints()[k].rows; ++i)
+        own[k].data[i * (own[k].ld + 1)] -= rank_tolerance / mass_;
+  }
   ++counters_.tangents;
   ++counters_.factorizations;
   factored_ = solver().factor() == FactorStatus::ok;
