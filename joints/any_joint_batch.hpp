@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "joints/joint.hpp"
@@ -27,8 +28,8 @@ class AnyJointBatch : public Batch {
   virtual std::span<const Row> rows() const = 0;
   virtual Traits traits() const = 0;
 
-  // Returns the joint's index.
-  virtual Index add(const Definition& joint) = 0;
+  // Returns the joint's index. `name` is for messages.
+  virtual Index add(const Definition& joint, std::string name = {}) = 0;
 
   // Free angle about e3, unwrapped [rad].
   virtual double angle(const State& state, Index joint) const = 0;

@@ -251,4 +251,28 @@ PairTangent<double> joint_tangent(const Pose<double>& g, const Vec6& f, const Ma
   }
 }
 
+// Direction and angle rows vanish half a turn from where they mean to hold as well: a step too large could end
+// there. With rows on both of b1 and b2, a3.b3 > 0; with three directions, all axes within a quarter turn;
+// with an angle, cos(theta - phi) > 0.
+template <Joint J>
+bool on_branch(const Pose<double>& g, [[maybe_unused]] const Given<double>& given) {
+  constexpr auto directions = [] {
+    int n = 0;
+    for (const Row& row : J::rows) n += row.kind == Row::Kind::direction ? 1 : 0;
+    return n;
+  }();
+  constexpr bool has_angle = has_row<J>(Row::Kind::angle);
+  if constexpr (directions < 2 && !has_angle) {
+    return true;
+  } else {
+    const Mat3 R = g.R();
+    if constexpr (has_angle) {
+      if (!(std::cos(given.s) * R(0, 0) + std::sin(given.s) * R(1, 0) > 0.0)) return false;
+    }
+    if constexpr (directions == 2) return R(2, 2) > 0.0;
+    if constexpr (directions == 3) return R.trace() > 0.0;
+    return true;
+  }
+}
+
 }  // namespace mbd::joint

@@ -24,7 +24,8 @@ class JointBatch final : public AnyJointBatch {
   std::span<const Row> rows() const override { return J::rows; }
   Traits traits() const override { return J::traits; }
 
-  Index add(const Definition& joint) override {
+  Index add(const Definition& joint, std::string name) override {
+    names_.push_back(std::move(name));
     data_.push_back({joint, adjoint_inverse(joint.a).matrix(), adjoint_inverse(joint.b).matrix()});
     return size() - 1;
   }
@@ -48,23 +49,27 @@ class JointBatch final : public AnyJointBatch {
 
   bool residual(const State& state, VecX& r) const override {
     const Index first = r.size() - state.lambda.size();
+    bool in_range = true;
     for (const Data& d : data_) {
       const Pose<double> g = relative_pose(state, d);
       const Rows lambda = state.lambda.segment<m>(d.multiplier);
       const Given<double> given = given_of(state, d);
+      in_range &= on_branch<J>(g, given);
       add_residual(d, Ad_a(state, d), g, given, wrench<J, double>(g, given, lambda), first, r);
     }
-    return true;
+    return in_range;
   }
 
   bool linearize(const State& state, const TangentWeights& w, VecX& r,
                  std::span<const Slot> slots) const override {
     const Index first = r.size() - state.lambda.size();
+    bool in_range = true;
     const Slot* slot = slots.data() + first_slot_;
     for (const Data& d : data_) {
       const Pose<double> g = relative_pose(state, d);
       const Rows lambda = state.lambda.segment<m>(d.multiplier);
       const Given<double> given = given_of(state, d);
+      in_range &= on_branch<J>(g, given);
       decltype(auto) A = Ad_a(state, d);
       const Vec6 f = wrench<J, double>(g, given, lambda);
       add_residual(d, A, g, given, f, first, r);
@@ -85,7 +90,14 @@ class JointBatch final : public AnyJointBatch {
       add<m, 6>(slot[7], BQ);
       slot += 8;
     }
-    return true;
+    return in_range;
+  }
+
+  std::string out_of_range(const State& state) const override {
+    for (std::size_t i = 0; i < data_.size(); ++i)
+      if (!on_branch<J>(relative_pose(state, data_[i]), given_of(state, data_[i])))
+        return names_[i];
+    return {};
   }
 
   // g along H exp(tau V) and t + tau: its value, first and second derivative in tau at 0 are g, gdot and
@@ -219,6 +231,7 @@ class JointBatch final : public AnyJointBatch {
   }
 
   std::vector<Data> data_;
+  std::vector<std::string> names_;
   std::size_t first_slot_ = 0;
 };
 

@@ -82,6 +82,8 @@ BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
 
 StepReport GeneralizedAlpha::start(State& state) {
   origin_ = state.t;
+  for (const Breakpoint& b : system_.breakpoints())  // one that is here but for round-off
+    if (b.t > origin_ && b.t <= origin_ + time_rounding * options_.step) state.t = b.t;
   count_ = 0;
   halvings_ = 0;
   return restart(state);
@@ -324,8 +326,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
                   "Newton's iterations do not converge (worst equation: {}); look for a lock, a "
                   "jump or an instability there, or try a smaller step",
                   system_.name_of(worst_row(system_, r_)))
-            : fmt::format("{} is bent beyond the range of its metric; give the beam more elements",
-                          element);
+            : range_failure(element);
   }
   return false;
 }

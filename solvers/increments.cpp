@@ -93,4 +93,11 @@ Index worst_row(const System& system, const VecX& residual) {
   return largest[1] / system.length_scale() > largest[0] ? row[1] : row[0];
 }
 
+std::string range_failure(const std::string& name) {
+  // Elements of beams are the only ones with a range; the others are joints (joint.hpp, on_branch).
+  return name + (name.starts_with("beam ")
+                     ? " is bent beyond the range of its metric; give the beam more elements"
+                     : " has turned to the wrong side, half a turn away; take smaller steps");
+}
+
 }  // namespace mbd

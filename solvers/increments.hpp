@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libmbd/core/system.hpp"
@@ -40,6 +41,9 @@ class IncrementNorm {
 
 // Largest entry of the node-node blocks of what has been added to a solver; not after factor().
 double largest_stiffness(const System& system, const LinearSolver& S);
+
+// What to say of the element or joint that System::out_of_range names.
+std::string range_failure(const std::string& name);
 
 // Row of a residual whose force, moment or gap is the worst, each kind in its own scale; for messages.
 Index worst_row(const System& system, const VecX& residual);

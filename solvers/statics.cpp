@@ -60,8 +60,7 @@ bool equilibrium(const System& system, LinearSolver& solver, const NewtonOptions
     if (cut == 1.0 &&
         (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3))) {
       if (const std::string element = system.out_of_range(state); !element.empty()) {
-        failure = fmt::format(
-            "{} is bent beyond the range of its metric; give the beam more elements", element);
+        failure = range_failure(element);
         return false;
       }
       return true;

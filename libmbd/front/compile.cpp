@@ -108,9 +108,8 @@ class Compiler {
       if (s.name == beam.section) return s;
     std::vector<std::string_view> names;
     for (const Section& s : scene_.sections) names.push_back(s.name);
-    throw Error(beam.source,
-                fmt::format("beam \"{}\": there is no section \"{}\"{}", beam.name, beam.section,
-                            suggest(beam.section, names, "sections are")));
+    throw Error(beam.source, fmt::format("beam \"{}\": there is no section \"{}\"{}", beam.name,
+                                         beam.section, suggest(beam.section, names, "sections")));
   }
 
   // --- beams ---
@@ -250,11 +249,21 @@ class Compiler {
         break;
     }
     std::vector<std::string_view> names;
-    for (const BeamScene& b : scene_.beams) names.push_back(b.name);
-    for (const BodyScene& b : scene_.bodies) names.push_back(b.name);
-    throw Error(source, fmt::format("{}: there is no {} \"{}\"{}", who,
-                                    place.kind == Place::Kind::body ? "body" : "beam", place.name,
-                                    suggest(place.name, names, "beams and bodies are")));
+    const bool is_body = place.kind == Place::Kind::body;
+    for (const BeamScene& b : scene_.beams) {
+      if (is_body && b.name == place.name)
+        throw Error(source, fmt::format("{}: \"{}\" is a beam; write {}.start, {}.end or {}@0.5",
+                                        who, place.name, place.name, place.name, place.name));
+      names.push_back(b.name);
+    }
+    for (const BodyScene& b : scene_.bodies) {
+      if (!is_body && b.name == place.name)
+        throw Error(source, fmt::format("{}: \"{}\" is a body, which has no parameter; write {}",
+                                        who, place.name, place.name));
+      names.push_back(b.name);
+    }
+    throw Error(source, fmt::format("{}: there is no {} \"{}\"{}", who, is_body ? "body" : "beam",
+                                    place.name, suggest(place.name, names, "beams and bodies")));
   }
 
   Pose<double> reference(int node) const { return system_->reference_pose(node); }
@@ -449,7 +458,7 @@ class Compiler {
         if (q == nullptr)
           throw Error(record.source,
                       fmt::format("record \"{}\": there is no quantity \"{}\"{}", record.name, name,
-                                  suggest(name, schema::names(known), "quantities are")));
+                                  suggest(name, schema::names(known), "quantities")));
         model.channels.push_back(channel(record, *q,
                                          record.joint ? joints_->sample(record, name)
                                          : record.at  ? place_sample(record, name)

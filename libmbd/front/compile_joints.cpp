@@ -22,11 +22,12 @@ constexpr double perpendicular = 1e-9;
 
 // Rotation whose third column is `third`; the first is `first`, or any perpendicular one.
 Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {}) {
-  const Vec3 e3 = third.normalized();
+  const Vec3 e3 = third.stableNormalized();
   Index smallest = 0;
   e3.cwiseAbs().minCoeff(&smallest);
-  const Vec3 across =
-      first ? Vec3(*first - e3.dot(*first) * e3) : Vec3(Vec3::Unit(smallest).cross(e3));
+  const Vec3 across = first
+                          ? Vec3(first->stableNormalized() - e3.dot(first->stableNormalized()) * e3)
+                          : Vec3(Vec3::Unit(smallest).cross(e3));
   const Vec3 e1 = across.normalized();
   Mat3 R;
   R << e1, e3.cross(e1), e3;
@@ -43,7 +44,7 @@ void check_given(const std::optional<T>& value, bool wanted, std::string_view at
 }
 void check_direction(const std::optional<Vec3>& v, std::string_view attribute, const Source& source,
                      const std::string& who) {
-  if (v && !(v->norm() > 0.0))
+  if (v && !(v->stableNorm() > 0.0 && std::isfinite(v->stableNorm())))
     throw Error(source, fmt::format("{}: {} has zero length; give a direction", who, attribute));
 }
 
@@ -93,7 +94,7 @@ JointCompiler::Added JointCompiler::add(std::string_view type, const std::string
   definition.constraint = static_cast<Index>(system_.constraints().size());
   definition.multiplier = system_.add_constraint(std::move(info));
   if (batch->traits().angle) definition.angle = system_.add_angle();
-  return {batch, batch->add(definition)};
+  return {batch, batch->add(definition, name)};
 }
 
 void JointCompiler::add_all() {
@@ -102,7 +103,7 @@ void JointCompiler::add_all() {
     for (const JointScene& j : scene_.joints) names.push_back(j.name);
     if (std::find(names.begin(), names.end(), d.joint) == names.end())
       throw Error(d.source, fmt::format("drive: there is no joint \"{}\"{}", d.joint,
-                                        suggest(d.joint, names, "joints are")));
+                                        suggest(d.joint, names, "joints")));
   }
   for (const JointScene& j : scene_.joints) add_joint(j);
   for (const MotionScene& m : scene_.motions) add_motion(m);
@@ -138,10 +139,10 @@ void JointCompiler::add_joint(const JointScene& j) {
   check_direction(j.axis, "axis", j.source, who);
   check_direction(j.second_axis, "second_axis", j.source, who);
   if (j.second_axis) {
-    const double cosine = j.axis->dot(*j.second_axis) / (j.axis->norm() * j.second_axis->norm());
+    const double cosine = j.axis->stableNormalized().dot(j.second_axis->stableNormalized());
     if (!(std::abs(cosine) <= perpendicular))
       throw Error(j.source, fmt::format("{}: second_axis must be perpendicular to axis; they are "
-                                        "at {:.6g} degrees",
+                                        "at {:.10g} degrees",
                                         who, std::acos(cosine) * 180.0 / std::numbers::pi));
   }
   if (j.parameter && !(std::abs(*j.parameter) > 0.0))
@@ -261,6 +262,12 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
                               jump.size, jump.t));
     }
   }
+  // The scene is drawn where the law starts.
+  if (const double start = signal(0.0).f; !(std::abs(start) <= 1e-12))
+    throw Error(source,
+                fmt::format("{}: the {} is {:.6g} at t = 0, but must start at 0: it counts from "
+                            "the geometry as given; subtract this from the law",
+                            who, what, start));
   return static_cast<int>(system_.add_signal(signal, SignalUse::drive));
 }
 
@@ -336,7 +343,7 @@ const JointCompiler::Reading& JointCompiler::reading(const std::string& name, co
   std::vector<std::string_view> names;
   for (const auto& [known, r] : readings_) names.push_back(known);
   throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, name,
-                                  suggest(name, names, "joints and motions are")));
+                                  suggest(name, names, "joints and motions")));
 }
 
 std::function<void(const State&, std::span<double>)> JointCompiler::sample(

@@ -74,7 +74,7 @@ void Loads::add(const LoadScene& load, int node) {
 void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> nodes) {
   const std::string who =
       fmt::format("{} on beam \"{}\"", label("distributed load", load.name), load.beam);
-  if (!(load.from >= 0.0 && load.from < load.to && load.to <= 1.0))
+  if (!(load.from >= 0.0 && load.to - load.from > 2.0 * same_parameter && load.to <= 1.0))
     throw Error(load.source,
                 fmt::format("{}: from={:g} and to={:g} must be fractions of its length, "
                             "0 <= from < to <= 1",

@@ -182,9 +182,16 @@ int degree_of(const BeamScene& beam, const Curve& curve) {
   return curve.degree;
 }
 
+constexpr Index most_points = 2000;  // the spline through them is solved densely
+
 ReferenceLine curve_line(const BeamScene& beam, const Curve& curve) {
   const int degree = degree_of(beam, curve);
   const auto count = static_cast<Index>(curve.points.size());
+  if (count > most_points)
+    throw Error(beam.source,
+                fmt::format("beam \"{}\": {} points, a curve may have {}; leave some out, or "
+                            "join several curves",
+                            beam.name, count, most_points));
   const Vec3 origin = curve.points[0].at;  // far from the inertial one, digits would be lost
   const Who who{beam.source, beam.name, origin};
   Eigen::MatrixXd data(7, count);

@@ -69,6 +69,7 @@ struct RunReport {
   WorstConstraint position, velocity;            // |g| [m, rad], |gdot| [m/s, rad/s]
   Energies energy_start, energy_end;             // [J]
   double energy_least = 0.0, energy_most = 0.0;  // total [J]
+  double kinetic_most = 0.0;                     // [J]
   Work work;                                     // up to the last of them
   Vec6 momentum_start = Vec6::Zero(), momentum_end = Vec6::Zero();  // System::momentum
   // What the integrator took out (or, if negative, put in): zero to the order of its errors [J].

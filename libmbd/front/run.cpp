@@ -19,6 +19,7 @@ namespace mbd {
 namespace {
 
 constexpr double largest_steps = 1e12;
+constexpr double much_energy = 0.1;   // of the largest kinetic energy, change or work: worth a note
 constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
 
 class Stopwatch {
@@ -72,6 +73,7 @@ void monitor(const System& system, const State& state, RunReport& report) {
   const Energies energies = system.energies(state);
   report.momentum_end = state.V.empty() ? Vec6(Vec6::Zero()) : system.momentum(state);
   report.work = state.work;
+  report.kinetic_most = std::max(report.kinetic_most, energies.kinetic);
   if (report.sampled_states++ == 0) {
     report.energy_start = energies;
     report.momentum_start = report.momentum_end;
@@ -214,7 +216,22 @@ class Run {
     return true;
   }
 
+  // Says it if the integrator has made much of the energy, or lost much.
+  void check_energy() {
+    if (!report_.transient || report_.sampled_states < 2) return;
+    const double size = std::max({report_.kinetic_most, report_.energy_most - report_.energy_least,
+                                  std::abs(report_.work.loads), std::abs(report_.work.drives)});
+    if (std::abs(report_.dissipated()) > much_energy * size)
+      report_.notes.push_back(fmt::format(
+          "the integrator {} {:.3g} J, {:.0f} % of the energy that moved; if it is not meant to "
+          "damp "
+          "that much, take smaller steps",
+          report_.dissipated() > 0.0 ? "took out" : "put in", std::abs(report_.dissipated()),
+          100.0 * std::abs(report_.dissipated()) / size));
+  }
+
   void finish() {
+    check_energy();
     report_.expects = expectations_->results();
     for (Observer* const observer : observers_) {
       try {

@@ -515,7 +515,9 @@ TEST(JointMessages, SayWhatIsWrong) {
               "is driven twice");
   expect_says(R"(<prismatic name="P" between="ground b" axis="0 0 1"/>
                  <drive joint="P" displacement="1"/>)",
-              "drive of 'P', displacement: the joint is open by 1 ");
+              "the displacement is 1 at t = 0, but must start at 0");
+  expect_says(R"(<revolute name="P" between="ground x" axis="0 0 1"/>)",
+              "The beams and bodies are: b");
   expect_says(R"(<prismatic name="P" between="ground b" axis="0 0 1"/>
                  <drive joint="P" displacement="t > 0.5 ? 1 : 0"/>)",
               "the displacement jumps by 1");

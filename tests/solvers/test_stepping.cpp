@@ -186,6 +186,41 @@ TEST(Stepping, AFailedStepIsTriedInHalves) {
   EXPECT_NEAR(with.state.t, 36, 1e-12);
 }
 
+// The row of a driven angle holds half a turn away as well. Steps so large that Newton's iterations end there
+// are halved, or the run fails by name.
+TEST(Stepping, ADriveStaysOnItsBranch) {
+  for (const char* const h : {"0.25", "0.2", "0.125", "0.1", "0.05"}) {
+    const Scene scene = scene_of(R"xml(<parameter name="h" value="1"/>
+        <body name="disk" mass="1" inertia="1 1 2"/>
+        <revolute name="R" between="ground disk" axis="0 0 1"/>
+        <drive joint="R" angle="3*(1-cos(8*t))"/>
+        <transient duration="2" step="h" rho_infinity="0.5"/>)xml",
+                                 {{"h", h}});
+    const auto on_branch = [](const Stepped& s) {
+      if (!s.last.converged) return;
+      const double angle = 2.0 * std::atan2(s.state.pose[1].p.z(), s.state.pose[1].p.w());
+      EXPECT_GT(std::cos(angle - 3 * (1 - std::cos(8 * s.state.t))), 0.999) << s.state.t;
+    };
+    for (const int halvings : {0, 5}) {
+      const Stepped s = step_through(scene, {.max_halvings = halvings, .newton = {}}, on_branch);
+      if (scene.transient->step <= 0.1) {
+        EXPECT_TRUE(s.last.converged) << s.last.failure;
+      }
+      if (!s.last.converged) {
+        EXPECT_NE(s.last.failure.find("drive of 'R'"), std::string::npos) << s.last.failure;
+      }
+    }
+  }
+}
+
+// A force from just after the start acts from the first step on.
+TEST(Stepping, AJumpJustAfterTheStartCounts) {
+  const Stepped s = step_through(scene_of(R"xml(<body name="ball" mass="1" inertia="1 1 1"/>
+      <load at="ball" force="t&gt;1e-10?1:0 0 0"/>
+      <transient duration="0.01" step="1e-3" rho_infinity="0.5"/>)xml"));
+  EXPECT_NEAR(s.state.pose[1].r(0), 5e-5, 1e-11);
+}
+
 // KLU whose second solver, that of rank-tolerant steps, may lack the diagonal of the multipliers.
 class SecondSolver : public LinearSolver {
  public:
