@@ -158,6 +158,8 @@ StepReport GeneralizedAlpha::restart(State& state) {
 
 // A, and a of (3), for a step of another size.
 void GeneralizedAlpha::set_step(const State& state, double h) {
+  // Not the round-off of times: accelerations see it divided by h^2.
+  if (std::abs(h - options_.step) <= time_rounding * options_.step) h = options_.step;
   if (h == h_) return;
   if (h_ > 0.0) {
     const double ratio = h / h_;
