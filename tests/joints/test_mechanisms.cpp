@@ -332,9 +332,9 @@ double windows_angle(double N, double T, int steps) {
   }
   return q;
 }
-// All links come into line every half turn; how near to it a step ends depends on N and on the step. Returns
-// the number of steps that needed a rank-tolerant tangent.
-long check_windows(const std::string& N, const std::string& step, double duration) {
+// All links come into line every half turn; how near to it a step ends depends on N, on the step and, to the
+// last bits, on round-off (Stepping.EndsStepsInASingularConfiguration ends one there).
+void check_windows(const std::string& N, const std::string& step, double duration) {
   const double q = windows_angle(std::stod(N), duration, 100000);
   EXPECT_NEAR(q, windows_angle(std::stod(N), duration, 200000), 1e-9);
   Scene scene = model_scene("windows", {{"N", N}, {"step", step}});
@@ -345,10 +345,9 @@ long check_windows(const std::string& N, const std::string& step, double duratio
   EXPECT_LT(h.report.position.value, 1e-9);
   EXPECT_NEAR(h.table["A.angle"].back(), q - pi / 2, 200 * std::pow(std::stod(step), 2));
   EXPECT_NEAR(h.table["last.position.2"].back(), h.table["P.position.2"].back(), 1e-8);
-  return h.report.transient_counters.tolerant;
 }
 TEST(Mechanisms, WindowsAreOnePendulum) {
-  EXPECT_GT(check_windows("1", "5e-4", 2), 0);
+  check_windows("1", "5e-4", 2);
   EXPECT_NEAR(windows_angle(2, 10, 200000), -30.17980086019, 1e-9) << "of the model's expectations";
 }
 TEST(MechanismsSlow, WindowsAreOnePendulumPastEverySingularity) {
