@@ -5,15 +5,14 @@
 // Frame a sits at the end of an arm in its node, so nothing has to meet in the reference configuration.
 #pragma once
 
-#include "joints/joint.hpp"
+#include "joints/fixed.hpp"
 
 namespace mbd::joint {
 
 struct RigidLink {
   static constexpr const char* name = "rigid_link";
   static constexpr const char* doc = "A rigid, massless arm between two places at any distance.";
-  static constexpr std::array rows{position(1),     position(2),     position(3),
-                                   direction(3, 2), direction(1, 3), direction(2, 1)};
+  static constexpr auto rows = Fixed::rows;
   static constexpr Traits traits{.points = Points::one_away};
 };
 

@@ -21,9 +21,6 @@
 namespace mbd {
 namespace {
 
-// Two beam parameters closer than this are one.
-constexpr double same_parameter = 1e-9;
-
 // Where an element ends: for resultants.
 struct ElementEnd {
   const BeamElasticBatch* batch;

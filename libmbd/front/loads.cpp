@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 
+#include "libmbd/front/reference_line.hpp"
+
 namespace mbd {
 namespace {
-
-constexpr double same_parameter = 1e-9;  // as for the ends of elements
 
 bool any(const load::Signals& signals) {
   return std::any_of(signals.begin(), signals.end(), [](int i) { return i >= 0; });
@@ -113,10 +113,8 @@ void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> node
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     BeamNode here = nodes[k];
     if (k + 1 < nodes.size() && nodes[k + 1].node == here.node) {
-      const bool before =
-          here.s > load.from + same_parameter &&
-          here.s<load.to + same_parameter, after = here.s> load.from - same_parameter &&
-          here.s < load.to - same_parameter;
+      const bool before = load.from + same_parameter < here.s && here.s < load.to + same_parameter;
+      const bool after = load.from - same_parameter < here.s && here.s < load.to - same_parameter;
       here.weight = (before ? here.weight : 0.0) + (after ? nodes[k + 1].weight : 0.0);
       ++k;
     }

@@ -23,6 +23,9 @@
 
 namespace mbd {
 
+// Two parameters of a beam closer than this are one.
+inline constexpr double same_parameter = 1e-9;
+
 struct ReferenceLine {
   double length = 0.0;                     // [m]
   std::function<Pose<double>(double)> at;  // section frame at a fraction of the length, 0 … 1

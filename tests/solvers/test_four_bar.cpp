@@ -80,7 +80,7 @@ class FourBar : public testing::TestWithParam<std::tuple<Metric, Form>> {
   }
 };
 
-// Measured: u3 5.6e-8 … 6.7e-8, Q3 1.3e-7 … 1.4e-7, M2 4.0e-8 … 4.4e-8.
+// Measured: u3 5.6e-8 … 6.7e-8, Q3 1.3e-7 … 1.4e-7, M2 5.1e-8 … 5.2e-8.
 TEST_P(FourBar, AgreesWithTheReference) {
   const Table t = run_four_bar(with_param(four_bar(5.4)));
   const Table reference = reference_table("four_bar");

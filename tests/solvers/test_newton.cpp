@@ -14,6 +14,7 @@
 
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
+#include "tests/support/altered_solver.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test {
@@ -21,38 +22,22 @@ namespace {
 
 // A mutation: KLU without the geometric stiffness of the joints, which are the four contributions before
 // those of a joint's multipliers.
-class WithoutGeometricStiffness : public LinearSolver {
+class WithoutGeometricStiffness : public AlteredSolver {
  public:
   void analyze(const BlockGraph& graph) override {
-    inner_->analyze(graph);
-    slots_.assign(inner_->slots().begin(), inner_->slots().end());
-    trash_.assign(36, 0.0);
+    AlteredSolver::analyze(graph);
     dropped_ = 0;
-    const auto is_multiplier = [&graph](int block) {
-      return block >= 0 &&
-             graph.blocks[static_cast<std::size_t>(block)].kind == BlockGraph::Kind::multiplier;
-    };
     for (std::size_t i = 4; i < graph.contributions.size(); ++i) {
       const auto &one = graph.contributions[i], &before = graph.contributions[i - 1];
-      if (!is_multiplier(one.column) || is_multiplier(before.column) || is_multiplier(before.row))
+      if (!is_multiplier(graph, one.column) || is_multiplier(graph, before.column) ||
+          is_multiplier(graph, before.row))
         continue;
-      for (std::size_t k = i - 4; k < i; ++k, ++dropped_) slots_[k] = {trash_.data(), 6};
+      for (std::size_t k = i - 4; k < i; ++k, ++dropped_) drop(k);
     }
   }
-  std::span<const Slot> slots() const override { return slots_; }
-  void set_zero() override { inner_->set_zero(); }
-  FactorStatus factor() override { return inner_->factor(); }
-  Index singular_row() const override { return inner_->singular_row(); }
-  void solve(std::span<double> x) const override { inner_->solve(x); }
-  double reciprocal_condition() const override { return inner_->reciprocal_condition(); }
-  Index nonzeros() const override { return inner_->nonzeros(); }
-
   int dropped() const { return dropped_; }
 
  private:
-  std::unique_ptr<LinearSolver> inner_ = make_klu_solver();
-  std::vector<Slot> slots_;
-  std::vector<double> trash_;
   int dropped_ = 0;
 };
 

@@ -5,6 +5,7 @@
 
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
+#include "tests/support/altered_solver.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test {
@@ -238,37 +239,23 @@ TEST(Stepping, AJumpJustAfterTheStartCounts) {
 }
 
 // KLU whose second solver, that of rank-tolerant steps, may lack the diagonal of the multipliers.
-class SecondSolver : public LinearSolver {
+class SecondSolver : public AlteredSolver {
  public:
   SecondSolver(bool is_second, bool whole) : is_second_(is_second), whole_(whole) {}
   void analyze(const BlockGraph& graph) override {
-    inner_->analyze(graph);
-    slots_.assign(inner_->slots().begin(), inner_->slots().end());
+    AlteredSolver::analyze(graph);
     if (!is_second_ || whole_) return;
-    trash_.assign(36, 0.0);
-    for (std::size_t i = 0; i < slots_.size(); ++i) {
+    for (std::size_t i = 0; i < graph.contributions.size(); ++i) {
       const auto& c = graph.contributions[i];
-      if (c.row >= 0 && c.row == c.column &&
-          graph.blocks[static_cast<std::size_t>(c.row)].kind == BlockGraph::Kind::multiplier)
-        slots_[i] = {trash_.data(), 6};
+      if (c.row == c.column && is_multiplier(graph, c.row)) drop(i);
     }
   }
-  std::span<const Slot> slots() const override { return slots_; }
-  void set_zero() override { inner_->set_zero(); }
-  FactorStatus factor() override { return inner_->factor(); }
-  Index singular_row() const override { return inner_->singular_row(); }
-  void solve(std::span<double> x) const override { inner_->solve(x); }
-  double reciprocal_condition() const override { return inner_->reciprocal_condition(); }
-  Index nonzeros() const override { return inner_->nonzeros(); }
   std::unique_ptr<LinearSolver> another() const override {
     return std::make_unique<SecondSolver>(true, whole_);
   }
 
  private:
   bool is_second_, whole_;
-  std::unique_ptr<LinearSolver> inner_ = make_klu_solver();
-  std::vector<Slot> slots_;
-  std::vector<double> trash_;
 };
 
 // Three windows driven at a quarter turn a second: at 1 s, the end of step 100, all links are in line and the
@@ -393,28 +380,14 @@ TEST(FreeBeamEnergy, IsKeptToOrderTwo) {
 }
 
 // Solver without what the balance of momenta adds to the tangent, (Ad^T p)^U: the last contributions.
-class WithoutTurningOfThePast : public LinearSolver {
+class WithoutTurningOfThePast : public AlteredSolver {
  public:
   void analyze(const BlockGraph& graph) override {
-    inner_->analyze(graph);
-    slots_.assign(inner_->slots().begin(), inner_->slots().end());
-    trash_.assign(36, 0.0);
-    int nodes = 0;
-    for (const auto& block : graph.blocks) nodes += block.kind == BlockGraph::Kind::node ? 1 : 0;
-    for (auto slot = slots_.end() - nodes; slot != slots_.end(); ++slot) *slot = {trash_.data(), 6};
+    AlteredSolver::analyze(graph);
+    std::size_t contribution = graph.contributions.size();
+    for (const auto& block : graph.blocks)
+      if (block.kind == BlockGraph::Kind::node) drop(--contribution);
   }
-  std::span<const Slot> slots() const override { return slots_; }
-  void set_zero() override { inner_->set_zero(); }
-  FactorStatus factor() override { return inner_->factor(); }
-  Index singular_row() const override { return inner_->singular_row(); }
-  void solve(std::span<double> x) const override { inner_->solve(x); }
-  double reciprocal_condition() const override { return inner_->reciprocal_condition(); }
-  Index nonzeros() const override { return inner_->nonzeros(); }
-
- private:
-  std::unique_ptr<LinearSolver> inner_ = make_klu_solver();
-  std::vector<Slot> slots_;
-  std::vector<double> trash_;
 };
 
 // Order of Newton's iterations: slope of log e_k+1 against log e_k, e in rad or of the scene's length, over

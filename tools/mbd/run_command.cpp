@@ -82,7 +82,7 @@ void print_summary(const RunReport& report) {
     fmt::print("static equilibrium in {} load steps, ", c.steps);
   fmt::print("{} iterations, {} factorizations; {:.3g} s ({:.3g} s CPU)\n", c.iterations,
              c.factorizations, wall, cpu);
-  if (c.retries > 0) fmt::print("{} steps failed and were done in parts\n", c.retries);
+  if (c.retries > 0) fmt::print("failing steps were halved {} times\n", c.retries);
   if (report.transient && report.sampled_states > 0)
     fmt::print(
         "energy: {:.6g} J at the start + {:.6g} J work of loads + {:.6g} J work of drives = "
