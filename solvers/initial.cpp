@@ -43,25 +43,37 @@ ConstraintResiduals constraint_residuals(const System& system, const State& stat
   return worst;
 }
 
-void check_initial_state(const System& system, const State& state) {
+std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state) {
   const ConstraintResiduals worst = constraint_residuals(system, state);
   const double tolerance = open_tolerance * std::max(1.0, system.length_scale());
+  const auto is_length = [&](Index row) {
+    for (const ConstraintInfo& info : system.constraints())
+      if (row >= info.first_row && row < info.first_row + info.rows)
+        return static_cast<bool>(info.is_position[static_cast<std::size_t>(row - info.first_row)]);
+    return false;
+  };
+  const auto name = [&](Index row) { return system.name_of(6 * system.nodes() + row); };
   if (!(worst.position <= tolerance)) {
-    throw Error(
-        fmt::format("{}: the joint is open by {:.6g} (m or rad) at the start; mend the geometry",
-                    system.name_of(6 * system.nodes() + worst.position_row), worst.position));
+    const Index row = worst.position_row;
+    return OpenConstraint{
+        row, fmt::format("{}: the joint is open by {:.6g} {} at the start; mend the geometry",
+                         name(row), worst.position, is_length(row) ? "m" : "rad")};
   }
-  if (!(worst.velocity <= tolerance * std::max(1.0, [&] {
-                            double fastest = 0.0;
-                            for (const Vec6& V : state.V)
-                              fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
-                            return fastest;
-                          }()))) {
-    throw Error(fmt::format(
-        "{}: the initial velocities open the joint at {:.6g} (m/s or rad/s); give velocities "
-        "that agree with the joints and drives",
-        system.name_of(6 * system.nodes() + worst.velocity_row), worst.velocity));
+  double fastest = 1.0;
+  for (const Vec6& V : state.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
+  if (!(worst.velocity <= tolerance * fastest)) {
+    const Index row = worst.velocity_row;
+    return OpenConstraint{
+        row,
+        fmt::format("{}: the initial velocities open the joint at {:.6g} {}/s; give velocities "
+                    "that agree with the joints and drives",
+                    name(row), worst.velocity, is_length(row) ? "m" : "rad")};
   }
+  return std::nullopt;
+}
+
+void check_initial_state(const System& system, const State& state) {
+  if (const auto open = find_open_constraint(system, state)) throw Error(open->what);
 }
 
 }  // namespace mbd

@@ -1,6 +1,9 @@
 // Checks and completes an initial state (formulation.md 4).
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "libmbd/core/system.hpp"
 
 namespace mbd {
@@ -13,6 +16,13 @@ struct ConstraintResiduals {
   Index velocity_row = -1;
 };
 ConstraintResiduals constraint_residuals(const System& system, const State& state);
+
+// A constraint that a state violates by more than the round-off of what was written, in words.
+struct OpenConstraint {
+  Index multiplier = 0;  // in State::lambda
+  std::string what;      // which joint, by how much, and what to do
+};
+std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state);
 
 // Throws Error that names the open joint and the gap at position or velocity level.
 void check_initial_state(const System& system, const State& state);

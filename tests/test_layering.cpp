@@ -56,6 +56,7 @@ const std::vector<ThirdParty>& third_parties() {
   static const std::vector<std::string_view> everywhere{""};
   static const std::vector<ThirdParty> table{
       {"tinyxml2.h", {"libmbd/front/"}, true, true},
+      {"udunits2.h", {"libmbd/front/"}, true, true},
       {"klu.h", {"solvers/"}, true, true},
       {"suitesparse/klu.h", {"solvers/"}, true, true},
       {"CLI/", {"tools/"}, false, false},

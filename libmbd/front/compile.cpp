@@ -9,6 +9,7 @@
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
+#include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/compile_joints.hpp"
 #include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
@@ -41,8 +42,13 @@ class Compiler {
   explicit Compiler(const Scene& scene) : scene_(scene), system_(std::make_unique<System>()) {}
 
   Model compile() {
-    check_names();
-    check_sections();
+    check_scene(scene_);
+    if (!scene_.transient && !scene_.statics)
+      throw Error(
+          {scene_.file, 1},
+          fmt::format("model \"{}\": there is nothing to do; give <static/>, <transient …/> or "
+                      "both",
+                      scene_.name));
     for (const BeamScene& beam : scene_.beams) find_boundaries(beam);
     for (const BodyScene& body : scene_.bodies) add_body(body);
     for (CompiledBeam& beam : beams_) add_beam(beam);
@@ -59,9 +65,6 @@ class Compiler {
     joints_->add_all();
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
-    if (!scene_.transient && !scene_.statics)
-      throw Error({scene_.file, 1},
-                  "the scene asks for no analysis; add <static/> or <transient .../>");
     system_->finish(scene_.transient.has_value(), length_);
 
     Model model;
@@ -69,36 +72,13 @@ class Compiler {
     set_velocities(model.initial);
     check(model.initial);
     add_channels(model);
+    model.constraint_sources = joints_->sources();
     model.system = std::move(system_);
     return model;
   }
 
  private:
-  // --- names and sections ---
-
-  void check_names() const {
-    std::map<std::string, const Source*> seen;
-    const auto add = [&seen](const std::string& name, const Source& source, std::string_view what) {
-      if (name.empty()) throw Error(source, fmt::format("{} has no name", what));
-      const auto [other, is_new] = seen.emplace(name, &source);
-      if (!is_new) {
-        throw Error(source, fmt::format("the name \"{}\" is taken{}; names of beams, bodies, "
-                                        "joints and motions must differ",
-                                        name,
-                                        other->second->line > 0
-                                            ? fmt::format(" (line {})", other->second->line)
-                                            : ""));
-      }
-    };
-    for (const BeamScene& b : scene_.beams) add(b.name, b.source, "a beam");
-    for (const BodyScene& b : scene_.bodies) add(b.name, b.source, "a body");
-    for (const JointScene& j : scene_.joints) add(j.name, j.source, "a joint");
-    for (const MotionScene& m : scene_.motions) add(m.name, m.source, "a motion");
-  }
-
-  void check_sections() const {
-    for (const Section& s : scene_.sections) check_section(s);
-  }
+  // --- sections ---
 
   const Section& section_of(const BeamScene& beam) const {
     for (const Section& s : scene_.sections)
@@ -112,9 +92,6 @@ class Compiler {
   // --- beams ---
 
   void find_boundaries(const BeamScene& beam) {
-    if (beam.elements < 1)
-      throw Error(beam.source, fmt::format("beam \"{}\" must have at least one element, not {}",
-                                           beam.name, beam.elements));
     CompiledBeam compiled{&beam, {}, {}, {}, {}};
     for (int e = 0; e <= beam.elements; ++e)
       compiled.boundaries.push_back(static_cast<double>(e) / beam.elements);
@@ -161,9 +138,12 @@ class Compiler {
     const Section& scene_section = section_of(beam);
     const SectionTable section(scene_section);
     if (scene_.transient && !section.has_mass())
-      throw Error(scene_section.source,
-                  fmt::format("section \"{}\" of beam \"{}\" has no mass; a transient needs one",
-                              scene_section.name, beam.name));
+      throw Error(
+          scene_section.source,
+          fmt::format(
+              "section \"{}\" of beam \"{}\" has no mass, which motion in time needs; give it "
+              "<mass per_length=… inertia=…/>",
+              scene_section.name, beam.name));
     const ReferenceLine line = make_reference_line(beam);
     BeamElasticBatch& batch = elastic_batch(beam);
     int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
@@ -239,8 +219,10 @@ class Compiler {
         break;
       case Place::Kind::beam:
         if (!(place.parameter >= 0.0 && place.parameter <= 1.0))
-          throw Error(source, fmt::format("{}: the parameter {} of beam \"{}\" must lie in [0, 1]",
-                                          who, place.parameter, place.name));
+          throw Error(source,
+                      fmt::format("{}: the place {}@{} does not exist: a beam runs from 0, its "
+                                  "start, to 1, its end",
+                                  who, place.name, place.parameter));
         if (const CompiledBeam* beam = find_beam(place.name))
           return {beam->boundary_nodes[boundary_at(*beam, place.parameter)], true};
         break;
@@ -268,31 +250,29 @@ class Compiler {
   // --- bodies ---
 
   void add_body(const BodyScene& body) {
-    if (!(body.mass >= 0.0))
-      throw Error(body.source,
-                  fmt::format("body \"{}\": the mass must not be negative", body.name));
-    if (!(body.inertia - body.inertia.transpose()).isZero(1e-12 * (body.inertia.norm() + 1e-300)))
-      throw Error(body.source, fmt::format("body \"{}\": the inertia is not symmetric", body.name));
-    const Vec3 principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(
-                               Eigen::Matrix3d(body.inertia), Eigen::EigenvaluesOnly)
-                               .eigenvalues();
+    const Mat3& I = body.inertia;
+    if (!(I - I.transpose()).isZero(1e-12 * (I.norm() + 1e-300)))
+      throw Error(
+          body.source,
+          fmt::format("body \"{}\": inertia is not symmetric; it is a matrix xx yy zz xy xz yz",
+                      body.name));
+    const Vec3 principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(I), Eigen::EigenvaluesOnly)
+            .eigenvalues();
     if (principal(0) < -1e-12 * principal(2))
-      throw Error(body.source,
-                  fmt::format("body \"{}\": the inertia has a negative principal value {}",
-                              body.name, principal(0)));
+      throw Error(
+          body.source,
+          fmt::format("body \"{}\": inertia has a negative principal value, {}; check its signs",
+                      body.name, principal(0)));
     // A mass distribution obeys the triangle inequality; allow what was rounded in print.
     if (principal(0) + principal(1) < principal(2) * (1.0 - 1e-3) && principal(2) > 0.0)
       throw Error(
           body.source,
           fmt::format(
-              "body \"{}\": no mass distribution has the principal inertias {}, {}, {} (each "
-              "is at most the sum of the others)",
+              "body \"{}\": inertia: no body has the principal inertias {}, {}, {}: each is at "
+              "most the sum of the others; check the numbers",
               body.name, principal(0), principal(1), principal(2)));
     if (body.attached_to) return;
-    if (!(body.orientation.transpose() * body.orientation).isIdentity(1e-9) ||
-        !(body.orientation.determinant() > 0.0))
-      throw Error(body.source,
-                  fmt::format("body \"{}\": the orientation is not a rotation matrix", body.name));
     include(body.at);
     include(body.at + body.orientation * body.center);
     masses_.push_back(rigid_mass(body.mass, body.center, body.inertia));
@@ -315,8 +295,6 @@ class Compiler {
   void add_point_mass(const PointMassScene& point) {
     const std::string who = point.name.empty() ? std::string("point mass")
                                                : fmt::format("point mass \"{}\"", point.name);
-    if (!(point.mass >= 0.0))
-      throw Error(point.source, fmt::format("{}: the mass must not be negative", who));
     const Attachment at = find(point.at, point.source, who);
     if (at.node == 0)
       throw Error(point.source, fmt::format("{} on the ground does nothing; leave it out", who));
@@ -328,17 +306,13 @@ class Compiler {
   void set_velocities(State& state) const {
     for (const BodyScene& body : scene_.bodies) {
       if (body.velocity.isZero() && body.angular_velocity.isZero()) continue;
-      if (body.attached_to)
-        throw Error(
-            body.source,
-            fmt::format(
-                "body \"{}\" moves with what it is attached to: it has no velocity of its own",
-                body.name));
       if (state.V.empty())
         throw Error(
             body.source,
-            fmt::format("body \"{}\" has an initial velocity, but the scene has no transient",
-                        body.name));
+            fmt::format(
+                "body \"{}\": velocity: there is no motion in statics; leave it out or give "
+                "<transient …/>",
+                body.name));
       const auto n = static_cast<std::size_t>(body_nodes_.at(body.name));
       state.V[n] = six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
     }
@@ -357,7 +331,7 @@ class Compiler {
     for (const JointScene& j : scene_.joints)
       for (const std::optional<Vec3>& point : {j.at, j.at_a, j.at_b})
         if (point) include(*point);
-    if (!any_) throw Error({scene_.file, 1}, "the scene is empty: it has no beam and no body");
+    if (!any_) throw Error({scene_.file, 1}, "the scene is empty; give it a beam or a body");
     length_ = (high_ - low_).norm();
     if (!(length_ > 0.0)) length_ = 1.0;  // a body about its own mass centre
   }
@@ -384,7 +358,8 @@ class Compiler {
         throw Error(
             body.source,
             fmt::format(
-                "body \"{}\" is free and lacks mass or inertia: its motion is not determined",
+                "body \"{}\" is free and lacks mass or inertia, so that nothing determines its "
+                "motion; give it both, or a joint that holds it",
                 body.name));
     }
   }
@@ -418,17 +393,16 @@ class Compiler {
   // --- checks ---
 
   void check(const State& initial) const {
-    if (const std::string element = system_->out_of_range(initial); !element.empty())
-      throw Error(
-          {scene_.file, 0},
-          fmt::format("{} turns beyond the range of its metric in the reference configuration; "
-                      "give the beam more elements",
-                      element));
-    try {
-      check_initial_state(*system_, initial);
-    } catch (const Error& e) {
-      throw Error({scene_.file, 0}, e.what());
+    if (const std::string element = system_->out_of_range(initial); !element.empty()) {
+      Source source{scene_.file, 0};
+      for (const BeamScene& b : scene_.beams)
+        if (element.starts_with(fmt::format("beam '{}' ", b.name))) source = b.source;
+      throw Error(source, fmt::format("{} turns beyond the range of its metric in the reference "
+                                      "configuration; give the beam more elements",
+                                      element));
     }
+    if (const std::optional<OpenConstraint> open = find_open_constraint(*system_, initial))
+      throw Error(joints_->sources()[static_cast<std::size_t>(open->multiplier)], open->what);
   }
 
   // --- output ---
@@ -451,11 +425,7 @@ class Compiler {
         const auto known = record.joint ? schema::joint_quantities()
                            : record.at  ? schema::place_quantities()
                                         : schema::system_quantities();
-        const schema::Quantity* q = schema::find_quantity(known, name);
-        if (q == nullptr)
-          throw Error(record.source,
-                      fmt::format("record \"{}\": there is no quantity \"{}\"{}", record.name, name,
-                                  suggest(name, schema::names(known), "quantities")));
+        const schema::Quantity* const q = schema::find_quantity(known, name);  // checked
         model.channels.push_back(channel(record, *q,
                                          record.joint ? joints_->sample(record, name)
                                          : record.at  ? place_sample(record, name)

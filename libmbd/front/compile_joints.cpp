@@ -34,18 +34,19 @@ Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {}) 
   return R;
 }
 
-// An attribute that a kind of joint needs, or has not.
-template <class T>
-void check_given(const std::optional<T>& value, bool wanted, std::string_view attribute,
-                 const JointScene& j, const std::string& who) {
-  if (wanted && !value) throw Error(j.source, fmt::format("{} needs {}", who, attribute));
-  if (!wanted && value)
-    throw Error(j.source, fmt::format("{} has no {}; leave it out", who, attribute));
+// Kinds of joints that have an angle, or a displacement.
+std::string kinds_with(bool angle) {
+  std::vector<std::string_view> names;
+  for (const schema::JointKind& kind : schema::joint_kinds())
+    if (angle ? kind.traits.angle : kind.traits.displacement) names.push_back(kind.name);
+  return list(names);
 }
+
 void check_direction(const std::optional<Vec3>& v, std::string_view attribute, const Source& source,
                      const std::string& who) {
   if (v && !(v->stableNorm() > 0.0 && std::isfinite(v->stableNorm())))
-    throw Error(source, fmt::format("{}: {} has zero length; give a direction", who, attribute));
+    throw Error(source, fmt::format("{}: {} has zero length; give a direction, such as 0 0 1", who,
+                                    attribute));
 }
 
 std::string row_name(const joint::Row& row) {
@@ -82,15 +83,16 @@ joint::AnyJointBatch* JointCompiler::batch_of(std::string_view type) {
 }
 
 JointCompiler::Added JointCompiler::add(std::string_view type, const std::string& name,
-                                        joint::Definition definition) {
+                                        const Source& source, joint::Definition definition) {
   joint::AnyJointBatch* const batch = batch_of(type);
   ConstraintInfo info;
   info.name = name;
-  info.rows = static_cast<Index>(batch->rows().size());
   for (const joint::Row& row : batch->rows()) {
     info.is_position.push_back(row.is_length());
     info.row_names.push_back(row_name(row));
   }
+  info.rows = static_cast<Index>(batch->rows().size());
+  sources_.insert(sources_.end(), batch->rows().size(), source);
   definition.constraint = static_cast<Index>(system_.constraints().size());
   definition.multiplier = system_.add_constraint(std::move(info));
   if (batch->traits().angle) definition.angle = system_.add_angle();
@@ -121,21 +123,13 @@ Vec3 JointCompiler::own_point(const Place& place, const Attachment& at, const Jo
 void JointCompiler::add_joint(const JointScene& j) {
   const std::string who = fmt::format("{} joint \"{}\"", j.kind, j.name);
   const schema::JointKind* kind = schema::find_joint_kind(j.kind);
-  if (kind == nullptr) throw Error(j.source, fmt::format("there is no joint type \"{}\"", j.kind));
   const joint::Traits& traits = kind->traits;
   const bool two_points = traits.points == joint::Points::two;
   const Attachment A = find_(j.a, j.source, who), B = find_(j.b, j.source, who);
-  if (A.node == B.node) throw Error(j.source, fmt::format("{} joins a thing to itself", who));
-  check_given(j.axis, traits.axis, "an axis", j, who);
-  check_given(j.second_axis, traits.second_axis, "a second axis", j, who);
-  check_given(
-      j.parameter, traits.parameter.name[0] != '\0',
-      fmt::format("a {}", traits.parameter.name[0] != '\0' ? traits.parameter.name : "parameter"),
-      j, who);
-  if (two_points && j.at)
-    throw Error(j.source, fmt::format("{} has two points; give at_a and at_b, not at", who));
-  if (!two_points && (j.at_a || j.at_b))
-    throw Error(j.source, fmt::format("{} has one point; give at, not at_a and at_b", who));
+  if (A.node == B.node)
+    throw Error(j.source,
+                fmt::format("{} joins a thing to itself{}; give two places that move apart", who,
+                            A.node == 0 ? ", the ground" : ""));
   check_direction(j.axis, "axis", j.source, who);
   check_direction(j.second_axis, "second_axis", j.source, who);
   if (j.second_axis) {
@@ -146,7 +140,8 @@ void JointCompiler::add_joint(const JointScene& j) {
                                         who, std::acos(cosine) * 180.0 / std::numbers::pi));
   }
   if (j.parameter && !(std::abs(*j.parameter) > 0.0))
-    throw Error(j.source, fmt::format("{}: the {} must not be zero", who, traits.parameter.name));
+    throw Error(j.source, fmt::format("{}: the {} is zero; give another, or a revolute joint", who,
+                                      traits.parameter.name));
 
   // A beam is joined at its node, but by an arm; ground and bodies anywhere.
   Vec3 point_a, point_b;
@@ -189,7 +184,7 @@ void JointCompiler::add_joint(const JointScene& j) {
                               who));
   }
 
-  const auto [batch, i] = add(j.kind, fmt::format("{} '{}'", j.kind, j.name), f);
+  const auto [batch, i] = add(j.kind, fmt::format("{} '{}'", j.kind, j.name), j.source, f);
   const auto bind = [b = batch, n = i](auto member) {
     return [b, n, member](const State& s) { return (b->*member)(s, n); };
   };
@@ -206,8 +201,10 @@ void JointCompiler::add_joint(const JointScene& j) {
     if (d.joint != j.name) continue;
     const auto is_turning = [](const DriveScene& x) { return x.rate || x.angle; };
     if (previous != nullptr && (free == 0 || is_turning(d) == is_turning(*previous)))
-      throw Error(d.source, fmt::format("{} is driven twice; another drive is on line {}", who,
-                                        previous->source.line));
+      throw Error(d.source, fmt::format("{} is driven twice{}; leave one drive out", who,
+                                        previous->source.line > 0
+                                            ? fmt::format(" (line {})", previous->source.line)
+                                            : ""));
     add_drive(d, j, f);
     previous = &d;
     --free;
@@ -218,14 +215,11 @@ void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
                               const joint::Definition& definition) {
   const joint::Traits& traits = schema::find_joint_kind(j.kind)->traits;
   const std::string who = fmt::format("drive of joint \"{}\"", j.name);
-  const int laws =
-      d.rate.has_value() + d.angle.has_value() + d.speed.has_value() + d.displacement.has_value();
-  if (laws != 1)
-    throw Error(d.source, fmt::format("the {} needs one of rate, angle, speed, displacement", who));
   const bool turns = d.rate || d.angle;
   if (turns ? !traits.angle : !traits.displacement)
-    throw Error(d.source, fmt::format("joint \"{}\" is {}: it has no {} to drive", j.name, j.kind,
-                                      turns ? "angle" : "displacement"));
+    throw Error(d.source,
+                fmt::format("{}: a {} joint has no {} to drive; joints that have one: {}", who,
+                            j.kind, turns ? "angle" : "displacement", kinds_with(turns)));
   joint::Definition f = definition;
   f.parameter = 0.0;
   f.signals[0] = d.rate    ? add_law(*d.rate, true, d.source, who, "angle")
@@ -233,7 +227,7 @@ void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
                  : d.speed ? add_law(*d.speed, true, d.source, who, "displacement")
                            : add_law(*d.displacement, false, d.source, who, "displacement");
   const auto [batch, i] = add(turns ? joint::DrivenRotation::name : joint::DrivenTranslation::name,
-                              fmt::format("drive of '{}'", j.name), f);
+                              fmt::format("drive of '{}'", j.name), d.source, f);
   // What drives it belongs to what the joint transmits.
   Reading& reading = readings_[j.name];
   reading.reaction = [b = batch, n = i, joint = reading.reaction](const State& s) {
@@ -307,7 +301,7 @@ void JointCompiler::add_motion(const MotionScene& m) {
     f.b = relative(reference(at.node), H);
     f.Q = at.node;
     f.signals = signals;
-    const auto [batch, i] = add(type, fmt::format("motion '{}'", m.name), f);
+    const auto [batch, i] = add(type, fmt::format("motion '{}'", m.name), m.source, f);
     Reading& reading = readings_[m.name];
     reading.what = fmt::format("\"{}\" is a motion", m.name);
     reading.reaction = [b = batch, n = i, R, before = reading.reaction](const State& s) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "joints/any_joint_batch.hpp"
 #include "libmbd/core/system.hpp"
@@ -30,6 +31,9 @@ class JointCompiler {
 
   void add_all();
 
+  // Who made each multiplier: a joint, a drive or a motion.
+  const std::vector<Source>& sources() const { return sources_; }
+
   // Writes one of schema::joint_quantities() of the record's joint or motion.
   std::function<void(const State&, std::span<double>)> sample(const RecordScene& record,
                                                               const std::string& quantity) const;
@@ -46,7 +50,8 @@ class JointCompiler {
   };
 
   joint::AnyJointBatch* batch_of(std::string_view type);
-  Added add(std::string_view type, const std::string& name, joint::Definition definition);
+  Added add(std::string_view type, const std::string& name, const Source& source,
+            joint::Definition definition);
   void add_joint(const JointScene& joint);
   void add_drive(const DriveScene& drive, const JointScene& joint,
                  const joint::Definition& definition);
@@ -63,6 +68,7 @@ class JointCompiler {
   double length_;
   Find find_;
   std::map<std::string, Reading> readings_;
+  std::vector<Source> sources_;  // by row of State::lambda
 };
 
 }  // namespace mbd

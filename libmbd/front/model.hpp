@@ -28,7 +28,8 @@ struct Channel {
 struct Model {
   std::unique_ptr<const System> system;
   State initial;  // reference configuration, initial velocities; not yet in equilibrium
-  std::vector<Channel> channels;  // in the order of the scene's records
+  std::vector<Channel> channels;           // in the order of the scene's records
+  std::vector<Source> constraint_sources;  // where each row of State::lambda comes from
 };
 
 // Checks the scene as a mechanism and builds it. Throws Error, naming file, line and item, for unknown

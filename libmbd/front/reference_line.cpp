@@ -166,8 +166,9 @@ class ArcLength {
 int degree_of(const BeamScene& beam, const Curve& curve) {
   const int points = static_cast<int>(curve.points.size());
   if (points < 2)
-    throw Error(beam.source, fmt::format("beam \"{}\" has {}; a curve needs two points at least",
-                                         beam.name, points == 1 ? "one point" : "no point"));
+    throw Error(beam.source,
+                fmt::format("curve \"{}\": has {} <point>s; a curve needs two at least", beam.name,
+                            points));
   if (curve.degree == 0) return std::min(points - 1, 2 * beam.order + 1);
   if (curve.degree < 0 || curve.degree > points - 1)
     throw Error(beam.source,

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <memory>
 
+#include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/plot.hpp"
 #include "solvers/generalized_alpha.hpp"
@@ -88,10 +89,7 @@ void monitor(const System& system, const State& state, RunReport& report) {
 class Run {
  public:
   Run(const Scene& scene, const RunOptions& options) : scene_(scene), options_(options) {
-    if (!scene.statics && !scene.transient)
-      throw Error(
-          Source{scene.file, 1},
-          "model \"" + scene.name + "\": nothing to do; give <static/>, <transient …/> or both");
+    check_scene(scene);
     report_.model = scene.name;
     report_.file = scene.file;
     report_.date = now();

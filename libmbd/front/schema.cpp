@@ -1,6 +1,8 @@
 #include "libmbd/front/schema.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include "joints/joint_list.hpp"
 
@@ -8,7 +10,8 @@ namespace mbd::schema {
 namespace {
 
 constexpr std::string_view top = "mbd";
-constexpr std::string_view anywhere = "mbd repeat";
+constexpr std::string_view anywhere = "mbd repeat defaults";
+constexpr std::string_view once = "mbd defaults";
 
 constexpr Range unit_interval{0.0, 1.0};
 constexpr Range at_least_one{1.0, 1e6};
@@ -22,11 +25,21 @@ constexpr std::string_view interpolations = "linear smooth";
 
 constexpr Attribute mbd_attributes[] = {
     {"name", Kind::name, "", required, "name of the model, for reports"},
+    {"version", Kind::count, "", "1",
+     "of the format of this file; a newer one than mbd knows is refused", Range{1.0, 1e6}},
+    {"xmlns:xsi", Kind::text, "", optional, "for XML editors, not read"},
+    {"xsi:noNamespaceSchemaLocation", Kind::text, "", optional,
+     "for XML editors, not read: where they find mbd.xsd"},
+};
+
+constexpr Attribute include_attributes[] = {
+    {"file", Kind::text, "", required, "its name, relative to the file that includes it"},
 };
 
 constexpr Attribute parameter_attributes[] = {
     {"name", Kind::name, "", required, "a word that expressions below may use"},
-    {"value", Kind::number, "", required, "its value, unless --set gives another"},
+    {"value", Kind::number, any_unit, required,
+     "its value, unless --set gives another; with a unit it is converted to SI units and rad"},
 };
 
 constexpr Attribute section_attributes[] = {
@@ -139,9 +152,9 @@ constexpr Attribute body_attributes[] = {
     {"at", Kind::numbers, "m", optional, "reference point of a free body (default 0 0 0)"},
     {"orientation",
      Kind::numbers,
-     "",
+     "rad",
      optional,
-     "of a free body: rotation vector [rad], or matrix row by row",
+     "of a free body: rotation vector, or (without unit) matrix row by row",
      any,
      {3, 9}},
     {"mass", Kind::number, "kg", required, "mass", not_negative},
@@ -292,8 +305,8 @@ constexpr Attribute expect_attributes[] = {
      {3, 3},
      "value minimum maximum"},
     {"at", Kind::number, "s", optional, "time of the value, a whole number of steps", not_negative},
-    {"value", Kind::number, "", required, "what it must be"},
-    {"tolerance", Kind::number, "", required, "by how much it may differ", positive},
+    {"value", Kind::number, any_unit, required, "what it must be"},
+    {"tolerance", Kind::number, any_unit, required, "by how much it may differ", positive},
     {"source", Kind::text, "", required, "where the number comes from"},
     {"when", Kind::names, "", optional,
      "parameter=value: checked only when the parameters have these values"},
@@ -379,17 +392,28 @@ const std::vector<Element>& table() {
         {"parameter", top,
          "A named number. Later expressions may use it; --set replaces its value.",
          of(parameter_attributes)},
+        {"include", top,
+         "Reads the elements of another model file here, as if they stood in this one. That file's "
+         "name "
+         "for its model is not used.",
+         of(include_attributes)},
+        {"defaults",
+         top,
+         "Elements with some of their attributes, no name and no content: what later elements of "
+         "that "
+         "kind have when they do not say otherwise.",
+         {}},
         {"section", anywhere,
          "Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3.",
          of(section_attributes)},
-        {"station", "section repeat",
+        {"station", "section repeat defaults",
          "The section at one place of the beam; two or more, from 0 to 1, in order.",
          of(station_attributes)},
-        {"stiffness", "section station",
+        {"stiffness", "section station defaults",
          "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "
          "entries by name, or all of them row by row.",
          of(stiffness_attributes), "36 numbers"},
-        {"mass", "section station",
+        {"mass", "section station defaults",
          "M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).",
          of(mass_attributes)},
         {"beam", anywhere, "A straight beam.", of(beam_attributes, mesh_attributes)},
@@ -397,7 +421,7 @@ const std::vector<Element>& table() {
          of(arc_attributes, mesh_attributes)},
         {"curve", anywhere, "A beam along a smooth curve through points.",
          of(curve_attributes, mesh_attributes)},
-        {"point", "curve repeat", "A point of a curve.", of(point_attributes)},
+        {"point", "curve repeat defaults", "A point of a curve.", of(point_attributes)},
         {"body", anywhere, "A rigid body, free or fixed to a place.", of(body_attributes)},
         {"drive", anywhere, "Prescribes the angle or the displacement of a joint.",
          of(drive_attributes)},
@@ -411,10 +435,10 @@ const std::vector<Element>& table() {
          of(distributed_attributes)},
         {"point_mass", anywhere, "A mass without inertia of its own that moves with a place.",
          of(point_mass_attributes)},
-        {"gravity", top, "Uniform gravity on everything that has mass.", of(gravity_attributes)},
-        {"static", top, "Static equilibrium at t = 0, before the transient if there is one.",
+        {"gravity", once, "Uniform gravity on everything that has mass.", of(gravity_attributes)},
+        {"static", once, "Static equilibrium at t = 0, before the transient if there is one.",
          of(static_attributes)},
-        {"transient", top, "Integration in time by the generalized-alpha method.",
+        {"transient", once, "Integration in time by the generalized-alpha method.",
          of(transient_attributes)},
         {"record", anywhere, "Columns of history.csv.", of(record_attributes)},
         {"plot", anywhere, "A panel of history.svg.", of(plot_attributes)},
@@ -486,6 +510,39 @@ std::vector<std::string_view> words(std::string_view text) {
     at = text.find_first_not_of(blanks, end);
   }
   return result;
+}
+
+std::string shortest(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::string fault(const Attribute& attribute, double value) {
+  const Range& range = attribute.range;
+  const std::string is = "is " + shortest(value) + ", must ";
+  if (!std::isfinite(value)) return is + "be a finite number";
+  const bool inside = range.open ? value > range.min && value < range.max
+                                 : value >= range.min && value <= range.max;
+  if (inside) return {};
+  const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
+  if (below && above)
+    return is + "lie between " + shortest(range.min) + " and " + shortest(range.max);
+  if (below && range.min == 0.0) return is + (range.open ? "be positive" : "not be negative");
+  return is + (range.open ? "be greater than " : "be at least ") + shortest(range.min);
+}
+
+std::string missing(const Attribute& attribute) {
+  const bool has_unit = attribute.unit != pure_number && attribute.unit != any_unit;
+  return "attribute \"" + std::string(attribute.name) +
+         "\" is missing: " + std::string(attribute.doc) +
+         (has_unit ? " [" + std::string(attribute.unit) + "]" : "");
+}
+
+bool is_name(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  });
 }
 
 }  // namespace mbd::schema

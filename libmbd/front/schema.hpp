@@ -5,10 +5,12 @@
 #include <array>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "joints/traits.hpp"
+#include "libmbd/front/units.hpp"
 
 namespace mbd::schema {
 
@@ -46,7 +48,7 @@ inline constexpr std::string_view optional = "(optional)";
 struct Attribute {
   std::string_view name;
   Kind kind = Kind::text;
-  std::string_view unit;      // empty: a pure number, or no number
+  std::string_view unit;      // SI; pure_number, or any_unit (units.hpp)
   std::string_view fallback;  // `required`, `optional`, or the default as one would write it
   std::string_view doc;
   Range range = any;                  // of number, count and each of numbers
@@ -61,6 +63,9 @@ struct Element {
   std::vector<Attribute> attributes;
   std::string_view content = {};  // what its text is, if it may have any
 };
+
+// Version of the format of model files: the newest that this library reads.
+inline constexpr int format_version = 1;
 
 // One for each type of joints/joint_list.hpp.
 struct JointKind {
@@ -99,5 +104,19 @@ std::vector<std::string_view> children(std::string_view parent);
 std::vector<std::string_view> attribute_names(const Element& element);
 std::vector<std::string_view> names(std::span<const Quantity> quantities);
 std::vector<std::string_view> words(std::string_view text);  // split at white space
+
+// What a message says of a number that the attribute does not allow: "is 9, must lie between 1 and 8".
+// Empty if it may be: finite and in range.
+std::string fault(const Attribute& attribute, double value);
+
+// What a message says when the attribute is not given: its name, meaning and unit.
+std::string missing(const Attribute& attribute);
+
+// Letters, digits, _ and -, one at least: so names of columns and places can be taken apart.
+bool is_name(std::string_view text);
+inline constexpr std::string_view names_are =
+    "a name is made of letters, digits, _ and -, and is not empty";
+
+std::string shortest(double value);  // with the fewest digits that give it back
 
 }  // namespace mbd::schema

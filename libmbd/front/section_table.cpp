@@ -3,30 +3,85 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "libmbd/front/spline.hpp"
 
 namespace mbd {
 namespace {
 
-bool is_symmetric(const Mat6& M) {
+// The first pair of entries that should be equal and are not.
+std::optional<std::array<Index, 2>> unsymmetric(const Mat6& M) {
   const Vec6 d = M.diagonal().cwiseAbs().cwiseSqrt();
   for (Index i = 0; i < 6; ++i)
-    for (Index j = 0; j < i; ++j)
-      if (!(std::abs(M(i, j) - M(j, i)) <= 1e-10 * d(i) * d(j))) return false;
-  return true;
+    for (Index j = i + 1; j < 6; ++j)
+      if (!(std::abs(M(i, j) - M(j, i)) <= 1e-10 * d(i) * d(j))) return {{i, j}};
+  return std::nullopt;
+}
+
+void check_finite_and_symmetric(const Source& source, const std::string& who, std::string_view what,
+                                const Mat6& M) {
+  for (Index i = 0; i < 6; ++i)
+    for (Index j = 0; j < 6; ++j)
+      if (!std::isfinite(M(i, j)))
+        throw Error(source, fmt::format("{}: {}: row {}, column {} is {}, must be a finite number",
+                                        who, what, i + 1, j + 1, M(i, j)));
+  if (const auto at = unsymmetric(M)) {
+    const auto [i, j] = *at;
+    throw Error(source, fmt::format("{}: {}: row {}, column {} is {} but row {}, column {} is {}; "
+                                    "the matrix must be symmetric",
+                                    who, what, i + 1, j + 1, M(i, j), j + 1, i + 1, M(j, i)));
+  }
+}
+
+void check_stiffness(const Source& source, const std::string& who, const Mat6& D) {
+  constexpr std::string_view names[] = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
+  for (Index i = 0; i < 6; ++i)
+    if (!(D(i, i) > 0.0))
+      throw Error(source,
+                  fmt::format("{}: stiffness: {} (row {}, column {}) is {}, must be positive", who,
+                              names[i], i + 1, i + 1, D(i, i)));
+  check_finite_and_symmetric(source, who, "stiffness", D);
+  if (scaled_definiteness(D) > definite) return;
+  for (Index i = 0; i < 6; ++i)
+    for (Index j = i + 1; j < 6; ++j)
+      if (!(D(i, j) * D(i, j) < D(i, i) * D(j, j)))
+        throw Error(
+            source,
+            fmt::format("{}: stiffness: not positive definite: D{}{} is {}, larger than {:.6g}, "
+                        "the root of {} {}; check the coupling",
+                        who, i + 1, j + 1, D(i, j), std::sqrt(D(i, i) * D(j, j)), names[i],
+                        names[j]));
+  throw Error(
+      source,
+      fmt::format("{}: stiffness: not positive definite: some strain would set energy free; "
+                  "check signs and sizes of the couplings",
+                  who));
+}
+
+void check_mass(const Source& source, const std::string& who, const Mat6& M) {
+  if (!(M(0, 0) > 0.0))
+    throw Error(source, fmt::format("{}: mass: per_length is {}, must be positive", who, M(0, 0)));
+  for (Index i = 3; i < 6; ++i)
+    if (!(M(i, i) >= 0.0))
+      throw Error(source, fmt::format("{}: mass: inertia J{}{} is {}, must not be negative", who,
+                                      i - 2, i - 2, M(i, i)));
+  check_finite_and_symmetric(source, who, "mass", M);
+  if (scaled_definiteness(M) < -definite)
+    throw Error(
+        source,
+        fmt::format("{}: mass: not positive: the inertia is about the reference line and so is "
+                    "at least that of the mass at its center; check inertia and center",
+                    who));
 }
 
 void check_matrices(const Source& source, const std::string& who, const Mat6& D,
                     const std::optional<Mat6>& M) {
-  if (!is_symmetric(D)) throw Error(source, fmt::format("{}: the stiffness is not symmetric", who));
-  if (!(scaled_definiteness(D) > definite))
-    throw Error(source, fmt::format("{}: the stiffness is not positive definite; check signs and "
-                                    "couplings",
-                                    who));
-  if (M && (!is_symmetric(*M) || scaled_definiteness(*M) < -definite))
-    throw Error(source, fmt::format("{}: the mass is not symmetric and positive", who));
+  check_stiffness(source, who, D);
+  if (M) check_mass(source, who, *M);
 }
 
 Spline spline(const std::vector<Station>& stations, bool of_mass) {

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/reader.hpp"
 
@@ -16,6 +17,7 @@ Scene read(const std::string& inside) {
 std::string message(const std::string& inside, bool compiled = false) {
   try {
     const Scene scene = read(inside);
+    check_scene(scene);
     if (compiled) compile(scene);
   } catch (const Error& error) {
     return error.what();
@@ -93,8 +95,11 @@ TEST(ReaderOfBeams, Loads) {
 
 TEST(ReaderOfBeams, Refuses) {
   const std::string curve = R"xml(<curve name="c" section="s" normal="0 0 1">)xml";
-  EXPECT_SAYS(message(curve + "<point at=\"0 0 0\"/></curve>"),
-              "test.xml:2: curve \"c\": has 1 <point>s; a curve needs two at least");
+  EXPECT_SAYS(
+      message(
+          bar + R"xml(<curve name="c" section="s" normal="0 0 1"><point at="0 0 0"/></curve>)xml",
+          true),
+      "test.xml:3: curve \"c\": has 1 <point>s; a curve needs two at least");
   EXPECT_SAYS(message(curve + "<beam/></curve>"), "<beam> cannot stand in <curve>");
   EXPECT_SAYS(message(curve + "<repeat count=\"1\">" + bar + "</repeat></curve>"),
               "<section> cannot stand in <repeat> in <curve>; the elements there are");
@@ -113,7 +118,7 @@ TEST(ReaderOfBeams, Refuses) {
               "is where a force acts, and there is none");
   EXPECT_SAYS(message(bar + "<distributed beam=\"bar\"/>"), "give a force, a moment or both");
   EXPECT_SAYS(message(bar + "<distributed beam=\"bar\" from=\"1\" to=\"0.5\" force=\"0 0 1\"/>"),
-              "the load must end behind its beginning, at 1");
+              "distributed: to is 0.5, must lie behind from, 1");
   EXPECT_SAYS(message(bar + "<distributed beam=\"bar\" force=\"0 0 1/s\"/>"), "force=\"0 0 1/s\"");
   EXPECT_EQ(message(bar + "<distributed beam=\"bar\" from=\"0.1\" force=\"0 0 1/s\"/>"),
             "no error");
@@ -149,7 +154,8 @@ TEST(ReaderOfBeams, CompileRefuses) {
                                station("1", R"xml(<stiffness EA="1" GA2="1" GA3="1" GJ="1" EI2="1"
                                                 EI3="1" D12="2"/>)xml")),
                       true),
-              "station at 1: the stiffness is not positive definite");
+              "station at 1: stiffness: not positive definite: D12 is 2, larger than 1, the root "
+              "of EA GA2");
   // a cubic through 1, 0.01, 0.01, 1 swings below zero
   const auto soft = [](const std::string& x) {
     return "<stiffness EA=\"" + x + "\" GA2=\"1\" GA3=\"1\" GJ=\"1\" EI2=\"1\" EI3=\"1\"/>";

@@ -500,15 +500,17 @@ TEST(JointMessages, SayWhatIsWrong) {
               "\"second_axis\" is missing");
   expect_says(R"(<screw name="S" between="ground b" axis="0 0 1"/>)", "\"pitch\" is missing");
   expect_says(R"(<screw name="S" between="ground b" axis="0 0 1" pitch="0"/>)",
-              "the pitch must not be zero");
+              "the pitch is zero");
   expect_says(R"(<distance name="D" between="ground b"/>)",
               "the ground has no point of its own; give at_a");
   expect_says(R"(<distance name="D" between="ground b" at_a="0 0 0"/>)",
               "its two points are the same");
   expect_says(R"(<revolute name="R" between="ground b" axis="0 0 1"/><drive joint="R" speed="0"/>)",
-              "joint \"R\" is revolute: it has no displacement to drive");
+              "drive of joint \"R\": a revolute joint has no displacement to drive; joints that "
+              "have one: prismatic");
   expect_says(R"(<prismatic name="P" between="ground b" axis="0 0 1"/><drive joint="P" rate="0"/>)",
-              "joint \"P\" is prismatic: it has no angle to drive");
+              "drive of joint \"P\": a prismatic joint has no angle to drive; joints that have "
+              "one: revolute");
   expect_says(R"(<screw name="S" between="ground b" axis="0 0 1" pitch="1"/>
                  <drive joint="S" rate="0"/><drive joint="S" speed="0"/>)",
               "is driven twice");

@@ -286,7 +286,7 @@ TEST(Curve, SaysWhatIsWrong) {
     EXPECT_NE(message(b).find(part), std::string::npos) << message(b);
   };
   EXPECT_EQ(message(beam({O, X, Y})), "no error");
-  says(beam({O}), "one point; a curve needs two points at least");
+  says(beam({O}), "has 1 <point>s; a curve needs two at least");
   says(beam({O, X, X, Y}), "points 2 and 3 are the same");
   says(beam({O, X, Y}, 3), "degree 3 is out of range; 3 points allow 1 to 2");
   says(beam({O, X, Y}, 1), "has corners");

@@ -1,0 +1,331 @@
+#include "libmbd/front/check_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <stdexcept>
+
+#include "libmbd/front/schema.hpp"
+#include "libmbd/front/section_table.hpp"
+#include "libmbd/front/spelling.hpp"
+
+namespace mbd {
+namespace {
+
+std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+// An item of the scene and the element of the schema it is an instance of.
+class Checked {
+ public:
+  Checked(std::string_view element, const std::string& name, const Source& source)
+      : element_(schema::find_element(element)), source_(source), label_(element) {
+    if (!element_) throw std::logic_error("not in the schema: " + std::string(element));
+    if (!name.empty()) label_ += " " + in_quotes(name);
+  }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(source_, label_ + ": " + what);
+  }
+  void fail_if(bool bad, const std::string& what) const {
+    if (bad) fail(what);
+  }
+
+  void number(std::string_view attribute, double value) const { check(attribute, value, ""); }
+  void number(std::string_view attribute, const std::optional<double>& value) const {
+    if (value) number(attribute, *value);
+  }
+  void numbers(std::string_view attribute, std::span<const double> values) const {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      check(attribute, values[i], "component " + std::to_string(i + 1) + " ");
+  }
+  void vector(std::string_view attribute, const Vec3& value) const {
+    numbers(attribute, {value.data(), 3});
+  }
+  void vector(std::string_view attribute, const std::optional<Vec3>& value) const {
+    if (value) vector(attribute, *value);
+  }
+
+  void required(std::string_view attribute, bool given) const {
+    if (!given) fail(schema::missing(entry(attribute)));
+  }
+
+  const schema::Element& element() const { return *element_; }
+
+ private:
+  const schema::Attribute& entry(std::string_view attribute) const {
+    const schema::Attribute* const found = schema::find_attribute(*element_, attribute);
+    if (!found) throw std::logic_error("not in the schema: " + std::string(attribute));
+    return *found;
+  }
+  void check(std::string_view attribute, double value, const std::string& which) const {
+    if (const std::string fault = schema::fault(entry(attribute), value); !fault.empty())
+      fail(std::string(attribute) + " " + which + fault);
+  }
+
+  const schema::Element* element_;
+  const Source& source_;
+  std::string label_;
+};
+
+// Names that must differ, and who has them.
+class Names {
+ public:
+  explicit Names(std::string of) : of_(std::move(of)) {}
+
+  void add(const Checked& item, const std::string& name, const Source& source) {
+    item.fail_if(!schema::is_name(name),
+                 "the name " + in_quotes(name) + " is no name; " + std::string(schema::names_are));
+    const auto [first, is_new] = seen_.try_emplace(name, &source);
+    item.fail_if(!is_new, "the name " + in_quotes(name) + " is taken" +
+                              place(*first->second, source) + "; names of " + of_ +
+                              " must differ (in <repeat>: name=\"" + name + "{i}\")");
+  }
+
+ private:
+  static std::string place(const Source& first, const Source& here) {
+    if (first.line <= 0) return {};
+    const std::string line = std::to_string(first.line);
+    return first.file == here.file ? " (line " + line + ")" : " (" + first.file + ":" + line + ")";
+  }
+
+  std::string of_;
+  std::map<std::string, const Source*> seen_;
+};
+
+std::string_view element_of(const BeamScene& beam) {
+  return std::holds_alternative<Straight>(beam.line) ? "beam"
+         : std::holds_alternative<Arc>(beam.line)    ? "arc"
+                                                     : "curve";
+}
+
+void check(const BeamScene& beam) {
+  const Checked item(element_of(beam), beam.name, beam.source);
+  item.vector("normal", beam.normal);
+  item.number("elements", beam.elements);
+  item.number("order", beam.order);
+  if (const auto* const line = std::get_if<Straight>(&beam.line)) {
+    item.vector("from", line->from);
+    item.vector("to", line->to);
+  } else if (const auto* const arc = std::get_if<Arc>(&beam.line)) {
+    item.vector("from", arc->from);
+    item.vector("center", arc->center);
+    item.vector("axis", arc->axis);
+    item.number("angle", arc->angle);
+  } else {
+    const std::vector<CurvePoint>& points = std::get<Curve>(beam.line).points;
+    for (const CurvePoint& p : points) {
+      const Checked point("point", {}, p.source);
+      point.vector("at", p.at);
+      point.vector("normal", p.normal);
+      point.number("twist", p.twist);
+    }
+  }
+}
+
+void check(const BodyScene& body) {
+  const Checked item("body", body.name, body.source);
+  const auto taken = [&](std::string_view attribute, bool given) {
+    item.fail_if(
+        body.attached_to && given,
+        std::string(attribute) + " is taken from the place of attached_to; leave one of them out");
+  };
+  item.vector("at", body.at);
+  item.vector("velocity", body.velocity);
+  item.vector("angular_velocity", body.angular_velocity);
+  item.vector("center", body.center);
+  item.number("mass", body.mass);
+  item.numbers("orientation", {body.orientation.data(), 9});
+  item.numbers("inertia", {body.inertia.data(), 9});
+  taken("at", !body.at.isZero(0.0));
+  taken("orientation", body.orientation != Mat3::Identity());
+  taken("velocity", !body.velocity.isZero(0.0));
+  taken("angular_velocity", !body.angular_velocity.isZero(0.0));
+  constexpr double digits = 1e-9;
+  item.fail_if(
+      (body.orientation.transpose() * body.orientation - Mat3::Identity()).cwiseAbs().maxCoeff() >
+              digits ||
+          body.orientation.determinant() < 0.0,
+      "orientation is not a rotation to 9 digits; give more digits, write the entries as "
+      "expressions, or give a rotation vector");
+}
+
+void check(const JointScene& joint) {
+  const schema::JointKind* const kind = schema::find_joint_kind(joint.kind);
+  if (!kind) {
+    std::vector<std::string_view> known;
+    for (const schema::JointKind& k : schema::joint_kinds()) known.push_back(k.name);
+    throw Error(joint.source, "joint " + in_quotes(joint.name) + ": there is no kind " +
+                                  in_quotes(joint.kind) + suggest(joint.kind, known, "kinds"));
+  }
+  const Checked item(joint.kind, joint.name, joint.source);
+  const auto given = [&](std::string_view attribute, bool is_given) {
+    const schema::Attribute* const known = schema::find_attribute(item.element(), attribute);
+    item.fail_if(is_given && !known, std::string(attribute) + " is nothing that <" + joint.kind +
+                                         "> has; leave it out");
+    if (known && known->fallback == schema::required) item.required(attribute, is_given);
+  };
+  const std::string parameter = kind->traits.parameter.name;
+  given("at", joint.at.has_value());
+  given("at_a", joint.at_a.has_value());
+  given("at_b", joint.at_b.has_value());
+  given("axis", joint.axis.has_value());
+  given("second_axis", joint.second_axis.has_value());
+  given(parameter.empty() ? "parameter" : parameter, joint.parameter.has_value());
+  for (const auto& [attribute, value] :
+       {std::pair{"at", &joint.at}, std::pair{"at_a", &joint.at_a}, std::pair{"at_b", &joint.at_b},
+        std::pair{"axis", &joint.axis}, std::pair{"second_axis", &joint.second_axis}})
+    if (*value) item.vector(attribute, *value);
+  if (joint.parameter) item.number(parameter, joint.parameter);
+}
+
+void check(const DriveScene& drive) {
+  const Checked item("drive", {}, drive.source);
+  const int laws = drive.rate.has_value() + drive.angle.has_value() + drive.speed.has_value() +
+                   drive.displacement.has_value();
+  item.fail_if(laws == 0, "give one of the attributes rate, angle, speed and displacement");
+  item.fail_if(laws > 1,
+               "give one of the attributes rate, angle, speed and displacement, not more; another "
+               "coordinate has a drive of its own");
+}
+
+// Of both kinds of loads.
+template <class Load>
+void check_some(const Checked& item, const Load& load) {
+  item.fail_if(!load.force && !load.moment && !load.follower_force && !load.follower_moment,
+               "give a force, a moment or both: force, moment, follower_force, follower_moment");
+}
+
+void check(const LoadScene& load) {
+  const Checked item("load", load.name, load.source);
+  check_some(item, load);
+  item.vector("offset", load.offset);
+  item.fail_if(!load.force && !load.follower_force && !load.offset.isZero(0.0),
+               "offset is where a force acts, and there is none; leave it out");
+}
+
+void check(const DistributedLoadScene& load) {
+  const Checked item("distributed", load.name, load.source);
+  check_some(item, load);
+  item.number("from", load.from);
+  item.number("to", load.to);
+  item.fail_if(!(load.from < load.to), "to is " + schema::shortest(load.to) +
+                                           ", must lie behind from, " +
+                                           schema::shortest(load.from));
+}
+
+void check(const PointMassScene& mass) {
+  const Checked item("point_mass", mass.name, mass.source);
+  item.number("mass", mass.mass);
+  item.vector("offset", mass.offset);
+}
+
+void check(const StaticScene& statics) {
+  const Checked item("static", {}, statics.source);
+  item.number("steps", statics.steps);
+  item.number("tolerance", statics.tolerance);
+}
+
+void check(const TransientScene& transient) {
+  const Checked item("transient", {}, transient.source);
+  item.number("duration", transient.duration);
+  item.number("step", transient.step);
+  item.number("rho_infinity", transient.rho_infinity);
+  item.number("tolerance", transient.tolerance);
+}
+
+void check(const RecordScene& record) {
+  const Checked item("record", record.name, record.source);
+  item.fail_if(record.at && record.joint,
+               "give one of the attributes \"at\" and \"joint\", not both (neither: the whole "
+               "system)");
+  item.fail_if(record.quantities.empty(), "quantities: names are missing; give one at least");
+  const auto known = record.at      ? schema::place_quantities()
+                     : record.joint ? schema::joint_quantities()
+                                    : schema::system_quantities();
+  for (const std::string& quantity : record.quantities) {
+    const schema::Quantity* const found = schema::find_quantity(known, quantity);
+    item.fail_if(!found, "quantities: unknown quantity " + in_quotes(quantity) +
+                             suggest(quantity, schema::names(known),
+                                     record.at      ? "quantities of a place"
+                                     : record.joint ? "quantities of a joint"
+                                                    : "quantities of the whole system"));
+    item.fail_if(
+        found->of == schema::Quantity::Of::beam_place && record.at->kind != Place::Kind::beam,
+        "quantities: " + in_quotes(quantity) +
+            " is a resultant of a beam; record it at a beam (beam@0.5) or of a joint");
+  }
+}
+
+void check(const PlotScene& plot) {
+  const Checked item("plot", {}, plot.source);
+  item.fail_if(plot.y.empty(), "y: names are missing; give one at least");
+  item.number("x_scale", plot.x_scale);
+  item.number("y_scale", plot.y_scale);
+  if (!plot.x_range) return;
+  item.numbers("x_range", *plot.x_range);
+  item.fail_if(!((*plot.x_range)[0] < (*plot.x_range)[1]),
+               "x_range: the second number must be the greater");
+}
+
+void check(const ExpectScene& expect) {
+  const Checked item("expect", {}, expect.source);
+  item.number("at", expect.at);
+  item.number("value", expect.value);
+  item.number("tolerance", expect.tolerance);
+  item.fail_if(expect.of != ExpectScene::Of::value_at && expect.at != 0.0,
+               "at is the time of a value; an extreme is taken over the whole run, leave it out");
+}
+
+void check_names(const Scene& scene) {
+  Names sections("sections"), parts("beams, bodies, joints and motions"), records("records"),
+      loads("loads and point masses");
+  for (const Section& s : scene.sections)
+    sections.add(Checked("section", s.name, s.source), s.name, s.source);
+  const auto place = [&parts](const Checked& item, const std::string& name, const Source& source) {
+    item.fail_if(name == "ground", "\"ground\" is the inertial frame; choose another name");
+    parts.add(item, name, source);
+  };
+  for (const BeamScene& b : scene.beams)
+    place(Checked(element_of(b), b.name, b.source), b.name, b.source);
+  for (const BodyScene& b : scene.bodies)
+    place(Checked("body", b.name, b.source), b.name, b.source);
+  for (const JointScene& j : scene.joints)
+    parts.add(Checked(j.kind, j.name, j.source), j.name, j.source);
+  for (const MotionScene& m : scene.motions)
+    parts.add(Checked("motion", m.name, m.source), m.name, m.source);
+  for (const RecordScene& r : scene.records)
+    records.add(Checked("record", r.name, r.source), r.name, r.source);
+  const auto optional = [&loads](std::string_view element, const auto& l) {
+    if (!l.name.empty()) loads.add(Checked(element, l.name, l.source), l.name, l.source);
+  };
+  for (const LoadScene& l : scene.loads) optional("load", l);
+  for (const DistributedLoadScene& l : scene.distributed_loads) optional("distributed", l);
+  for (const PointMassScene& m : scene.point_masses) optional("point_mass", m);
+}
+
+}  // namespace
+
+void check_scene(const Scene& scene) {
+  for (const Section& s : scene.sections) check_section(s);
+  for (const BeamScene& b : scene.beams) check(b);
+  for (const BodyScene& b : scene.bodies) check(b);
+  for (const JointScene& j : scene.joints) check(j);
+  for (const DriveScene& d : scene.drives) check(d);
+  for (const MotionScene& m : scene.motions)
+    Checked("motion", m.name, m.source).vector("axis", m.axis);
+  for (const LoadScene& l : scene.loads) check(l);
+  for (const DistributedLoadScene& l : scene.distributed_loads) check(l);
+  for (const PointMassScene& m : scene.point_masses) check(m);
+  if (scene.gravity)
+    Checked("gravity", {}, scene.gravity->source)
+        .vector("acceleration", scene.gravity->acceleration);
+  if (scene.statics) check(*scene.statics);
+  if (scene.transient) check(*scene.transient);
+  for (const RecordScene& r : scene.records) check(r);
+  for (const PlotScene& p : scene.plots) check(p);
+  for (const ExpectScene& e : scene.expects) check(e);
+  check_names(scene);
+}
+
+}  // namespace mbd
