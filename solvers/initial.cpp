@@ -46,34 +46,31 @@ ConstraintResiduals constraint_residuals(const System& system, const State& stat
 std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state) {
   const ConstraintResiduals worst = constraint_residuals(system, state);
   const double tolerance = open_tolerance * std::max(1.0, system.length_scale());
-  const auto is_length = [&](Index row) {
+  const auto open = [&](Index row, std::string_view what, double size, std::string_view unit,
+                        std::string_view remedy) {
     for (const ConstraintInfo& info : system.constraints())
-      if (row >= info.first_row && row < info.first_row + info.rows)
-        return static_cast<bool>(info.is_position[static_cast<std::size_t>(row - info.first_row)]);
-    return false;
+      if (row >= info.first_row && row < info.first_row + info.rows) {
+        const auto i = static_cast<std::size_t>(row - info.first_row);
+        return OpenConstraint{row, info.row_names[i],
+                              fmt::format("{} {:.6g} {}{}; {}", what, size,
+                                          info.is_position[i] ? "m" : "rad", unit, remedy)};
+      }
+    return OpenConstraint{row, "", ""};
   };
-  const auto name = [&](Index row) { return system.name_of(6 * system.nodes() + row); };
-  if (!(worst.position <= tolerance)) {
-    const Index row = worst.position_row;
-    return OpenConstraint{
-        row, fmt::format("{}: the joint is open by {:.6g} {} at the start; mend the geometry",
-                         name(row), worst.position, is_length(row) ? "m" : "rad")};
-  }
+  if (!(worst.position <= tolerance))
+    return open(worst.position_row, "the joint is open by", worst.position, " at the start",
+                "mend the geometry");
   double fastest = 1.0;
   for (const Vec6& V : state.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
-  if (!(worst.velocity <= tolerance * fastest)) {
-    const Index row = worst.velocity_row;
-    return OpenConstraint{
-        row,
-        fmt::format("{}: the initial velocities open the joint at {:.6g} {}/s; give velocities "
-                    "that agree with the joints and drives",
-                    name(row), worst.velocity, is_length(row) ? "m" : "rad")};
-  }
+  if (!(worst.velocity <= tolerance * fastest))
+    return open(worst.velocity_row, "the initial velocities open the joint at", worst.velocity,
+                "/s", "give velocities that agree with the joints and drives");
   return std::nullopt;
 }
 
 void check_initial_state(const System& system, const State& state) {
-  if (const auto open = find_open_constraint(system, state)) throw Error(open->what);
+  if (const auto open = find_open_constraint(system, state))
+    throw Error(system.name_of(6 * system.nodes() + open->multiplier) + ": " + open->what);
 }
 
 }  // namespace mbd

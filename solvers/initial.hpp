@@ -20,7 +20,8 @@ ConstraintResiduals constraint_residuals(const System& system, const State& stat
 // A constraint that a state violates by more than the round-off of what was written, in words.
 struct OpenConstraint {
   Index multiplier = 0;  // in State::lambda
-  std::string what;      // which joint, by how much, and what to do
+  std::string row;       // of the joint: "position 2"
+  std::string what;      // by how much, and what to do
 };
 std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state);
 

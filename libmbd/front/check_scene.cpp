@@ -6,6 +6,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/section_table.hpp"
 #include "libmbd/front/spelling.hpp"
@@ -19,9 +20,8 @@ std::string in_quotes(std::string_view text) { return "\"" + std::string(text) +
 class Checked {
  public:
   Checked(std::string_view element, const std::string& name, const Source& source)
-      : element_(schema::find_element(element)), source_(source), label_(element) {
+      : element_(schema::find_element(element)), source_(source), label_(label(element, name)) {
     if (!element_) throw std::logic_error("not in the schema: " + std::string(element));
-    if (!name.empty()) label_ += " " + in_quotes(name);
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -50,6 +50,15 @@ class Checked {
     if (!given) fail(schema::missing(entry(attribute)));
   }
 
+  void place(std::string_view attribute, const Place& p) const {
+    fail_if(p.kind == Place::Kind::beam && !(p.parameter >= 0.0 && p.parameter <= 1.0),
+            std::string(attribute) + ": " + excerpt(p.name) + "@" + schema::shortest(p.parameter) +
+                " is no place; it must lie between 0, the start of the beam, and 1, its end");
+  }
+  void place(std::string_view attribute, const std::optional<Place>& p) const {
+    if (p) place(attribute, *p);
+  }
+
   const schema::Element& element() const { return *element_; }
 
  private:
@@ -74,8 +83,8 @@ class Names {
   explicit Names(std::string of) : of_(std::move(of)) {}
 
   void add(const Checked& item, const std::string& name, const Source& source) {
-    item.fail_if(!schema::is_name(name),
-                 "the name " + in_quotes(name) + " is no name; " + std::string(schema::names_are));
+    item.fail_if(!schema::is_name(name), "the name " + in_quotes(excerpt(name)) + " is no name; " +
+                                             std::string(schema::names_are));
     const auto [first, is_new] = seen_.try_emplace(name, &source);
     item.fail_if(!is_new, "the name " + in_quotes(name) + " is taken" +
                               place(*first->second, source) + "; names of " + of_ +
@@ -93,10 +102,13 @@ class Names {
   std::map<std::string, const Source*> seen_;
 };
 
-std::string_view element_of(const BeamScene& beam) {
-  return std::holds_alternative<Straight>(beam.line) ? "beam"
-         : std::holds_alternative<Arc>(beam.line)    ? "arc"
-                                                     : "curve";
+void check(const Section& section) {
+  const Checked item("section", section.name, section.source);
+  for (const Station& station : section.stations)
+    Checked("station", {}, station.source).number("at", station.at);
+  item.fail_if(section.stations.empty() && section.interpolation != Section::Interpolation::linear,
+               "interpolation is between stations; leave it out or give <station>s");
+  check_section(section);
 }
 
 void check(const BeamScene& beam) {
@@ -130,6 +142,7 @@ void check(const BodyScene& body) {
         body.attached_to && given,
         std::string(attribute) + " is taken from the place of attached_to; leave one of them out");
   };
+  item.place("attached_to", body.attached_to);
   item.vector("at", body.at);
   item.vector("velocity", body.velocity);
   item.vector("angular_velocity", body.angular_velocity);
@@ -155,16 +168,17 @@ void check(const JointScene& joint) {
   if (!kind) {
     std::vector<std::string_view> known;
     for (const schema::JointKind& k : schema::joint_kinds()) known.push_back(k.name);
-    throw Error(joint.source, "joint " + in_quotes(joint.name) + ": there is no kind " +
-                                  in_quotes(joint.kind) + suggest(joint.kind, known, "kinds"));
+    throw Error(joint.source, label(joint) + ": there is no joint <" + excerpt(joint.kind) + ">" +
+                                  suggest(joint.kind, known, "kinds"));
   }
   const Checked item(joint.kind, joint.name, joint.source);
   const auto given = [&](std::string_view attribute, bool is_given) {
     const schema::Attribute* const known = schema::find_attribute(item.element(), attribute);
-    item.fail_if(is_given && !known, std::string(attribute) + " is nothing that <" + joint.kind +
-                                         "> has; leave it out");
+    item.fail_if(is_given && !known, schema::unknown_attribute(item.element(), attribute));
     if (known && known->fallback == schema::required) item.required(attribute, is_given);
   };
+  item.place("between", joint.a);
+  item.place("between", joint.b);
   const std::string parameter = kind->traits.parameter.name;
   given("at", joint.at.has_value());
   given("at_a", joint.at_a.has_value());
@@ -177,6 +191,12 @@ void check(const JointScene& joint) {
         std::pair{"axis", &joint.axis}, std::pair{"second_axis", &joint.second_axis}})
     if (*value) item.vector(attribute, *value);
   if (joint.parameter) item.number(parameter, joint.parameter);
+}
+
+void check(const MotionScene& motion) {
+  const Checked item("motion", motion.name, motion.source);
+  item.place("of", motion.of);
+  item.vector("axis", motion.axis);
 }
 
 void check(const DriveScene& drive) {
@@ -199,6 +219,7 @@ void check_some(const Checked& item, const Load& load) {
 void check(const LoadScene& load) {
   const Checked item("load", load.name, load.source);
   check_some(item, load);
+  item.place("at", load.at);
   item.vector("offset", load.offset);
   item.fail_if(!load.force && !load.follower_force && !load.offset.isZero(0.0),
                "offset is where a force acts, and there is none; leave it out");
@@ -212,10 +233,28 @@ void check(const DistributedLoadScene& load) {
   item.fail_if(!(load.from < load.to), "to is " + schema::shortest(load.to) +
                                            ", must lie behind from, " +
                                            schema::shortest(load.from));
+  // At the ends, where poles and roots sit; elsewhere compile() evaluates them.
+  const auto fields = [&](std::string_view name,
+                          const std::optional<std::array<FieldExpression, 3>>& value) {
+    for (std::size_t i = 0; value && i < 3; ++i)
+      for (const double s : {load.from, load.to}) {
+        try {
+          (*value)[i].at(s);
+        } catch (const Error& error) {
+          item.fail(std::string(name) + " component " + std::to_string(i + 1) +
+                    ", at s = " + schema::shortest(s) + ": " + error.what());
+        }
+      }
+  };
+  fields("force", load.force);
+  fields("moment", load.moment);
+  fields("follower_force", load.follower_force);
+  fields("follower_moment", load.follower_moment);
 }
 
 void check(const PointMassScene& mass) {
   const Checked item("point_mass", mass.name, mass.source);
+  item.place("at", mass.at);
   item.number("mass", mass.mass);
   item.vector("offset", mass.offset);
 }
@@ -236,10 +275,14 @@ void check(const TransientScene& transient) {
 
 void check(const RecordScene& record) {
   const Checked item("record", record.name, record.source);
+  item.place("at", record.at);
   item.fail_if(record.at && record.joint,
                "give one of the attributes \"at\" and \"joint\", not both (neither: the whole "
                "system)");
-  item.fail_if(record.quantities.empty(), "quantities: names are missing; give one at least");
+  item.fail_if(record.quantities.empty(), "quantities are missing; give one at least");
+  for (auto it = record.quantities.begin(); it != record.quantities.end(); ++it)
+    item.fail_if(std::find(record.quantities.begin(), it, *it) != it,
+                 "quantities hold " + in_quotes(excerpt(*it)) + " twice; leave one out");
   const auto known = record.at      ? schema::place_quantities()
                      : record.joint ? schema::joint_quantities()
                                     : schema::system_quantities();
@@ -259,7 +302,7 @@ void check(const RecordScene& record) {
 
 void check(const PlotScene& plot) {
   const Checked item("plot", {}, plot.source);
-  item.fail_if(plot.y.empty(), "y: names are missing; give one at least");
+  item.fail_if(plot.y.empty(), "y are missing; give one at least");
   item.number("x_scale", plot.x_scale);
   item.number("y_scale", plot.y_scale);
   if (!plot.x_range) return;
@@ -307,13 +350,16 @@ void check_names(const Scene& scene) {
 }  // namespace
 
 void check_scene(const Scene& scene) {
-  for (const Section& s : scene.sections) check_section(s);
+  const Checked model("mbd", scene.name, scene.source);
+  model.required("name", !scene.name.empty());
+  model.fail_if(!schema::is_name(scene.name), "the name " + in_quotes(excerpt(scene.name)) +
+                                                  " is no name; " + std::string(schema::names_are));
+  for (const Section& s : scene.sections) check(s);
   for (const BeamScene& b : scene.beams) check(b);
   for (const BodyScene& b : scene.bodies) check(b);
   for (const JointScene& j : scene.joints) check(j);
   for (const DriveScene& d : scene.drives) check(d);
-  for (const MotionScene& m : scene.motions)
-    Checked("motion", m.name, m.source).vector("axis", m.axis);
+  for (const MotionScene& m : scene.motions) check(m);
   for (const LoadScene& l : scene.loads) check(l);
   for (const DistributedLoadScene& l : scene.distributed_loads) check(l);
   for (const PointMassScene& m : scene.point_masses) check(m);

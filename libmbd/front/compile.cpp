@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
 #include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/compile_joints.hpp"
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/reference_line.hpp"
@@ -44,11 +46,9 @@ class Compiler {
   Model compile() {
     check_scene(scene_);
     if (!scene_.transient && !scene_.statics)
-      throw Error(
-          {scene_.file, 1},
-          fmt::format("model \"{}\": there is nothing to do; give <static/>, <transient …/> or "
-                      "both",
-                      scene_.name));
+      throw Error(scene_.source,
+                  label("mbd", scene_.name) +
+                      ": there is nothing to do; give <static/>, <transient …/> or both");
     for (const BeamScene& beam : scene_.beams) find_boundaries(beam);
     for (const BodyScene& body : scene_.bodies) add_body(body);
     for (CompiledBeam& beam : beams_) add_beam(beam);
@@ -85,8 +85,9 @@ class Compiler {
       if (s.name == beam.section) return s;
     std::vector<std::string_view> names;
     for (const Section& s : scene_.sections) names.push_back(s.name);
-    throw Error(beam.source, fmt::format("beam \"{}\": there is no section \"{}\"{}", beam.name,
-                                         beam.section, suggest(beam.section, names, "sections")));
+    throw Error(beam.source,
+                fmt::format("{}: there is no section \"{}\"{}", label(beam), excerpt(beam.section),
+                            suggest(beam.section, names, "sections")));
   }
 
   // --- beams ---
@@ -127,7 +128,7 @@ class Compiler {
       try {
         batch = make_beam_elastic(beam.metric, beam.form, beam.rule, beam.order);
       } catch (const Error& e) {
-        throw Error(beam.source, fmt::format("beam \"{}\": {}", beam.name, e.what()));
+        throw Error(beam.source, fmt::format("{}: {}", label(beam), e.what()));
       }
     }
     return *batch;
@@ -140,11 +141,11 @@ class Compiler {
     if (scene_.transient && !section.has_mass())
       throw Error(
           scene_section.source,
-          fmt::format(
-              "section \"{}\" of beam \"{}\" has no mass, which motion in time needs; give it "
-              "<mass per_length=… inertia=…/>",
-              scene_section.name, beam.name));
+          fmt::format("{}: the mass is missing, which beam \"{}\" needs in a <transient>; give "
+                      "<mass per_length=… inertia=…/>",
+                      label(scene_section), beam.name));
     const ReferenceLine line = make_reference_line(beam);
+    if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
     BeamElasticBatch& batch = elastic_batch(beam);
     int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
     const SpectralTable& table = batch.table();
@@ -194,6 +195,32 @@ class Compiler {
     }
   }
 
+  // The turn of an element between its ends is only known up to whole turns: so here it is followed along
+  // the line. The range is that of the metric.
+  static void check_turns(const CompiledBeam& compiled, const ReferenceLine& line) {
+    constexpr int pieces = 16;
+    constexpr double range = 0.9;
+    const BeamScene& beam = *compiled.scene;
+    const double most = range * std::numbers::pi * (beam.metric == Metric::matrix ? 0.5 : 1.0);
+    for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
+      const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+      double turn = 0.0;
+      Quaternion<double> before = line.at(s0).p;
+      for (int i = 1; i <= pieces; ++i) {
+        const Quaternion<double> here = line.at(s0 + (s1 - s0) * i / pieces).p;
+        turn += log_so3<double>(before.conjugate() * here).norm();
+        before = here;
+      }
+      if (turn > most)
+        throw Error(
+            beam.source,
+            fmt::format("{}: element {} of {} turns by {:.0f} degrees, beyond the {:.0f} of its "
+                        "metric; give the beam more elements",
+                        label(beam), e + 1, compiled.boundaries.size() - 1,
+                        turn * 180.0 / std::numbers::pi, most * 180.0 / std::numbers::pi));
+    }
+  }
+
   const CompiledBeam* find_beam(const std::string& name) const {
     for (const CompiledBeam& b : beams_)
       if (b.scene->name == name) return &b;
@@ -218,11 +245,6 @@ class Compiler {
           return {it->second, false};
         break;
       case Place::Kind::beam:
-        if (!(place.parameter >= 0.0 && place.parameter <= 1.0))
-          throw Error(source,
-                      fmt::format("{}: the place {}@{} does not exist: a beam runs from 0, its "
-                                  "start, to 1, its end",
-                                  who, place.name, place.parameter));
         if (const CompiledBeam* beam = find_beam(place.name))
           return {beam->boundary_nodes[boundary_at(*beam, place.parameter)], true};
         break;
@@ -250,28 +272,27 @@ class Compiler {
   // --- bodies ---
 
   void add_body(const BodyScene& body) {
+    const std::string who = label(body);
     const Mat3& I = body.inertia;
     if (!(I - I.transpose()).isZero(1e-12 * (I.norm() + 1e-300)))
-      throw Error(
-          body.source,
-          fmt::format("body \"{}\": inertia is not symmetric; it is a matrix xx yy zz xy xz yz",
-                      body.name));
+      throw Error(body.source,
+                  who + ": inertia is not symmetric; it must be a matrix xx yy zz xy xz yz");
     const Vec3 principal =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(I), Eigen::EigenvaluesOnly)
             .eigenvalues();
     if (principal(0) < -1e-12 * principal(2))
       throw Error(
           body.source,
-          fmt::format("body \"{}\": inertia has a negative principal value, {}; check its signs",
-                      body.name, principal(0)));
+          fmt::format("{}: inertia: its principal values are {:g}, {:g}, {:g}, and none must be "
+                      "negative; check the signs",
+                      who, principal(0), principal(1), principal(2)));
     // A mass distribution obeys the triangle inequality; allow what was rounded in print.
     if (principal(0) + principal(1) < principal(2) * (1.0 - 1e-3) && principal(2) > 0.0)
       throw Error(
           body.source,
-          fmt::format(
-              "body \"{}\": inertia: no body has the principal inertias {}, {}, {}: each is at "
-              "most the sum of the others; check the numbers",
-              body.name, principal(0), principal(1), principal(2)));
+          fmt::format("{}: inertia: no body has the principal values {:g}, {:g}, {:g}: each must "
+                      "be at most the sum of the others; check the numbers",
+                      who, principal(0), principal(1), principal(2)));
     if (body.attached_to) return;
     include(body.at);
     include(body.at + body.orientation * body.center);
@@ -280,24 +301,36 @@ class Compiler {
         fmt::format("body '{}'", body.name), make_pose(body.orientation, body.at)));
   }
 
+  // What a body is attached to may itself be an attached body, before or after it in the scene.
   void attach_body(const BodyScene& body) {
-    if (!body.attached_to) return;
-    const Attachment at =
-        find(*body.attached_to, body.source, fmt::format("body \"{}\"", body.name));
+    if (!body.attached_to || body_nodes_.contains(body.name)) return;
+    const Place& to = *body.attached_to;
+    if (to.kind == Place::Kind::body) {
+      attaching_.push_back(body.name);
+      if (std::find(attaching_.begin(), attaching_.end(), to.name) != attaching_.end())
+        throw Error(body.source,
+                    fmt::format("{}: attached_to: it is attached to itself{}; give another place",
+                                label(body), to.name == body.name ? "" : ", through others"));
+      for (const BodyScene& other : scene_.bodies)
+        if (other.name == to.name) attach_body(other);
+      attaching_.pop_back();
+    }
+    const Attachment at = find(to, body.source, label(body));
     if (at.node == 0)
-      throw Error(body.source,
-                  fmt::format("body \"{}\" is attached to the ground; leave it out", body.name));
+      throw Error(body.source, label(body) +
+                                   ": attached_to: on the ground it does nothing; leave "
+                                   "the body out");
     include(reference(at.node) * body.center);
     masses_[static_cast<std::size_t>(at.node)] += rigid_mass(body.mass, body.center, body.inertia);
     body_nodes_[body.name] = at.node;
   }
 
   void add_point_mass(const PointMassScene& point) {
-    const std::string who = point.name.empty() ? std::string("point mass")
-                                               : fmt::format("point mass \"{}\"", point.name);
-    const Attachment at = find(point.at, point.source, who);
+    const Attachment at = find(point.at, point.source, label(point));
     if (at.node == 0)
-      throw Error(point.source, fmt::format("{} on the ground does nothing; leave it out", who));
+      throw Error(
+          point.source,
+          label(point) + ": on the ground it does nothing; give another place, or leave it out");
     include(reference(at.node) * point.offset);
     masses_[static_cast<std::size_t>(at.node)] +=
         rigid_mass(point.mass, point.offset, Mat3::Zero());
@@ -307,12 +340,9 @@ class Compiler {
     for (const BodyScene& body : scene_.bodies) {
       if (body.velocity.isZero() && body.angular_velocity.isZero()) continue;
       if (state.V.empty())
-        throw Error(
-            body.source,
-            fmt::format(
-                "body \"{}\": velocity: there is no motion in statics; leave it out or give "
-                "<transient …/>",
-                body.name));
+        throw Error(body.source, label(body) +
+                                     ": velocity: there is no motion in statics; leave it "
+                                     "out or give <transient …/>");
       const auto n = static_cast<std::size_t>(body_nodes_.at(body.name));
       state.V[n] = six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
     }
@@ -321,7 +351,9 @@ class Compiler {
   // --- the scene's size ---
 
   void include(const Vec3& x) {
-    if (!x.allFinite()) throw Error({scene_.file, 0}, "a position of the scene is not finite");
+    if (!x.allFinite())
+      throw Error(scene_.source, label("mbd", scene_.name) +
+                                     ": a position of the scene is not finite; check its numbers");
     low_ = any_ ? Vec3(low_.cwiseMin(x)) : x;
     high_ = any_ ? Vec3(high_.cwiseMax(x)) : x;
     any_ = true;
@@ -331,7 +363,9 @@ class Compiler {
     for (const JointScene& j : scene_.joints)
       for (const std::optional<Vec3>& point : {j.at, j.at_a, j.at_b})
         if (point) include(*point);
-    if (!any_) throw Error({scene_.file, 1}, "the scene is empty; give it a beam or a body");
+    if (!any_)
+      throw Error(scene_.source,
+                  label("mbd", scene_.name) + ": the scene is empty; give it a beam or a body");
     length_ = (high_ - low_).norm();
     if (!(length_ > 0.0)) length_ = 1.0;  // a body about its own mass centre
   }
@@ -355,12 +389,10 @@ class Compiler {
                       [&](const MotionScene& m) { return is_body(m.of); });
       if (!held && !(scaled_definiteness(
                          masses_[static_cast<std::size_t>(body_nodes_.at(body.name))]) > definite))
-        throw Error(
-            body.source,
-            fmt::format(
-                "body \"{}\" is free and lacks mass or inertia, so that nothing determines its "
-                "motion; give it both, or a joint that holds it",
-                body.name));
+        throw Error(body.source,
+                    label(body) +
+                        ": it is free and lacks mass or inertia, so that nothing determines its "
+                        "motion; give it both, or a joint that holds it");
     }
   }
 
@@ -379,12 +411,12 @@ class Compiler {
   void add_loads() {
     Loads loads(*system_);
     for (const LoadScene& load : scene_.loads) {
-      const int node = find(load.at, load.source, "load").node;
+      const int node = find(load.at, load.source, label(load)).node;
       loads.add(load, node);
     }
     for (const DistributedLoadScene& load : scene_.distributed_loads) {
       // Checks the beam's name; its ends are places like any other.
-      find({Place::Kind::beam, load.beam, 0.0}, load.source, "distributed load");
+      find({Place::Kind::beam, load.beam, 0.0}, load.source, label(load));
       loads.add(load, find_beam(load.beam)->nodes);
     }
     loads.finish();
@@ -394,15 +426,16 @@ class Compiler {
 
   void check(const State& initial) const {
     if (const std::string element = system_->out_of_range(initial); !element.empty()) {
-      Source source{scene_.file, 0};
       for (const BeamScene& b : scene_.beams)
-        if (element.starts_with(fmt::format("beam '{}' ", b.name))) source = b.source;
-      throw Error(source, fmt::format("{} turns beyond the range of its metric in the reference "
-                                      "configuration; give the beam more elements",
-                                      element));
+        if (element.starts_with(fmt::format("beam '{}' ", b.name)))
+          throw Error(b.source,
+                      fmt::format("{}: {} turns beyond the range of its metric in the reference "
+                                  "configuration; give the beam more elements",
+                                  label(b), element));
     }
     if (const std::optional<OpenConstraint> open = find_open_constraint(*system_, initial))
-      throw Error(joints_->sources()[static_cast<std::size_t>(open->multiplier)], open->what);
+      throw Error(joints_->sources()[static_cast<std::size_t>(open->multiplier)],
+                  joints_->label_of(open->multiplier) + ": " + open->row + ": " + open->what);
   }
 
   // --- output ---
@@ -467,7 +500,7 @@ class Compiler {
   }
 
   Sample place_sample(const RecordScene& record, const std::string& name) const {
-    const std::string who = fmt::format("record \"{}\"", record.name);
+    const std::string who = label(record);
     if (!record.at)
       throw Error(record.source, fmt::format("{} needs a place (at=) or a joint", who));
     const auto n = static_cast<std::size_t>(find(*record.at, record.source, who).node);
@@ -516,9 +549,9 @@ class Compiler {
     const CompiledBeam* beam =
         record.at->kind == Place::Kind::beam ? find_beam(record.at->name) : nullptr;
     if (beam == nullptr)
-      throw Error(
-          record.source,
-          fmt::format("record \"{}\": only beams have sectional forces and moments", record.name));
+      throw Error(record.source, label(record) +
+                                     ": only beams have sectional forces and moments; give "
+                                     "a place of one (beam@0.5)");
     const auto ends = beam->ends[boundary_at(*beam, record.at->parameter)];
     return vector([ends, first](const State& s) {
       Vec3 sum = Vec3::Zero();
@@ -533,6 +566,7 @@ class Compiler {
   std::map<std::tuple<Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>> elastic_;
   std::vector<CompiledBeam> beams_;
   std::map<std::string, int> body_nodes_;
+  std::vector<std::string> attaching_;  // each to the next
   std::optional<JointCompiler> joints_;
   std::vector<Mat6> masses_{Mat6::Zero()};  // by node
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();

@@ -9,6 +9,7 @@
 #include "joints/driven_translation.hpp"
 #include "joints/prescribed_rotation.hpp"
 #include "joints/prescribed_translation.hpp"
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/reference_line.hpp"
 #include "libmbd/front/spelling.hpp"
 
@@ -83,7 +84,8 @@ joint::AnyJointBatch* JointCompiler::batch_of(std::string_view type) {
 }
 
 JointCompiler::Added JointCompiler::add(std::string_view type, const std::string& name,
-                                        const Source& source, joint::Definition definition) {
+                                        const std::string& label, const Source& source,
+                                        joint::Definition definition) {
   joint::AnyJointBatch* const batch = batch_of(type);
   ConstraintInfo info;
   info.name = name;
@@ -93,6 +95,7 @@ JointCompiler::Added JointCompiler::add(std::string_view type, const std::string
   }
   info.rows = static_cast<Index>(batch->rows().size());
   sources_.insert(sources_.end(), batch->rows().size(), source);
+  labels_.insert(labels_.end(), batch->rows().size(), label);
   definition.constraint = static_cast<Index>(system_.constraints().size());
   definition.multiplier = system_.add_constraint(std::move(info));
   if (batch->traits().angle) definition.angle = system_.add_angle();
@@ -104,7 +107,7 @@ void JointCompiler::add_all() {
     std::vector<std::string_view> names;
     for (const JointScene& j : scene_.joints) names.push_back(j.name);
     if (std::find(names.begin(), names.end(), d.joint) == names.end())
-      throw Error(d.source, fmt::format("drive: there is no joint \"{}\"{}", d.joint,
+      throw Error(d.source, fmt::format("drive: there is no joint \"{}\"{}", excerpt(d.joint),
                                         suggest(d.joint, names, "joints")));
   }
   for (const JointScene& j : scene_.joints) add_joint(j);
@@ -115,21 +118,21 @@ void JointCompiler::add_all() {
 Vec3 JointCompiler::own_point(const Place& place, const Attachment& at, const JointScene& j,
                               std::string_view attribute) const {
   if (place.kind == Place::Kind::ground)
-    throw Error(j.source, fmt::format("{} \"{}\": the ground has no point of its own; give {}",
-                                      j.kind, j.name, attribute));
+    throw Error(j.source, fmt::format("{}: the ground has no point of its own; give {}", label(j),
+                                      attribute));
   return reference(at.node).r;
 }
 
 void JointCompiler::add_joint(const JointScene& j) {
-  const std::string who = fmt::format("{} joint \"{}\"", j.kind, j.name);
+  const std::string who = label(j);
   const schema::JointKind* kind = schema::find_joint_kind(j.kind);
   const joint::Traits& traits = kind->traits;
   const bool two_points = traits.points == joint::Points::two;
   const Attachment A = find_(j.a, j.source, who), B = find_(j.b, j.source, who);
   if (A.node == B.node)
     throw Error(j.source,
-                fmt::format("{} joins a thing to itself{}; give two places that move apart", who,
-                            A.node == 0 ? ", the ground" : ""));
+                fmt::format("{}: it joins a thing to itself{}; give two places that move apart",
+                            who, A.node == 0 ? ", the ground" : ""));
   check_direction(j.axis, "axis", j.source, who);
   check_direction(j.second_axis, "second_axis", j.source, who);
   if (j.second_axis) {
@@ -161,11 +164,11 @@ void JointCompiler::add_joint(const JointScene& j) {
       if (!end.is_point) continue;
       const double gap = (reference(end.node).r - point).norm();
       if (!(gap <= open_tolerance * length_))
-        throw Error(
-            j.source,
-            fmt::format(
-                "{} is open: {} is {:.6g} m from the joint's point ({:.9g}, {:.9g}, {:.9g})", who,
-                system_.node_name(end.node), gap, point(0), point(1), point(2)));
+        throw Error(j.source, fmt::format("{}: it is open: {} is {:.6g} m from the joint's point "
+                                          "({:.9g}, {:.9g}, {:.9g}); mend the "
+                                          "geometry or leave out at=",
+                                          who, system_.node_name(end.node), gap, point(0), point(1),
+                                          point(2)));
     }
   }
   const Mat3 R = j.axis ? frame_with_third(*j.axis, j.second_axis) : Mat3(Mat3::Identity());
@@ -184,12 +187,12 @@ void JointCompiler::add_joint(const JointScene& j) {
                               who));
   }
 
-  const auto [batch, i] = add(j.kind, fmt::format("{} '{}'", j.kind, j.name), j.source, f);
+  const auto [batch, i] = add(j.kind, fmt::format("{} '{}'", j.kind, j.name), who, j.source, f);
   const auto bind = [b = batch, n = i](auto member) {
     return [b, n, member](const State& s) { return (b->*member)(s, n); };
   };
   Reading& reading = readings_[j.name];
-  reading.what = fmt::format("joint \"{}\" is {}", j.name, j.kind);
+  reading.what = label(j);
   if (traits.angle) reading.angle = bind(&joint::AnyJointBatch::angle);
   if (traits.displacement) reading.displacement = bind(&joint::AnyJointBatch::displacement);
   reading.relative_velocity = bind(&joint::AnyJointBatch::relative_velocity);
@@ -201,7 +204,7 @@ void JointCompiler::add_joint(const JointScene& j) {
     if (d.joint != j.name) continue;
     const auto is_turning = [](const DriveScene& x) { return x.rate || x.angle; };
     if (previous != nullptr && (free == 0 || is_turning(d) == is_turning(*previous)))
-      throw Error(d.source, fmt::format("{} is driven twice{}; leave one drive out", who,
+      throw Error(d.source, fmt::format("drive: {} is driven twice{}; leave one drive out", who,
                                         previous->source.line > 0
                                             ? fmt::format(" (line {})", previous->source.line)
                                             : ""));
@@ -214,12 +217,12 @@ void JointCompiler::add_joint(const JointScene& j) {
 void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
                               const joint::Definition& definition) {
   const joint::Traits& traits = schema::find_joint_kind(j.kind)->traits;
-  const std::string who = fmt::format("drive of joint \"{}\"", j.name);
+  const std::string who = fmt::format("drive: joint \"{}\"", excerpt(j.name));
   const bool turns = d.rate || d.angle;
   if (turns ? !traits.angle : !traits.displacement)
     throw Error(d.source,
-                fmt::format("{}: a {} joint has no {} to drive; joints that have one: {}", who,
-                            j.kind, turns ? "angle" : "displacement", kinds_with(turns)));
+                fmt::format("drive: {} has no {} to drive; joints that have one: {}", label(j),
+                            turns ? "angle" : "displacement", kinds_with(turns)));
   joint::Definition f = definition;
   f.parameter = 0.0;
   f.signals[0] = d.rate    ? add_law(*d.rate, true, d.source, who, "angle")
@@ -227,7 +230,7 @@ void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
                  : d.speed ? add_law(*d.speed, true, d.source, who, "displacement")
                            : add_law(*d.displacement, false, d.source, who, "displacement");
   const auto [batch, i] = add(turns ? joint::DrivenRotation::name : joint::DrivenTranslation::name,
-                              fmt::format("drive of '{}'", j.name), d.source, f);
+                              fmt::format("drive of '{}'", j.name), who, d.source, f);
   // What drives it belongs to what the joint transmits.
   Reading& reading = readings_[j.name];
   reading.reaction = [b = batch, n = i, joint = reading.reaction](const State& s) {
@@ -268,7 +271,7 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
 // The node's pose is the reference moved by d(t) and turned by exp(theta(t)), both in inertial axes; only
 // what is given is held. Frames a and b have inertial axes, or e3 along the axis of turning.
 void JointCompiler::add_motion(const MotionScene& m) {
-  const std::string who = fmt::format("motion \"{}\"", m.name);
+  const std::string who = label(m);
   const Attachment at = find_(m.of, m.source, who);
   if (at.node == 0)
     throw Error(m.source, fmt::format("{}: the ground does not move; give a beam or a body", who));
@@ -282,16 +285,17 @@ void JointCompiler::add_motion(const MotionScene& m) {
                 fmt::format("{}: give a rotation vector, or an axis and an angle or rate", who));
   if (turns != m.axis.has_value())
     throw Error(m.source, fmt::format("{}: {}", who,
-                                      turns ? "an angle or a rate needs an axis"
+                                      turns ? "an angle or a rate needs an axis; give one"
                                             : "an axis needs an angle or a rate; or leave it out"));
   check_direction(m.axis, "axis", m.source, who);
   const auto* const translation = m.displacement ? &*m.displacement
                                   : m.velocity   ? &*m.velocity
                                                  : nullptr;
   if (translation == nullptr && !m.rotation && !turns)
-    throw Error(m.source, fmt::format("{} prescribes nothing; give a displacement, a velocity, a "
-                                      "rotation, or an axis and an angle or a rate",
-                                      who));
+    throw Error(m.source,
+                fmt::format("{}: it prescribes nothing; give a displacement, a velocity, a "
+                            "rotation, or an axis and an angle or a rate",
+                            who));
 
   const Vec3 point = reference(at.node).r;
   const auto prescribe = [&](std::string_view type, const Mat3& R, std::array<int, 3> signals) {
@@ -301,9 +305,9 @@ void JointCompiler::add_motion(const MotionScene& m) {
     f.b = relative(reference(at.node), H);
     f.Q = at.node;
     f.signals = signals;
-    const auto [batch, i] = add(type, fmt::format("motion '{}'", m.name), m.source, f);
+    const auto [batch, i] = add(type, fmt::format("motion '{}'", m.name), who, m.source, f);
     Reading& reading = readings_[m.name];
-    reading.what = fmt::format("\"{}\" is a motion", m.name);
+    reading.what = label(m);
     reading.reaction = [b = batch, n = i, R, before = reading.reaction](const State& s) {
       const Vec6 r = b->reaction(s, n);
       const Vec6 f_i = six<double>(R * Vec3(linear(r)), R * Vec3(angular(r)));
@@ -336,20 +340,20 @@ const JointCompiler::Reading& JointCompiler::reading(const std::string& name, co
   if (const auto it = readings_.find(name); it != readings_.end()) return it->second;
   std::vector<std::string_view> names;
   for (const auto& [known, r] : readings_) names.push_back(known);
-  throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, name,
+  throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, excerpt(name),
                                   suggest(name, names, "joints and motions")));
 }
 
 std::function<void(const State&, std::span<double>)> JointCompiler::sample(
     const RecordScene& record, const std::string& quantity) const {
-  const Reading& r =
-      reading(*record.joint, record.source, fmt::format("record \"{}\"", record.name));
+  const Reading& r = reading(*record.joint, record.source, label(record));
   const bool rates = scene_.transient.has_value();
   const bool turning = quantity == "angle" || quantity == "rate";
   const bool sliding = quantity == "displacement" || quantity == "speed";
   if ((turning && !r.angle) || (sliding && !r.displacement))
     throw Error(record.source,
-                fmt::format("{}: it has no {}", r.what, turning ? "angle" : "displacement"));
+                fmt::format("{}: {} has no {}; joints that have one: {}", label(record), r.what,
+                            turning ? "angle" : "displacement", kinds_with(turning)));
   if (quantity == "angle" || quantity == "displacement")
     return [f = turning ? r.angle : r.displacement](const State& s, std::span<double> out) {
       out[0] = f(s);

@@ -33,6 +33,9 @@ class JointCompiler {
 
   // Who made each multiplier: a joint, a drive or a motion.
   const std::vector<Source>& sources() const { return sources_; }
+  std::string label_of(Index multiplier) const {  // `revolute "A"`
+    return labels_[static_cast<std::size_t>(multiplier)];
+  }
 
   // Writes one of schema::joint_quantities() of the record's joint or motion.
   std::function<void(const State&, std::span<double>)> sample(const RecordScene& record,
@@ -50,8 +53,8 @@ class JointCompiler {
   };
 
   joint::AnyJointBatch* batch_of(std::string_view type);
-  Added add(std::string_view type, const std::string& name, const Source& source,
-            joint::Definition definition);
+  Added add(std::string_view type, const std::string& name, const std::string& label,
+            const Source& source, joint::Definition definition);
   void add_joint(const JointScene& joint);
   void add_drive(const DriveScene& drive, const JointScene& joint,
                  const joint::Definition& definition);
@@ -68,7 +71,8 @@ class JointCompiler {
   double length_;
   Find find_;
   std::map<std::string, Reading> readings_;
-  std::vector<Source> sources_;  // by row of State::lambda
+  std::vector<Source> sources_;      // by row of State::lambda
+  std::vector<std::string> labels_;  // likewise
 };
 
 }  // namespace mbd

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/spelling.hpp"
 
 namespace mbd {
@@ -27,22 +28,24 @@ std::string describe(const ExpectScene& expect, bool timed) {
 void check_time(const ExpectScene& expect, const Scene& scene) {
   if (!scene.transient) {
     if (expect.at != 0.0)
-      throw Error(expect.source,
-                  fmt::format("expect {}: there is no <transient>, so the only time is 0, not {}",
-                              expect.quantity, expect.at));
+      throw Error(expect.source, fmt::format("expect: at is {}, but without a <transient> an "
+                                             "equilibrium has no time, only 0; leave it out",
+                                             expect.at));
     return;
   }
   const double duration = scene.transient->duration, step = scene.transient->step;
   const double steps = std::round(expect.at / step);
   if (expect.at > duration * (1.0 + nearness))
-    throw Error(expect.source, fmt::format("expect {}: at={} is after the end of the run at {} s",
-                                           expect.quantity, expect.at, duration));
-  if (std::abs(steps * step - expect.at) > nearness * duration)
     throw Error(expect.source,
-                fmt::format("expect {}: at={} is not a whole number of steps of {} s; the nearest "
-                            "sample times are {} and {}",
-                            expect.quantity, expect.at, step, std::floor(expect.at / step) * step,
-                            std::ceil(expect.at / step) * step));
+                fmt::format("expect: at is {}, after the end of the run; it must be at most {} s",
+                            expect.at, duration));
+  if (std::abs(steps * step - expect.at) > nearness * duration)
+    throw Error(
+        expect.source,
+        fmt::format("expect: at is {}, must be a whole number of steps of {} s; the nearest "
+                    "are {} and {}",
+                    expect.at, step, std::floor(expect.at / step) * step,
+                    std::ceil(expect.at / step) * step));
 }
 
 }  // namespace
@@ -85,7 +88,7 @@ std::size_t find_column(std::span<const Column> columns, const std::string& name
     if (column.name == name) return known.size();
     known.emplace_back(column.name);
   }
-  throw Error(source, who + ": \"" + name + "\" is not a column of the results" +
+  throw Error(source, who + ": \"" + excerpt(name) + "\" is not a column of the results" +
                           suggest(name, known, "columns") + "; a <record> makes more of them");
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/spelling.hpp"
 #include "libmbd/front/units.hpp"
 
@@ -14,26 +15,15 @@ using schema::Kind;
 
 constexpr double largest_count = 1e9;
 constexpr std::string_view places_are =
-    "ground, the name of a body, or beam.start, beam.end, beam@0.5";
+    "write ground, the name of a body, or beam.start, beam.end, beam@0.5";
 
 std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
-// For messages: the first letters of a long text, on one line.
-std::string excerpt(std::string_view text) {
-  constexpr std::size_t most = 80;
-  std::size_t size = std::min(text.size(), most);
-  while (size < text.size() && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U) ++size;
-  std::string result(text.substr(0, size));
-  for (char& c : result)
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  return result + (size < text.size() ? "…" : "");
-}
 
 const schema::Element* model_entry(const xml::Element& xml, const std::string& file) {
   const schema::Element* const found = schema::find_element(xml.name);
   if (!found || !found->parents.empty())
     throw Error(Source{file, xml.line},
-                "<" + excerpt(xml.name) + ">: a model is one <mbd name=\"…\"> element");
+                "<" + excerpt(xml.name) + ">: a model must be one <mbd name=\"…\"> element");
   return found;
 }
 
@@ -75,10 +65,10 @@ Source Item::source_of(std::string_view name) const {
 }
 
 std::string Item::label() const {
-  std::string result(element_->name);
+  std::string_view name;
   for (const xml::Attribute& a : xml_.attributes)
-    if (a.name == "name") result += " " + in_quotes(excerpt(a.value));
-  return result;
+    if (a.name == "name") name = a.value;
+  return mbd::label(element_->name, name);
 }
 
 void Item::fail(const std::string& what) const { throw Error(source(), label() + ": " + what); }
@@ -121,9 +111,7 @@ void Item::check(bool is_default) const {
     const schema::Attribute* const known = schema::find_attribute(*element_, a.name);
     if (!known)
       throw Error(Source{context_.file, a.line},
-                  label() + ": unknown attribute " + in_quotes(excerpt(a.name)) +
-                      suggest(a.name, schema::attribute_names(*element_),
-                              "attributes of <" + std::string(element_->name) + ">"));
+                  label() + ": " + schema::unknown_attribute(*element_, a.name));
     if (is_default && known->kind == Kind::name && known->name == "name")
       fail(a.name, "in <defaults> there is no name; each element has its own");
   }
@@ -158,6 +146,47 @@ std::string Item::raw(std::string_view name, std::initializer_list<Kind> kinds) 
   return std::string(entry.fallback);
 }
 
+void Item::try_attributes() const {
+  for (const xml::Attribute& a : xml_.attributes) {
+    switch (entry_of(a.name).kind) {
+      case Kind::name:
+      case Kind::text:
+        text(a.name);
+        break;
+      case Kind::names:
+        names(a.name);
+        break;
+      case Kind::place:
+        place(a.name);
+        break;
+      case Kind::places:
+        places(a.name);
+        break;
+      case Kind::number:
+        number(a.name);
+        break;
+      case Kind::count:
+        count(a.name);
+        break;
+      case Kind::numbers:
+        numbers(a.name);
+        break;
+      case Kind::signal:
+        signal(a.name);
+        break;
+      case Kind::signals:
+        signals(a.name);
+        break;
+      case Kind::fields:
+        fields(a.name);
+        break;
+      case Kind::choice:
+        chosen(a.name);
+        break;
+    }
+  }
+}
+
 // --- words ---
 
 std::string Item::text(std::string_view name) const {
@@ -173,10 +202,10 @@ std::vector<std::string> Item::names(std::string_view attribute) const {
   std::vector<std::string> result;
   for (const std::string_view word : schema::words(all)) {
     if (std::find(result.begin(), result.end(), word) != result.end())
-      fail(attribute, in_quotes(word) + " stands there twice; leave one out");
+      refuse(attribute, "hold " + in_quotes(excerpt(word)) + " twice; leave one out");
     result.emplace_back(word);
   }
-  if (result.empty()) fail(attribute, "names are missing; give one at least");
+  if (result.empty()) refuse(attribute, "are missing; give one at least");
   return result;
 }
 
@@ -202,8 +231,8 @@ std::string Item::expand(std::string_view name, std::string_view text) const {
       fail(name, "{ without }; an expression in a name is written {i+1}");
     const double value = evaluate(name, text.substr(open + 1, close - open - 1));
     if (value != std::floor(value) || std::abs(value) > largest_count)
-      fail(name, std::string(text.substr(open, close - open + 1)) + " is " +
-                     schema::shortest(value) + ", must be a whole number");
+      fail(name, excerpt(text.substr(open, close - open + 1)) + " is " + schema::shortest(value) +
+                     ", must be a whole number");
     result += std::to_string(static_cast<long>(value));
     at = close + 1;
   }
@@ -289,7 +318,7 @@ std::vector<Item::Component> Item::components(std::string_view name, std::string
   for (const std::string_view part : parts) {
     const NumberAndUnit own = split_unit(part);
     if (!own.unit.empty() && !unit.empty())
-      fail(name, in_quotes(part) + " has a unit, and " + in_quotes(unit) +
+      fail(name, in_quotes(excerpt(part)) + " has a unit, and " + in_quotes(unit) +
                      " follows all components; leave one of them out");
     result.push_back({own.number, own.unit.empty() ? unit : own.unit});
   }
@@ -354,15 +383,15 @@ std::array<Expression, 3> Item::signals(std::string_view name) const {
   return {part(0), part(1), part(2)};
 }
 
-// Tried at the ends of their interval.
-std::array<FieldExpression, 3> Item::fields(std::string_view name, double from, double to) const {
+// Tried at one place, for their grammar.
+std::array<FieldExpression, 3> Item::fields(std::string_view name) const {
   const std::string all = raw(name, {Kind::fields});
   const std::vector<Component> parts = components(name, all, {3});
   const auto part = [&](std::size_t i) {
     const auto tried = [&](const std::string& text) {
       FieldExpression field{text, context_.parameters};
       try {
-        for (const double s : {from, to}) field.at(s);
+        field.at(0.4567);  // where few have poles
       } catch (const Error& error) {
         fail(name, error.what());
       }
@@ -401,7 +430,7 @@ Place Item::place(std::string_view attribute, std::string_view text) const {
   result.name = text.substr(0, end);
   const std::string_view rest = text.substr(end);
   const auto no_place = [&]() {
-    fail(attribute, in_quotes(text) + " is not a place: " + std::string(places_are));
+    fail(attribute, in_quotes(excerpt(text)) + " is not a place; " + std::string(places_are));
   };
   if (!schema::is_name(result.name)) no_place();
   result.kind = rest.empty() ? Place::Kind::body : Place::Kind::beam;

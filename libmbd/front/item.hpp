@@ -64,13 +64,16 @@ class Item {
   Mat3 orientation(std::string_view name) const;  // from a rotation vector or a matrix
   Expression signal(std::string_view name) const;
   std::array<Expression, 3> signals(std::string_view name) const;
-  std::array<FieldExpression, 3> fields(std::string_view name, double from, double to) const;
+  std::array<FieldExpression, 3> fields(std::string_view name) const;
   Place place(std::string_view name) const;
   std::pair<Place, Place> places(std::string_view name) const;
   template <class Enum>
   Enum choice(std::string_view name) const {  // choices are in the order of the enum
     return static_cast<Enum>(chosen(name));
   }
+
+  // Reads every attribute given here and throws away what it says.
+  void try_attributes() const;
 
   // A constant expression of an attribute or (name "text") of the element's text.
   double evaluate(std::string_view name, std::string_view text,

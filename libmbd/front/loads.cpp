@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/reference_line.hpp"
 
 namespace mbd {
@@ -12,10 +13,6 @@ namespace {
 
 bool any(const load::Signals& signals) {
   return std::any_of(signals.begin(), signals.end(), [](int i) { return i >= 0; });
-}
-
-std::string label(std::string_view what, const std::string& name) {
-  return name.empty() ? std::string(what) : fmt::format("{} \"{}\"", what, name);
 }
 
 }  // namespace
@@ -60,8 +57,8 @@ void Loads::add_follower(const load::Signals& signals, double weight, const Vec3
 
 void Loads::add(const LoadScene& load, int node) {
   if (node == 0)
-    throw Error(load.source, fmt::format("{} on the ground does nothing; give a beam or a body",
-                                         label("a load", load.name)));
+    throw Error(load.source,
+                label(load) + ": on the ground it does nothing; give a beam or a body");
   const load::Signals dead = signals(load.force, load.moment);
   add_dead(dead, 1.0, node);
   add_follower(signals(load.follower_force, load.follower_moment), 1.0, load.offset, node);
@@ -72,11 +69,10 @@ void Loads::add(const LoadScene& load, int node) {
 }
 
 void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> nodes) {
-  const std::string who =
-      fmt::format("{} on beam \"{}\"", label("distributed load", load.name), load.beam);
+  const std::string who = label(load);
   if (!(load.from >= 0.0 && load.to - load.from > 2.0 * same_parameter && load.to <= 1.0))
     throw Error(load.source,
-                fmt::format("{}: from={:g} and to={:g} must be fractions of its length, "
+                fmt::format("{}: from={:g} and to={:g} must be fractions of the beam's length, "
                             "0 <= from < to <= 1",
                             who, load.from, load.to));
   // An expression without s is one signal for all nodes.

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "libmbd/front/item.hpp"
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/spelling.hpp"
 
 namespace mbd {
@@ -30,6 +31,7 @@ class Reader {
     const ReadingContext context{scene_.file, parameters_, defaults_};
     check_version(root, scene_.file);
     const Item model(root, context);
+    scene_.source = model.source();
     scene_.name = model.text("name");
     read_children(model);
     check_unused_overrides();
@@ -42,6 +44,10 @@ class Reader {
 
   // Before anything else is looked at: a newer file may hold what this version does not know.
   void check_version(const xml::Element& root, const std::string& file) const {
+    std::string_view name;
+    for (const xml::Attribute& a : root.attributes)
+      if (a.name == "name") name = a.value;
+    const std::string who = label(root.name, name);
     for (const xml::Attribute& a : root.attributes) {
       if (root.name != "mbd" || a.name != "version") continue;
       const std::vector<std::string_view> words = schema::words(a.value);
@@ -50,11 +56,11 @@ class Reader {
       const int version = is_number ? std::stoi(std::string(words[0])) : 0;
       const Source at{file, a.line};
       if (version < 1)
-        throw Error(at, "mbd: version=" + in_quotes(a.value.substr(0, 80)) +
+        throw Error(at, who + ": version=" + in_quotes(excerpt(a.value)) +
                             ": must be a whole number; the newest is " +
                             std::to_string(schema::format_version));
       if (version > schema::format_version)
-        throw Error(at, "mbd: version=" + in_quotes(a.value) +
+        throw Error(at, who + ": version=" + in_quotes(a.value) +
                             ": the file is of a newer format than this mbd reads, which is " +
                             std::to_string(schema::format_version) + "; get a newer mbd");
     }
@@ -136,11 +142,14 @@ class Reader {
                             "; put what both need into a third file");
     }
     std::error_code code;
+    if (std::filesystem::is_directory(file, code))
+      item.fail("file", "is a directory, not a model; give an XML file");
     if (!std::filesystem::exists(file, code))
-      item.fail("file", "there is no file " + file.string() +
-                            "; the name is relative to the file that includes it");
+      item.fail("file", "no such file: " + excerpt(file.string()) +
+                            "; give its name relative to the file that includes it");
     if (++includes_ > most_includes)
-      item.fail("more than " + std::to_string(most_includes) + " includes in one model");
+      item.fail("more than " + std::to_string(most_includes) +
+                " includes in one model; put files together");
     const xml::Element root = xml::parse_file(file);
     const ReadingContext context{file.string(), parameters_, defaults_};
     check_version(root, context.file);
@@ -152,6 +161,7 @@ class Reader {
   void defaults(const Item& item) {
     for (const xml::Element& child : item.xml().children) {
       const Item of_kind(child, item);
+      of_kind.try_attributes();
       std::vector<DefaultValue>& values = defaults_[child.name];
       for (const xml::Attribute& a : child.attributes) {
         std::erase_if(values, [&a](const DefaultValue& v) { return v.attribute.name == a.name; });
@@ -216,9 +226,9 @@ class Reader {
         item.fail(
             "<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers, or stations");
       if (item.has("interpolation"))
-        item.fail("interpolation", "is between stations; leave it out or give <station>s");
+        item.refuse("interpolation", "is between stations; leave it out or give <station>s");
     } else if (stiff || section.mass) {
-      item.fail("stiffness and mass stand in the stations, or there are no stations");
+      item.fail("stiffness and mass must stand in the stations, or there must be no stations");
     }
     section.interpolation = item.choice<Section::Interpolation>("interpolation");
     scene_.sections.push_back(std::move(section));
@@ -239,7 +249,8 @@ class Reader {
   static void matrix(const Item& item, const Item& part, Of& of, bool& stiff) {
     const bool is_mass = part.element().name == "mass";
     if (is_mass ? of.mass.has_value() : stiff)
-      part.fail("the " + std::string(item.element().name) + " has one already");
+      part.fail("the " + std::string(item.element().name) +
+                " has one already; leave one of them out");
     if (is_mass) {
       of.mass = mass(part);
     } else {
@@ -406,7 +417,7 @@ class Reader {
     load.from = item.number("from");
     load.to = item.number("to");
     const auto fields = [&](std::string_view name, auto& slot) {
-      if (item.has(name)) slot = item.fields(name, load.from, load.to);
+      if (item.has(name)) slot = item.fields(name);
     };
     fields("force", load.force);
     fields("moment", load.moment);
@@ -496,7 +507,8 @@ class Reader {
       const std::size_t equals = condition.find('=');
       const auto known = parameters_.find(std::string_view(condition).substr(0, equals));
       if (equals == std::string::npos || known == parameters_.end())
-        item.fail("when", in_quotes(condition) + " is not of the form parameter=value");
+        item.fail("when", in_quotes(condition) +
+                              " must be of the form parameter=value, of a parameter of the model");
       all = all &&
             known->second == item.evaluate("when", std::string_view(condition).substr(equals + 1));
     }
@@ -519,7 +531,8 @@ class Reader {
     const std::string index = item.name("index");
     for (int i = 0; i < count; ++i) {
       if (++repetitions_ > most_repetitions)
-        item.fail("more than " + std::to_string(most_repetitions) + " repetitions in one model");
+        item.fail("more than " + std::to_string(most_repetitions) +
+                  " repetitions in one model; use fewer or smaller counts");
       define(item, index, i);
       body();
       parameters_.erase(index);

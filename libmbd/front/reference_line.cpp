@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "libmbd/core/spectral.hpp"
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/spline.hpp"
 
 namespace mbd {
@@ -25,11 +26,10 @@ bool section_axes(const Vec3& tangent, const Vec3& normal, Mat3& R) {
 Mat3 axes_at_start(const BeamScene& beam, const Vec3& tangent) {
   Mat3 R;
   if (!section_axes(tangent, beam.normal, R))
-    throw Error(
-        beam.source,
-        fmt::format("beam \"{}\": the normal {} is along the beam or zero; give a direction "
-                    "across it",
-                    beam.name, in_words(beam.normal)));
+    throw Error(beam.source,
+                fmt::format("{}: the normal {} is along the beam or zero; give a direction "
+                            "across it",
+                            label(beam), in_words(beam.normal)));
   return R;
 }
 
@@ -37,9 +37,9 @@ ReferenceLine straight_line(const BeamScene& beam, const Straight& line) {
   const Vec3 chord = line.to - line.from;
   const double length = chord.norm();
   if (!(length > 0.0))
-    throw Error(
-        beam.source,
-        fmt::format("beam \"{}\" has no length: `from` and `to` are the same point", beam.name));
+    throw Error(beam.source,
+                fmt::format("{}: it has no length: from and to are the same point; give two points",
+                            label(beam)));
   const Mat3 R = axes_at_start(beam, chord / length);
   return {length,
           [R, chord, from = line.from](double s) { return make_pose(R, from + s * chord); }};
@@ -49,21 +49,19 @@ ReferenceLine arc_line(const BeamScene& beam, const Arc& arc) {
   const double size = arc.axis.norm();
   if (!(size > 0.0))
     throw Error(beam.source,
-                fmt::format("arc \"{}\": the axis has zero length; give a direction", beam.name));
+                fmt::format("{}: the axis has zero length; give a direction", label(beam)));
   const Vec3 axis = arc.axis / size, radius = arc.from - arc.center;
   if (!(radius.norm() > 0.0))
     throw Error(beam.source,
-                fmt::format("arc \"{}\": `from` is its center; it has no radius", beam.name));
+                fmt::format("{}: `from` is its center; it has no radius", label(beam)));
   if (std::abs(radius.dot(axis)) > 1e-9 * radius.norm())
-    throw Error(
-        beam.source,
-        fmt::format("arc \"{}\": the axis must be perpendicular to from - center", beam.name));
+    throw Error(beam.source,
+                fmt::format("{}: the axis must be perpendicular to from - center", label(beam)));
   if (!(arc.angle > 0.0))
     throw Error(
         beam.source,
-        fmt::format(
-            "arc \"{}\": the angle must be positive; turn the axis round to go the other way",
-            beam.name));
+        fmt::format("{}: the angle must be positive; turn the axis round to go the other way",
+                    label(beam)));
   const Mat3 R = axes_at_start(beam, axis.cross(radius).normalized());
   return {radius.norm() * arc.angle,
           [R, axis, radius, center = arc.center, angle = arc.angle](double s) {
@@ -78,7 +76,7 @@ ReferenceLine arc_line(const BeamScene& beam, const Arc& arc) {
 // For messages.
 struct Who {
   Source source;
-  std::string beam;
+  std::string item;
   Vec3 origin;  // of the spline's coordinates
 };
 
@@ -130,9 +128,9 @@ class ArcLength {
       const Vec3 x = who_.origin + Vec3(spline_.value(u).head<3>());
       throw Error(
           who_.source,
-          fmt::format("beam \"{}\": the curve {}{}; give more points, to more digits, or a "
+          fmt::format("{}: the curve {}{}; give more points, to more digits, or a "
                       "lower degree",
-                      who_.beam,
+                      who_.item,
                       v <= 0.01 * size_ ? "turns back or stops" : "swings out between its points",
                       v <= 0.01 * size_ ? " near " + in_words(x) : ""));
     }
@@ -166,20 +164,18 @@ class ArcLength {
 int degree_of(const BeamScene& beam, const Curve& curve) {
   const int points = static_cast<int>(curve.points.size());
   if (points < 2)
-    throw Error(beam.source,
-                fmt::format("curve \"{}\": has {} <point>s; a curve needs two at least", beam.name,
-                            points));
+    throw Error(beam.source, fmt::format("{}: has {} <point>s; a curve needs two at least",
+                                         label(beam), points));
   if (curve.degree == 0) return std::min(points - 1, 2 * beam.order + 1);
   if (curve.degree < 0 || curve.degree > points - 1)
-    throw Error(beam.source,
-                fmt::format("beam \"{}\": degree {} is out of range; {} points allow 1 "
-                            "to {}",
-                            beam.name, curve.degree, points, points - 1));
+    throw Error(beam.source, fmt::format("{}: degree {} is out of range; {} points allow 1 "
+                                         "to {}",
+                                         label(beam), curve.degree, points, points - 1));
   if (curve.degree == 1 && points > 2)
     throw Error(beam.source,
-                fmt::format("beam \"{}\": a curve of degree 1 has corners; give a degree of 2 or "
+                fmt::format("{}: a curve of degree 1 has corners; give a degree of 2 or "
                             "more, or join straight beams by <fixed>",
-                            beam.name));
+                            label(beam)));
   return curve.degree;
 }
 
@@ -189,12 +185,11 @@ ReferenceLine curve_line(const BeamScene& beam, const Curve& curve) {
   const int degree = degree_of(beam, curve);
   const auto count = static_cast<Index>(curve.points.size());
   if (count > most_points)
-    throw Error(beam.source,
-                fmt::format("beam \"{}\": {} points, a curve may have {}; leave some out, or "
-                            "join several curves",
-                            beam.name, count, most_points));
+    throw Error(beam.source, fmt::format("{}: {} points, a curve may have {}; leave some out, or "
+                                         "join several curves",
+                                         label(beam), count, most_points));
   const Vec3 origin = curve.points[0].at;  // far from the inertial one, digits would be lost
-  const Who who{beam.source, beam.name, origin};
+  const Who who{beam.source, label(beam), origin};
   Eigen::MatrixXd data(7, count);
   VecX chord(count);
   double size = 0.0;
@@ -202,16 +197,15 @@ ReferenceLine curve_line(const BeamScene& beam, const Curve& curve) {
     const CurvePoint& point = curve.points[static_cast<std::size_t>(i)];
     const Vec3 normal = point.normal ? *point.normal : beam.normal;
     if (!(normal.norm() > 0.0))
-      throw Error(point.source, fmt::format("beam \"{}\", point {}: the normal is zero; give a "
+      throw Error(point.source, fmt::format("{}: point {}: the normal is zero; give a "
                                             "direction across the beam",
-                                            beam.name, i + 1));
+                                            label(beam), i + 1));
     data.col(i) << point.at - origin, normal.normalized(), point.twist;
     if (i > 0) {
       const double step = (data.col(i) - data.col(i - 1)).head<3>().norm();
       if (!(step > 0.0))
-        throw Error(point.source,
-                    fmt::format("beam \"{}\": points {} and {} are the same; leave one out",
-                                beam.name, i, i + 1));
+        throw Error(point.source, fmt::format("{}: points {} and {} are the same; leave one out",
+                                              label(beam), i, i + 1));
       size += step;
     }
     chord(i) = size;
@@ -235,9 +229,9 @@ ReferenceLine curve_line(const BeamScene& beam, const Curve& curve) {
             Mat3 R;
             if (!section_axes(tangent, x.segment<3>(3), R))
               throw Error(who.source,
-                          fmt::format("beam \"{}\": the normal is along the curve at {:.3g} of its "
+                          fmt::format("{}: the normal is along the curve at {:.3g} of its "
                                       "length; give the points normals of their own, across it",
-                                      who.beam, s));
+                                      who.item, s));
             const Mat3 turn = Eigen::AngleAxisd(x(6), Eigen::Vector3d::UnitX()).toRotationMatrix();
             return make_pose(R * turn, who.origin + Vec3(x.head<3>()));
           }};

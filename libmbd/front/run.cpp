@@ -271,8 +271,9 @@ long number_of_steps(const TransientScene& transient) {
                             transient.duration, transient.step));
   const double steps = std::round(transient.duration / transient.step);
   if (!(steps <= largest_steps))
-    throw Error(transient.source, fmt::format("transient: {} s in steps of {} s are too many steps",
-                                              transient.duration, transient.step));
+    throw Error(transient.source,
+                fmt::format("transient: {} s in steps of {} s are too many steps; take larger ones",
+                            transient.duration, transient.step));
   if (steps < 1.0 ||
       std::abs(steps * transient.step - transient.duration) > 1e-9 * transient.duration) {
     const double above = std::ceil(transient.duration / transient.step);

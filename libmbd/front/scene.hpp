@@ -230,6 +230,7 @@ struct ExpectScene {
 
 struct Scene {
   std::string file;  // for messages; empty when built in C++
+  Source source;     // of the <mbd> element
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
   std::vector<Section> sections;

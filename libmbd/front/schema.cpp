@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "joints/joint_list.hpp"
+#include "libmbd/front/label.hpp"
+#include "libmbd/front/spelling.hpp"
 
 namespace mbd::schema {
 namespace {
@@ -538,11 +540,19 @@ std::string missing(const Attribute& attribute) {
          (has_unit ? " [" + std::string(attribute.unit) + "]" : "");
 }
 
+std::string unknown_attribute(const Element& element, std::string_view name) {
+  return "unknown attribute \"" + excerpt(name) + "\"" +
+         suggest(name, attribute_names(element),
+                 "attributes of <" + std::string(element.name) + ">");
+}
+
 bool is_name(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-';
-  });
+  constexpr std::size_t longest = 200;
+  return !text.empty() && text.size() <= longest &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  c == '_' || c == '-';
+         });
 }
 
 }  // namespace mbd::schema

@@ -112,10 +112,13 @@ std::string fault(const Attribute& attribute, double value);
 // What a message says when the attribute is not given: its name, meaning and unit.
 std::string missing(const Attribute& attribute);
 
-// Letters, digits, _ and -, one at least: so names of columns and places can be taken apart.
+// What a message says of an attribute that the element does not have, with the nearest that it has.
+std::string unknown_attribute(const Element& element, std::string_view name);
+
+// Letters, digits, _ and -, one at least and 200 at most: so names of columns and places can be taken apart.
 bool is_name(std::string_view text);
 inline constexpr std::string_view names_are =
-    "a name is made of letters, digits, _ and -, and is not empty";
+    "a name must be made of letters, digits, _ and -, is not empty and has 200 at most";
 
 std::string shortest(double value);  // with the fewest digits that give it back
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/spline.hpp"
 
 namespace mbd {
@@ -22,13 +23,17 @@ std::optional<std::array<Index, 2>> unsymmetric(const Mat6& M) {
   return std::nullopt;
 }
 
-void check_finite_and_symmetric(const Source& source, const std::string& who, std::string_view what,
-                                const Mat6& M) {
+void check_finite(const Source& source, const std::string& who, std::string_view what,
+                  const Mat6& M) {
   for (Index i = 0; i < 6; ++i)
     for (Index j = 0; j < 6; ++j)
       if (!std::isfinite(M(i, j)))
         throw Error(source, fmt::format("{}: {}: row {}, column {} is {}, must be a finite number",
                                         who, what, i + 1, j + 1, M(i, j)));
+}
+
+void check_symmetric(const Source& source, const std::string& who, std::string_view what,
+                     const Mat6& M) {
   if (const auto at = unsymmetric(M)) {
     const auto [i, j] = *at;
     throw Error(source, fmt::format("{}: {}: row {}, column {} is {} but row {}, column {} is {}; "
@@ -38,13 +43,14 @@ void check_finite_and_symmetric(const Source& source, const std::string& who, st
 }
 
 void check_stiffness(const Source& source, const std::string& who, const Mat6& D) {
+  check_finite(source, who, "stiffness", D);
   constexpr std::string_view names[] = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
   for (Index i = 0; i < 6; ++i)
     if (!(D(i, i) > 0.0))
       throw Error(source,
                   fmt::format("{}: stiffness: {} (row {}, column {}) is {}, must be positive", who,
                               names[i], i + 1, i + 1, D(i, i)));
-  check_finite_and_symmetric(source, who, "stiffness", D);
+  check_symmetric(source, who, "stiffness", D);
   if (scaled_definiteness(D) > definite) return;
   for (Index i = 0; i < 6; ++i)
     for (Index j = i + 1; j < 6; ++j)
@@ -63,13 +69,14 @@ void check_stiffness(const Source& source, const std::string& who, const Mat6& D
 }
 
 void check_mass(const Source& source, const std::string& who, const Mat6& M) {
+  check_finite(source, who, "mass", M);
   if (!(M(0, 0) > 0.0))
     throw Error(source, fmt::format("{}: mass: per_length is {}, must be positive", who, M(0, 0)));
   for (Index i = 3; i < 6; ++i)
     if (!(M(i, i) >= 0.0))
       throw Error(source, fmt::format("{}: mass: inertia J{}{} is {}, must not be negative", who,
                                       i - 2, i - 2, M(i, i)));
-  check_finite_and_symmetric(source, who, "mass", M);
+  check_symmetric(source, who, "mass", M);
   if (scaled_definiteness(M) < -definite)
     throw Error(
         source,
@@ -108,19 +115,18 @@ double scaled_definiteness(const Mat6& M) {
 }
 
 void check_section(const Section& section) {
-  const std::string who = fmt::format("section \"{}\"", section.name);
+  const std::string who = label(section);
   if (section.stations.empty()) {
     check_matrices(section.source, who, section.stiffness, section.mass);
     return;
   }
   const std::vector<Station>& stations = section.stations;
-  if (stations.size() < 2 || stations.front().at != 0.0 || stations.back().at != 1.0)
-    throw Error(
-        section.source,
-        fmt::format("{}: stations run from at=\"0\" to at=\"1\", the ends of the beam", who));
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const Station& station = stations[i];
-    const std::string here = fmt::format("{}, station at {:g}", who, station.at);
+    if (!std::isfinite(station.at))
+      throw Error(station.source,
+                  fmt::format("{}: station: at is {}, must be a finite number", who, station.at));
+    const std::string here = fmt::format("{}: station at {:g}", who, station.at);
     if (i > 0 && !(station.at > stations[i - 1].at))
       throw Error(
           station.source,
@@ -134,6 +140,11 @@ void check_section(const Section& section) {
                       station.mass ? "has" : "lacks"));
     check_matrices(station.source, here, station.stiffness, station.mass);
   }
+  if (stations.size() < 2 || stations.front().at != 0.0 || stations.back().at != 1.0)
+    throw Error(section.source,
+                who +
+                    ": stations must run from at=\"0\" to at=\"1\", the ends of the "
+                    "beam; two at least");
 }
 
 struct SectionTable::Smooth {
@@ -157,10 +168,10 @@ Mat6 SectionTable::stiffness(double s) const {
   const Mat6 D = interpolated(s, false);
   if (!(scaled_definiteness(D) > definite))
     throw Error(section_.source,
-                fmt::format("section \"{}\": the smooth table of the stiffness is not positive "
+                fmt::format("{}: the smooth table of the stiffness is not positive "
                             "definite at {:.3g}; give more stations there, or "
                             "interpolation=\"linear\"",
-                            section_.name, s));
+                            label(section_), s));
   return D;
 }
 
@@ -168,11 +179,10 @@ Mat6 SectionTable::mass(double s) const {
   if (is_uniform()) return *section_.mass;
   const Mat6 M = interpolated(s, true);
   if (scaled_definiteness(M) < -definite)
-    throw Error(
-        section_.source,
-        fmt::format("section \"{}\": the smooth table of the mass is not positive at {:.3g}; "
-                    "give more stations there, or interpolation=\"linear\"",
-                    section_.name, s));
+    throw Error(section_.source,
+                fmt::format("{}: the smooth table of the mass is not positive at {:.3g}; "
+                            "give more stations there, or interpolation=\"linear\"",
+                            label(section_), s));
   return M;
 }
 

@@ -318,6 +318,7 @@ void forget_sources(Scene& scene) {
   clear(scene.loads);
   clear(scene.distributed_loads);
   clear(scene.point_masses);
+  scene.source = Source{};
   if (scene.gravity) scene.gravity->source = Source{};
   if (scene.statics) scene.statics->source = Source{};
   if (scene.transient) scene.transient->source = Source{};
@@ -733,7 +734,7 @@ TEST_F(BadOutputs, BadParameters) {
   set("dt=ten", {"--set dt=ten", "ten"});
   set("dt=1/0", {"--set dt=1/0", "finite|zero"});
   set("dt=t", {"--set dt=t", "t"});
-  set("dt=5 mm", {"mm"});
+  set("dt=5 xyz", {"--set dt=5 xyz", "there is no unit \"xyz\""});
   set("dt=0", {"pendulum.xml:8: transient: ", "step|duration", "positive"});
   expect_message({"run", model, "--out", output, "--set", "dt=1", "--set", "dt=2"},
                  {"--set dt=2", "twice"});

@@ -119,7 +119,8 @@ TEST(ReaderOfBeams, Refuses) {
   EXPECT_SAYS(message(bar + "<distributed beam=\"bar\"/>"), "give a force, a moment or both");
   EXPECT_SAYS(message(bar + "<distributed beam=\"bar\" from=\"1\" to=\"0.5\" force=\"0 0 1\"/>"),
               "distributed: to is 0.5, must lie behind from, 1");
-  EXPECT_SAYS(message(bar + "<distributed beam=\"bar\" force=\"0 0 1/s\"/>"), "force=\"0 0 1/s\"");
+  EXPECT_SAYS(message(bar + "<distributed beam=\"bar\" force=\"0 0 1/s\"/>"),
+              "distributed: force component 3, at s = 0: expression");
   EXPECT_EQ(message(bar + "<distributed beam=\"bar\" from=\"0.1\" force=\"0 0 1/s\"/>"),
             "no error");
   EXPECT_SAYS(message(bar + "<distributed beam=\"bar\" force=\"0 0 q\"/>"), "q");

@@ -1,0 +1,29 @@
+// What messages call an item of a scene: its element and, if it has one, its name.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "libmbd/front/scene.hpp"
+
+namespace mbd {
+
+// For messages: the first letters of a text that may be long or hold anything, on one line.
+std::string excerpt(std::string_view text);
+
+// `beam "b1"`, or `gravity` of what has no name.
+std::string label(std::string_view element, std::string_view name = {});
+
+std::string_view element_of(const BeamScene& beam);  // "beam", "arc" or "curve"
+
+inline std::string label(const Section& s) { return label("section", s.name); }
+inline std::string label(const BeamScene& b) { return label(element_of(b), b.name); }
+inline std::string label(const BodyScene& b) { return label("body", b.name); }
+inline std::string label(const JointScene& j) { return label(j.kind, j.name); }
+inline std::string label(const MotionScene& m) { return label("motion", m.name); }
+inline std::string label(const LoadScene& l) { return label("load", l.name); }
+inline std::string label(const DistributedLoadScene& l) { return label("distributed", l.name); }
+inline std::string label(const PointMassScene& m) { return label("point_mass", m.name); }
+inline std::string label(const RecordScene& r) { return label("record", r.name); }
+
+}  // namespace mbd
