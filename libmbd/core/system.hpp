@@ -53,6 +53,8 @@ class System {
   bool with_rates() const { return with_rates_; }
   double length_scale() const { return length_scale_; }  // [m] size of the scene
   const BlockGraph& graph() const { return graph_; }
+  // Of each batch, the first of its contributions in graph(); they follow each other.
+  std::span<const std::size_t> first_contributions() const { return first_contributions_; }
   const std::vector<std::unique_ptr<Batch>>& batches() const { return batches_; }
   const std::vector<ConstraintInfo>& constraints() const { return constraints_; }
   const std::vector<Signal>& signals() const { return signals_; }
@@ -93,6 +95,7 @@ class System {
   std::vector<Signal> signals_;
   std::vector<std::unique_ptr<Batch>> batches_;
   BlockGraph graph_;
+  std::vector<std::size_t> first_contributions_;
   std::vector<SignalUse> signal_uses_;
   std::vector<Breakpoint> breakpoints_;
   Index multipliers_ = 0;
