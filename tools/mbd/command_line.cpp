@@ -35,7 +35,7 @@ std::string name_of(const CLI::Option& option) {
     for (const std::string& name : option.get_snames()) text += (text.empty() ? "-" : ", -") + name;
     for (const std::string& name : option.get_lnames())
       text += (text.empty() ? "--" : ", --") + name;
-    if (option.get_type_size() != 0) text += " " + option.get_type_name();
+    if (option.get_items_expected_max() != 0) text += " " + option.get_type_name();
   }
   return text;
 }

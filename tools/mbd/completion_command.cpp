@@ -67,7 +67,8 @@ Words words_of(const CLI::App& app) {
       words.arguments.push_back({option->get_name(true, false), repeatable, offer_of(*option)});
       continue;
     }
-    OptionWords one{{}, option->get_type_size() != 0, repeatable, {}, option->get_description()};
+    OptionWords one{
+        {}, option->get_items_expected_max() != 0, repeatable, {}, option->get_description()};
     for (const std::string& name : option->get_snames()) one.names.push_back("-" + name);
     for (const std::string& name : option->get_lnames()) one.names.push_back("--" + name);
     if (one.has_value) one.offer = offer_of(*option);
