@@ -99,6 +99,9 @@ TEST(VersionCommand, SaysHowItWasBuilt) {
   }
   for (const char* const library : {"Eigen 3.", "KLU 1.", "tinyxml2 ", "fmt ", "nlohmann_json 3."})
     EXPECT_HAS(lines[4], library);
+  // and so does report.json
+  const std::string report = to_json(RunReport{});
+  for (const auto& [name, value] : facts) EXPECT_HAS(report, "\"" + name + "\": \"" + value + "\"");
 }
 
 // The script that finds the commit, in trees made here.
