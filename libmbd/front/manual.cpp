@@ -110,9 +110,7 @@ using schema::Element;
 using schema::Quantity;
 
 constexpr std::string_view page_is_generated =
-    "<!-- Written by `mbd schema --markdown` from libmbd/front/schema.cpp and manual_chapters.cpp: "
-    "change "
-    "them, not this. -->\n";
+    "<!-- Written by `mbd schema --markdown` from the schema's table: change that, not this. -->\n";
 
 // "required", "optional" or the default.
 std::string fallback_of(const Attribute& attribute) {
@@ -335,6 +333,24 @@ std::string quantities_text(std::size_t width) {
   return text;
 }
 
+// A model with the element: of its group, or else of a chapter.
+std::string_view example_with(const Element& element) {
+  const std::string tag = "<" + std::string(element.name);
+  const Group* const group = group_of(element);
+  const std::string_view own = group == nullptr ? std::string_view() : group->example;
+  if (own.find(tag) != std::string_view::npos) return own;
+  for (const Chapter& chapter : chapters()) {
+    constexpr std::string_view opens = "```xml\n", closes = "```\n";
+    for (std::size_t at = 0; (at = chapter.text.find(opens, at)) != std::string_view::npos;) {
+      at += opens.size();
+      const std::size_t end = std::min(chapter.text.find(closes, at), chapter.text.size());
+      const std::string_view block = chapter.text.substr(at, end - at);
+      if (block.find(tag) != std::string_view::npos) return block;
+    }
+  }
+  return own;
+}
+
 std::string indented(std::string_view block) {
   std::string text;
   while (!block.empty()) {
@@ -392,8 +408,8 @@ std::string to_text(const schema::Element& element, std::size_t width) {
       text += "\nIt has the coordinate" + std::string(of.find(',') == of.npos ? " " : "s ") + of +
               ", for records and drives.\n";
   }
-  if (const Group* const group = group_of(element))
-    text += "\nFor example:\n" + indented(group->example);
+  if (const std::string_view example = example_with(element); !example.empty())
+    text += "\nFor example:\n" + indented(example);
   return text;
 }
 

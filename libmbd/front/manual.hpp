@@ -25,8 +25,8 @@ std::string to_text(const schema::Element& element, std::size_t width = 80);
 std::string list_of_elements(std::size_t width = 80);
 
 // XML Schema 1.0 of models whose elements these are; the first is the root. It accepts every model that is
-// right, but for required attributes that <defaults> gives, and refuses misspelled elements, attributes
-// and choices, what is missing, and elements out of place. Numbers are expressions, which it does not
+// right and refuses misspelled elements, attributes and choices, elements out of place, and missing
+// attributes: of those that <defaults> may give, only names, places and positions. Numbers are expressions, which it does not
 // look into.
 std::string to_xsd(std::span<const schema::Element> elements = schema::elements());
 

@@ -39,28 +39,28 @@ constexpr Word constant_words[] = {
 
 constexpr std::string_view opening_text =
     R"md(A model is an XML file with one element, `<mbd>`. What stands in it is what is simulated: no
-`<gravity>`, no gravity; no `<transient>`, no motion in time. Names may be used before they are given;
-parameters and defaults hold for what comes after them. Comments are written `<!-- … -->`.
+`<gravity>`, no gravity; no `<transient>`, no motion in time. Names may be used before they are
+given; parameters and defaults hold for what comes after them. Comments are written `<!-- … -->`.
 
-`mbd check MODEL` reads a model and says what it has; `mbd run MODEL` simulates it. `mbd schema ELEMENT`
-prints the page of one element, `mbd schema --xsd` a grammar for XML editors: put it beside the
-model as `mbd.xsd` and write
+`mbd check MODEL` reads a model and says what it has; `mbd run MODEL` simulates it.
+`mbd schema ELEMENT` prints the page of one element, `mbd schema --xsd` a grammar for XML editors:
+put it beside the model as `mbd.xsd` and write
 
     <mbd name="…" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
          xsi:noNamespaceSchemaLocation="mbd.xsd">
 
-and the editor offers elements, attributes and their meaning. (It also asks for each required
-attribute of an element, even where `<defaults>` gives it: XSD cannot say otherwise. `mbd check` knows.)
+and the editor offers elements, attributes and their meaning. (It insists on names, places and
+positions; other required attributes may come from `<defaults>`, which only `mbd check` knows.)
 )md";
 
 constexpr Chapter all_chapters[] = {
     {"Numbers are expressions",
-     R"md(Wherever a number stands, an expression may: `0.12`, `2*L/3`, `5*deg`, `N > 1 ? 0.5 : 1`. It may use the
-parameters above it in the file. An attribute of several numbers has them separated by blanks
+     R"md(Wherever a number stands, an expression may: `0.12`, `2*L/3`, `5*deg`, `N > 1 ? 0.5 : 1`. It may use
+the parameters above it in the file. An attribute of several numbers has them separated by blanks
 (`from="0 0 L/2"`), so that each of them contains no blanks.
 
-Loads, drives and motions are expressions of the time `t` [s] too; `<distributed>` loads also of `s`,
-the fraction of the beam's length, 0 at its start and 1 at its end.
+Loads, drives and motions are expressions of the time `t` [s] too; `<distributed>` loads also of
+`s`, the fraction of the beam's length, 0 at its start and 1 at its end.
 
 | operators, loosest first | meaning |
 |---|---|
@@ -70,12 +70,12 @@ the fraction of the beam's length, 0 at its start and 1 at its end.
 | `+` `-`, then `*` `/` | sum, difference, product, quotient |
 | `^` | power: `-2^2` is -4, `2^3^2` is 2^9 |
 
-In XML, `<` and `&` inside an attribute are written `&lt;` and `&amp;`; `1 > t` says the same as `t < 1`.
+In XML, `<` and `&` inside an attribute are written `&lt;` and `&amp;`; `1 > t` says the same as
+`t < 1`.
 
 A condition of `t` compares terms `a*t + b`, so that the instant when it switches is known: time
 steps land on it, and start afresh where a load jumps. Rates, where a law gives an angle or a
-displacement, are exact derivatives; where it gives a rate, the angle is its integral to
-round-off.
+displacement, are exact derivatives; where it gives a rate, the angle is its integral to round-off.
 
 The words that expressions know; all others are parameters of the model:
 
@@ -83,14 +83,14 @@ The words that expressions know; all others are parameters of the model:
      true},
     {"Units",
      R"md(Numbers are in SI units and radians, or in the unit written after them: `step="5 ms"`,
-`angle="90 deg"`, `force="0 0 -10*t kN"`. A unit after the last of several numbers belongs to all of them:
-`from="0 120 0 mm"`. A unit may also stand at once behind a literal number, and then belongs to that one:
-`to="120mm 0 1m"`.
+`angle="90 deg"`, `force="0 0 -10*t kN"`. A unit after the last of several numbers belongs to all of
+them: `from="0 120 0 mm"`. A unit may also stand at once behind a literal number, and then belongs
+to that one: `to="120mm 0 1m"`.
 
-A unit is converted to that of its attribute; one of another quantity is refused (`angle="5 mm"`), and so is
-one on a pure number. Angles are a quantity of their own: `rate="50 rpm"` is accepted and `rate="50 Hz"` is
-refused, because it could mean 50 or 314 rad/s. The values of `<parameter>` and `<expect>` take any unit and
-are converted to SI units and rad; expressions do not know units.
+A unit is converted to that of its attribute; one of another quantity is refused (`angle="5 mm"`),
+and so is one on a pure number. Angles are a quantity of their own: `rate="50 rpm"` is accepted and
+`rate="50 Hz"` is refused, because it could mean 50 or 314 rad/s. The values of `<parameter>` and
+`<expect>` take any unit and are converted to SI units and rad; expressions do not know units.
 
 Names, prefixes and products are those of UDUNITS-2:
 
@@ -106,8 +106,8 @@ Names, prefixes and products are those of UDUNITS-2:
     {"Parameters and --set",
      R"md(`<parameter name="L" value="0.12"/>` names a number for the expressions below it.
 `mbd run MODEL --set L=0.2 --set step=5ms` replaces values, as often as needed; the value may be an
-expression of the parameters above. Only parameters can be set, so make one of each number that is to
-be varied.
+expression of the parameters above. Only parameters can be set, so make one of each number that is
+to be varied.
 )md"},
     {"Names and places",
      R"md(Names are made of letters, digits, `_` and `-`. Beams and bodies share theirs, because places do:
@@ -121,18 +121,19 @@ be varied.
 
 In names and places, an expression in braces becomes the whole number it is worth: `rod{i+1}.end`.
 
-Inertial axes are i1 i2 i3. Those of a beam's section are b1 b2 b3: b1 along the beam, b3 the part of `normal`
-across it, b2 = b3 x b1. Those of a free body are the inertial ones at the start unless `orientation` turns
-them. The third axis of a joint is its `axis`. Where the tables say "inertial axes", "section axes"
-or "body axes", they mean these.
+Inertial axes are i1 i2 i3. Those of a beam's section are b1 b2 b3: b1 along the beam, b3 the part
+of `normal` across it, b2 = b3 x b1. Those of a free body are the inertial ones at the start unless
+`orientation` turns them. The third axis of a joint is its `axis`. Where the tables say "inertial
+axes", "section axes" or "body axes", they mean these.
 )md"},
     {"Repetition",
-     R"md(`<repeat count="n">` reads what stands in it n times. Its `index` (`i` unless it says otherwise) is a parameter
-that counts from 0: `at="i*0.5 0 0"`, `name="rod{i+1}"`. Repetitions may be nested, each with its own index.
+     R"md(`<repeat count="n">` reads what stands in it n times. Its `index` (`i` unless it says otherwise) is
+a parameter that counts from 0: `at="i*0.5 0 0"`, `name="rod{i+1}"`. Repetitions may be nested, each
+with its own index.
 )md"},
     {"Defaults",
-     R"md(`<defaults>` gives attributes that later elements of a kind have when they do not say otherwise. Later
-defaults replace earlier ones, attribute by attribute.
+     R"md(`<defaults>` gives attributes that later elements of a kind have when they do not say otherwise.
+Later defaults replace earlier ones, attribute by attribute.
 
 ```xml
 <mbd name="portal">
@@ -158,8 +159,8 @@ defaults replace earlier ones, attribute by attribute.
 ```
 )md"},
     {"Includes",
-     R"md(`<include file="tubes.xml"/>` reads the elements of another file in its place; the path is relative to the
-file that says so. That file is a model too; its own name is not used.
+     R"md(`<include file="tubes.xml"/>` reads the elements of another file in its place; the path is relative
+to the file that says so. That file is a model too; its own name is not used.
 
 `tubes.xml`:
 
@@ -190,13 +191,18 @@ file that says so. That file is a model too; its own name is not used.
 // ---- groups of elements -----------------------------------------------------------------------
 
 constexpr Group all_groups[] = {
-    {"The model", "mbd include parameter defaults repeat", "Elements may stand in any order.\n",
+    {"The model", "mbd include parameter defaults repeat", R"md(Elements may stand in any order.
+)md",
      R"xml(<mbd name="balls" version="1">
   <parameter name="n" value="3"/>
   <parameter name="height" value="1.25"/>
+  <defaults>
+    <body mass="2" inertia="1 1 1"/>
+    <record quantities="position"/>
+  </defaults>
   <repeat count="n">
-    <body name="ball{i+1}" at="i*0.5 0 height" mass="2" inertia="1 1 1"/>
-    <record name="ball{i+1}" at="ball{i+1}" quantities="position"/>
+    <body name="ball{i+1}" at="i*0.5 0 height"/>
+    <record name="ball{i+1}" at="ball{i+1}"/>
   </repeat>
   <gravity acceleration="0 0 -10"/>
   <transient duration="0.5" step="5e-3"/>
@@ -204,9 +210,9 @@ constexpr Group all_groups[] = {
 </mbd>
 )xml"},
     {"Sections", "section station stiffness mass",
-     "A section is constant along the beam, or a table of stations. Models without `<transient>` "
-     "need no\n"
-     "`<mass>`.\n",
+     R"md(A section is constant along the beam, or a table of stations. Models without `<transient>` need no
+`<mass>`.
+)md",
      R"xml(<mbd name="mast">
   <!-- A mast that tapers, under its weight and a push at its top. -->
   <section name="tapered" interpolation="smooth">
@@ -232,8 +238,8 @@ constexpr Group all_groups[] = {
 </mbd>
 )xml"},
     {"Beams", "beam arc curve point",
-     "A beam has `elements` spectral elements of `order` N. Its ends are free until a joint holds "
-     "them.\n",
+     R"md(A beam has `elements` spectral elements of `order` N. Its ends are free until a joint holds them.
+)md",
      R"xml(<mbd name="hook">
   <section name="bar">
     <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
@@ -253,11 +259,13 @@ constexpr Group all_groups[] = {
   <static/>
   <record name="end" at="tail.end" quantities="displacement rotation"/>
   <record name="leg" at="leg@0.5" quantities="force moment"/>
-  <expect quantity="leg.force.1" value="-50" tolerance="0.1" source="equilibrium: the leg is pressed"/>
+  <expect quantity="leg.force.1" value="-50" tolerance="0.1"
+          source="equilibrium: the leg is pressed"/>
 </mbd>
 )xml"},
     {"Bodies", "body point_mass",
-     "A free body has a frame of its own. One that is `attached_to` a place adds its mass there.\n",
+     R"md(A free body has a frame of its own. One that is `attached_to` a place adds its mass there.
+)md",
      R"xml(<mbd name="top_and_rotor">
   <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
   <section name="shaft">
@@ -273,13 +281,14 @@ constexpr Group all_groups[] = {
   <transient duration="0.1" step="1e-3"/>
   <record name="rock" at="rock" quantities="position angular_velocity"/>
   <record name="disk" at="disk" quantities="displacement"/>
-  <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6" source="no force acts"/>
+  <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+          source="no force acts"/>
 </mbd>
 )xml"},
     {"Joints", "",
-     "A joint joins the places a and b of `between`, in that order: its angle turns b relative to "
-     "a, right-handed\n"
-     "about its axis, and its displacement moves b along it. Both are 0 at the start.\n",
+     R"md(A joint joins the places a and b of `between`, in that order: its angle turns b relative to a,
+right-handed about its axis, and its displacement moves b along it. Both are 0 at the start.
+)md",
      R"xml(<mbd name="swing">
   <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
   <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
@@ -290,14 +299,16 @@ constexpr Group all_groups[] = {
   <transient duration="0.5" step="1e-3"/>
   <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
   <record name="all" quantities="total_energy"/>
-  <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3" source="energy"/>
+  <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+          source="energy"/>
 </mbd>
 )xml"},
     {"Drives and motions", "drive motion",
-     "A drive needs a joint that leaves its coordinate free. Force and work of what is prescribed "
-     "can be recorded.\n",
+     R"md(A drive needs a joint that leaves its coordinate free. Force and work of what is prescribed can be
+recorded.
+)md",
      R"xml(<mbd name="wiper">
-  <!-- A carriage on a prescribed path; on it, an arm that a motor brings to 60 rpm in half a second. -->
+  <!-- A carriage on a prescribed path; on it, an arm that a motor brings to 60 rpm. -->
   <parameter name="speed" value="2*pi"/>
   <body name="carriage" mass="10" inertia="1 1 1"/>
   <motion name="path" of="carriage" displacement="0.2*(1-cos(pi*t)) 0 0" rotation="0 0 0"/>
@@ -307,11 +318,13 @@ constexpr Group all_groups[] = {
   <transient duration="1" step="2e-3"/>
   <record name="shaft" joint="shaft" quantities="angle rate reaction_moment"/>
   <record name="path" joint="path" quantities="reaction_force"/>
-  <expect quantity="shaft.angle" at="1" value="1.5*pi" tolerance="1e-9" source="integral of the rate"/>
+  <expect quantity="shaft.angle" at="1" value="1.5*pi" tolerance="1e-9"
+          source="integral of the rate"/>
 </mbd>
 )xml"},
     {"Loads", "load distributed gravity",
-     "Dead loads keep their inertial direction; follower loads turn with the section or body.\n",
+     R"md(Dead loads keep their inertial direction; follower loads turn with the section or body.
+)md",
      R"xml(<mbd name="beam_in_wind">
   <section name="tube">
     <stiffness EA="4e7" GA2="1e7" GA3="1e7" GJ="5e4" EI2="6e4" EI3="6e4"/>
@@ -321,7 +334,8 @@ constexpr Group all_groups[] = {
   <fixed name="wall" between="ground boom.start"/>
   <gravity acceleration="0 0 -9.81"/>
   <distributed name="wind" beam="boom" follower_force="0 80*s*(1-cos(20*t)) 0"/>
-  <load name="rope" at="boom.end" force="0 0 min(2000*t,100)" follower_moment="5 0 0" offset="0 0.1 0"/>
+  <load name="rope" at="boom.end" force="0 0 min(2000*t,100)"
+          follower_moment="5 0 0" offset="0 0.1 0"/>
   <static/>
   <transient duration="0.2" step="1e-3"/>
   <record name="tip" at="boom.end" quantities="displacement rotation"/>
@@ -329,10 +343,10 @@ constexpr Group all_groups[] = {
 </mbd>
 )xml"},
     {"Analyses", "static transient",
-     "`<static>` alone is the equilibrium under the loads of t = 0; `<transient>` alone starts "
-     "from the reference\n"
-     "configuration with the velocities given; both, from the equilibrium. A transient needs mass "
-     "in every beam.\n",
+     R"md(`<static>` alone is the equilibrium under the loads of t = 0; `<transient>` alone starts from the
+reference configuration with the velocities given; both, from the equilibrium. A transient needs
+mass in every beam.
+)md",
      R"xml(<mbd name="released">
   <!-- A cantilever sags under its weight, then its tip is let go of a rope. -->
   <section name="strip">
@@ -346,15 +360,16 @@ constexpr Group all_groups[] = {
   <static steps="2"/>
   <transient duration="0.2" step="1e-3" rho_infinity="0.8"/>
   <record name="tip" at="b.end" quantities="displacement velocity"/>
-  <expect quantity="tip.velocity.3" at="0" value="0" tolerance="1e-9" source="starts from equilibrium"/>
+  <expect quantity="tip.velocity.3" at="0" value="0" tolerance="1e-9"
+          source="starts from equilibrium"/>
 </mbd>
 )xml"},
     {"Results", "record plot expect",
-     "A run writes `history.csv` (the records, a row per time step), `history.svg` (the plots) and "
-     "`report.json`.\n"
-     "A column is called by its record, its quantity and, if that has three components, their "
-     "number:\n"
-     "`tip.displacement.3`. `mbd run` ends with exit status 2 when a number is not as expected.\n",
+     R"md(A run writes `history.csv` (the records, a row per time step), `history.svg` (the plots) and
+`report.json`. A column is called by its record, its quantity and, if that has three components,
+their number: `tip.displacement.3`. `mbd run` ends with exit status 2 when a number is not as
+expected.
+)md",
      R"xml(<mbd name="tip_deflection">
   <parameter name="P" value="1"/>
   <section name="strip">
@@ -369,8 +384,10 @@ constexpr Group all_groups[] = {
   <record name="root" joint="clamp" quantities="reaction_force"/>
   <plot title="Tip" y="tip.displacement.3" y_scale="1e3" y_label="deflection [mm]"/>
   <plot title="Root" x="tip.displacement.3" y="root.reaction_force.3"/>
-  <expect quantity="tip.displacement.1" of="maximum" value="0" tolerance="1e-6" source="the beam only shortens"/>
-  <expect quantity="root.reaction_force.3" at="0" value="0" tolerance="1e-9" source="at rest" when="P=1"/>
+  <expect quantity="tip.displacement.1" of="maximum" value="0" tolerance="1e-6"
+          source="the beam only shortens"/>
+  <expect quantity="root.reaction_force.3" at="0" value="0" tolerance="1e-9"
+          source="at rest" when="P=1"/>
 </mbd>
 )xml"},
 };

@@ -5,6 +5,10 @@
 // <defaults> holds elements with their attributes, all optional, and nothing else: for each kind the
 // optional attributes are one attribute group, which both its types use. All elements but the root are
 // local declarations, so that no other can be a document's root.
+//
+// Required in the grammar is what the model requires, unless <defaults> may have given it, which XSD 1.0
+// cannot know: a grammar that refuses right models would be worse than one that misses a fault which the
+// reader finds. Names, places and positions stay required: they are of one item, and no sensible default.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -103,7 +107,9 @@ std::string meaning(const Attribute& a) {
   else if (!a.unit.empty())
     text += fmt::format(" [{}]", a.unit);
   if (a.kind != Kind::text && a.kind != Kind::choice) text += "; " + manual::value_of(a);
-  if (a.fallback != schema::required && a.fallback != schema::optional)
+  if (a.fallback == schema::required)
+    text += "; required";
+  else if (a.fallback != schema::optional)
     text += fmt::format("; default {}", a.fallback);
   return text;
 }
@@ -123,6 +129,12 @@ std::string declaration(const Attribute& a, bool required) {
 }
 
 bool is_item_name(const Attribute& a) { return a.name == "name" && a.kind == Kind::name; }
+
+// Names, places and positions.
+bool is_of_one_item(const Attribute& a) {
+  return a.kind == Kind::name || a.kind == Kind::place || a.kind == Kind::places ||
+         (a.kind == Kind::numbers && a.unit == "m");
+}
 
 class Grammar {
  public:
@@ -207,29 +219,33 @@ class Grammar {
         "    <xs:choice minOccurs=\"0\" maxOccurs=\"unbounded\">\n{}    </xs:choice>\n", inside);
   }
 
-  // Optional attributes of what may be a default; the others are declared in each of its two types.
-  static bool is_shared(const Attribute& a) {
-    return a.fallback != schema::required && !is_item_name(a);
+  bool is_required(const Element& element, const Attribute& a) const {
+    return a.fallback == schema::required && (!may_be_default(element.name) || is_of_one_item(a));
+  }
+
+  // Attributes that are the same in both types of what may be a default.
+  bool is_shared(const Element& element, const Attribute& a) const {
+    return may_be_default(element.name) && !is_required(element, a) && !is_item_name(a);
   }
 
   std::string shared_attributes(const Element& element) const {
     if (!may_be_default(element.name)) return {};
     std::string inside;
     for (const Attribute& a : element.attributes)
-      if (is_shared(a)) inside += declaration(a, false);
+      if (is_shared(element, a)) inside += declaration(a, false);
     return fmt::format("  <xs:attributeGroup name=\"{}.optional\">\n{}  </xs:attributeGroup>\n",
                        element.name, inside);
   }
 
   std::string attributes(const Element& element, bool as_default) const {
-    const bool share = may_be_default(element.name);
     std::string text;
     for (const Attribute& a : element.attributes) {
       if (a.name.find(':') != std::string_view::npos) continue;  // of another namespace
-      if ((share && is_shared(a)) || (as_default && is_item_name(a))) continue;
-      text += declaration(a, a.fallback == schema::required && !as_default);
+      if (is_shared(element, a) || (as_default && is_item_name(a))) continue;
+      text += declaration(a, !as_default && is_required(element, a));
     }
-    if (share) text += fmt::format("    <xs:attributeGroup ref=\"{}.optional\"/>\n", element.name);
+    if (may_be_default(element.name))
+      text += fmt::format("    <xs:attributeGroup ref=\"{}.optional\"/>\n", element.name);
     return text;
   }
 

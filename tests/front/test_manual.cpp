@@ -271,7 +271,9 @@ TEST_F(Grammar, RefusesWhatIsWrong) {
       {"<baem/>", "'baem'"},
       {bar + "ordr='3'/>", "'ordr'"},
       {"<beam name='b' section='s' from='0 0 0' normal='0 0 1'/>", "'to' is required"},
-      {"<transient duration='1'/>", "'step' is required"},
+      {"<parameter name='a'/>", "'value' is required"},
+      {"<revolute name='A' axis='0 0 1'/>", "'between' is required"},
+      {"<load force='0 0 1'/>", "'at' is required"},
       {bar + "metric='geodesi'/>", "'geodesi'"},
       {bar + "order=''/>", "'order'"},
       {"<fixed name='f' between='ground b.strat'/>", "b.strat"},
@@ -312,6 +314,11 @@ TEST_F(Grammar, OfDefaults) {
                    "<mass per_length='1'/><station/><point twist='1'/><curve degree='3'/>"
                    "<stiffness EA='1'/><load force='0 0 1'/></defaults>"),
             "");
+  const std::string given =
+      "<defaults><beam section='s' normal='0 0 1'/><record quantities='velocity'/></defaults>";
+  EXPECT_EQ(inside(given + "<beam name='b' from='0 0 0' to='1 0 0'/><record name='r' at='b.end'/>"),
+            "");
+  EXPECT_HAS(inside(given + "<beam name='b' from='0 0 0'/>"), "'to' is required");
   EXPECT_HAS(inside("<defaults><beam name='b'/></defaults>"), "'name' is not allowed");
   EXPECT_HAS(inside("<defaults><load name='b'/></defaults>"), "'name' is not allowed");
   EXPECT_HAS(inside("<defaults><beam ordr='3'/></defaults>"), "'ordr' is not allowed");
