@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "libmbd/front/build_facts.hpp"
+
 namespace mbd {
 namespace {
 
@@ -74,6 +76,8 @@ std::string to_json(const RunReport& report) {
   all["model"] = report.model;
   all["file"] = report.file;
   all["version"] = version();
+  Json& build = all["build"] = Json::object();
+  for (const auto& [name, value] : to_lines(build_facts())) build[name] = value;
   all["date"] = report.date;
   all["status"] = !report.complete()     ? "failed"
                   : report.as_expected() ? "complete"

@@ -13,6 +13,7 @@
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
+#include "tools/mbd/command_line.hpp"
 
 namespace mbd {
 namespace {
@@ -129,15 +130,22 @@ void add_run_command(CLI::App& app, int& status) {
   const auto arguments = std::make_shared<RunArguments>();
   CLI::App* const command = app.add_subcommand("run", "Simulates a model and writes its results.");
   command->add_option("MODEL", arguments->model, "model file (XML)")->required();
-  command->add_option(
-      "-o,--out", arguments->output,
-      "directory for history.csv, history.svg and report.json; default: results/MODEL's name");
+  command
+      ->add_option(
+          "-o,--out", arguments->output,
+          "directory for history.csv, history.svg and report.json; default: results/ and the "
+          "model file's name without .xml")
+      ->type_name("DIR");
   command
       ->add_option("-s,--set", arguments->set,
                    "give a parameter of the model another value; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
+  set_examples(*command,
+               "mbd run models/four_bar.xml\n"
+               "mbd run models/four_bar.xml --out four_bar_fine --set step=4.5e-3\n"
+               "mbd run models/chain.xml --set N=100 --quiet");
   command->callback([arguments, &status] { status = run_model(*arguments); });
 }
 

@@ -1,0 +1,27 @@
+// What all commands of mbd have in common: how help looks, what wrong use is answered, exit statuses.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string_view>
+
+namespace mbd {
+
+// What every command's help ends with.
+inline constexpr std::string_view exit_status_text =
+    "Exit status: 0 all went well; 1 an error, or the run failed; 2 not the numbers that the\n"
+    "model expects; 100 and more: wrong use of the command.";
+
+// Gives the app its help and its version. To be called before commands are added, which take over how help
+// looks. The types of arguments tell the help and shell completion what they are: MODEL a model
+// file, FILE any file, DIR… a directory, ELEMENT an element of models, and CLI::IsMember its choices.
+void set_up(CLI::App& app);
+
+// Sets what stands below the options in a command's help: examples, one a line, and exit statuses.
+void set_examples(CLI::App& command, std::string_view examples);
+
+// Parses the arguments and so runs the command they name. Returns the exit status: that of the command
+// (`status`); 1 if it threw, or if what it printed could not be written; 100 and more for wrong use, which is
+// answered with the nearest command or option.
+int run_command_line(CLI::App& app, int argc, char** argv, const int& status);
+
+}  // namespace mbd
