@@ -5,6 +5,8 @@
 #include <mbd_build.hpp>   // written when the build is configured: tools/cmake/mbd_build.hpp.in
 #include <mbd_commit.hpp>  // written when it is built: tools/cmake/write_commit.cmake
 
+#include "libmbd/front/schema.hpp"
+
 namespace mbd {
 namespace {
 
@@ -57,6 +59,7 @@ const BuildFacts& build_facts() {
     f.options.emplace_back("fixed beam orders");
 #endif
     f.libraries = {MBD_BUILD_LIBRARIES};
+    f.model_format = schema::format_version;
     return f;
   }();
   return facts;

@@ -15,7 +15,7 @@ struct BuildFacts {
   std::string_view build_type;       // "Release"; empty if none was chosen
   std::vector<std::string> options;  // what changes code or speed: "-march=native", "sanitizers", …
   std::vector<std::pair<std::string_view, std::string_view>> libraries;  // name, version
-  int model_format = 1;  // newest version of model files it reads
+  int model_format = 0;  // newest version of model files it reads
 };
 
 const BuildFacts& build_facts();

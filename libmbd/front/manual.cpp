@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <vector>
 
@@ -39,10 +38,9 @@ std::string wrap(std::string_view text, std::size_t width, std::size_t indent) {
 namespace {
 
 std::string shortest(double value) {
-  if (value == std::floor(value) && std::abs(value) < 1e9)
-    return std::to_string(static_cast<long>(value));
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+  return value == std::floor(value) && std::abs(value) < 1e9
+             ? std::to_string(static_cast<long>(value))
+             : schema::shortest(value);
 }
 
 std::string of_range(const schema::Range& range) {
@@ -309,9 +307,9 @@ std::string attributes_text(const Element& element, std::size_t width) {
   for (const Attribute& a : element.attributes) {
     if (!is_shown(a)) continue;
     const bool given = a.fallback != schema::required && a.fallback != schema::optional;
-    const std::string unit = a.unit.empty()    ? ""
-                             : a.unit == "any" ? "any unit"
-                                               : std::string(a.unit);
+    const std::string unit = a.unit.empty()       ? ""
+                             : a.unit == any_unit ? "any unit"
+                                                  : std::string(a.unit);
     const std::string head = joined({value_of(a) + (unit.empty() ? "" : " [" + unit + "]"),
                                      (given ? "default " : "") + fallback_of(a)});
     text += fmt::format("  {:<18} {}\n", a.name, wrap(head, width, 21));

@@ -102,7 +102,7 @@ std::string type_of(Kind kind) {
 // Meaning, unit, what its text is, default.
 std::string meaning(const Attribute& a) {
   std::string text(a.doc);
-  if (a.unit == "any")
+  if (a.unit == any_unit)
     text += " [any unit]";
   else if (!a.unit.empty())
     text += fmt::format(" [{}]", a.unit);

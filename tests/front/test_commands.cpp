@@ -97,7 +97,8 @@ TEST(VersionCommand, SaysHowItWasBuilt) {
     EXPECT_EQ(lines[i + 1], facts[i].first + ": " + facts[i].second);
     EXPECT_FALSE(facts[i].second.empty()) << facts[i].first;
   }
-  for (const char* const library : {"Eigen 3.", "KLU 1.", "tinyxml2 ", "fmt ", "nlohmann_json 3."})
+  for (const char* const library :
+       {"Eigen 3.", "KLU 1.", "tinyxml2 ", "fmt ", "nlohmann_json 3.", "UDUNITS 2."})
     EXPECT_HAS(lines[4], library);
   // and so does report.json
   const std::string report = to_json(RunReport{});
