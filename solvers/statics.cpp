@@ -92,8 +92,12 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
       system.follow_angles(state);
       report.load_factor = next;
       ++report.counters.steps;
-      if (report.counters.iterations - before <= 6) increment *= 2.0;
+      const auto iterations = static_cast<int>(report.counters.iterations - before);
+      report.most_iterations = std::max(report.most_iterations, iterations);
+      if (options.accepted && !options.accepted(state)) return report;
+      if (iterations <= 6) increment *= 2.0;
     } else {
+      ++report.counters.retries;
       increment *= 0.5;
       if (increment < smallest_increment) {
         report.failure = fmt::format("no equilibrium beyond {:.6g} of the load: {}",

@@ -12,13 +12,17 @@ namespace mbd {
 struct StaticOptions {
   int steps = 1;  // first load increment is 1/steps; halved on failure, grown when easy
   NewtonOptions newton;
+  // Shown each equilibrium found, in order of its load factor, the last at 1. False ends the solution
+  // there.
+  std::function<bool(const State&)> accepted = {};
 };
 
 struct StaticReport {
   bool converged = false;
   double load_factor = 0.0;  // reached
   Counters counters;
-  std::string failure;
+  int most_iterations = 0;  // in one accepted load step
+  std::string failure;      // when not converged; empty if `accepted` ended it
 };
 
 // Moves `state` to equilibrium at state.t. On failure it is the last equilibrium found.

@@ -56,7 +56,8 @@ Expectations::Expectations(const Scene& scene, const Model& model) {
   for (const ExpectScene& expect : scene.expects) {
     const std::size_t column = find_column(known, expect.quantity, expect.source, "expect");
     if (expect.of == ExpectScene::Of::value_at) check_time(expect, scene);
-    watches_.push_back({column, expect.of, expect.at});
+    // Without a transient the value is that of the last row, at the whole load.
+    watches_.push_back({column, expect.of, scene.transient ? expect.at : 1.0});
     results_.push_back({expect.source, describe(expect, scene.transient.has_value()), expect.value,
                         std::nullopt, expect.tolerance, expect.reference});
   }

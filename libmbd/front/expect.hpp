@@ -24,7 +24,7 @@ class Expectations : public Observer {
   struct Watch {
     std::size_t column = 0;
     ExpectScene::Of of = ExpectScene::Of::value_at;
-    double at = 0.0;  // [s]
+    double at = 0.0;  // [s], or a load factor
   };
 
   std::vector<Watch> watches_;

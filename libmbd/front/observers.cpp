@@ -17,17 +17,24 @@ std::string one_line(std::string text) {
   return text;
 }
 
+// A State without rates is one of load steps.
+bool is_static(const Model& model) { return model.initial.V.empty(); }
+
 }  // namespace
 
 std::vector<Column> columns(const Model& model) {
-  std::vector<Column> all = {{"time", "s"}};
+  std::vector<Column> all;
+  if (is_static(model))
+    all.push_back({"load_factor", ""});
+  else
+    all.push_back({"time", "s"});
   for (const Channel& channel : model.channels)
     all.insert(all.end(), channel.columns.begin(), channel.columns.end());
   return all;
 }
 
 Index sample_row(const Model& model, const State& state, std::span<double> row) {
-  row[0] = state.t;
+  row[0] = is_static(model) ? state.load_factor : state.t;
   std::size_t at = 1;
   for (const Channel& channel : model.channels) {
     channel.sample(state, row.subspan(at, channel.columns.size()));

@@ -33,7 +33,8 @@ class Observer {
   virtual void finished(const RunReport& /*report*/) {}
 };
 
-// The columns of history.csv: time [s], then those of the model's channels.
+// The columns of history.csv: time [s], or of a scene without <transient> load_factor; then those of the
+// model's channels.
 std::vector<Column> columns(const Model& model);
 
 // Fills a row, as long as columns(model). Returns the first column whose number is not finite, or -1.
@@ -46,6 +47,8 @@ Index sample_row(const Model& model, const State& state, std::span<double> row);
 //   # units: s, rad, m, …
 //   time,A.angle,C.displacement.1,…
 //   0,0,0,…
+// Without <transient> the rows are load steps: the first column is load_factor, 0 in the first row (the
+// reference state) and 1 in the last.
 // What is on disk is a valid file at any time, at most half a second and 64 KB behind the run.
 class HistoryWriter : public Observer {
  public:

@@ -419,10 +419,10 @@ HistoryPlot::HistoryPlot(std::filesystem::path file, const Scene& scene, const M
     : file_(std::move(file)) {
   const std::vector<Column> known = columns(model);
   for (const PlotScene& plot : scene.plots) {
-    const std::size_t x = find_column(known, plot.x, plot.source, "plot");
+    const std::size_t x = plot.x.empty() ? 0 : find_column(known, plot.x, plot.source, "plot");
     plot::Panel panel{plot.title, plot.x_label, plot.y_label, plot.x_range, x == 0, {}};
     if (panel.x_label.empty())
-      panel.x_label = with_unit(plot.x, plot.x_scale == 1.0 ? known[x].unit : "");
+      panel.x_label = with_unit(known[x].name, plot.x_scale == 1.0 ? known[x].unit : "");
     for (const std::string& name : plot.y) {
       const std::size_t y = find_column(known, name, plot.source, "plot");
       sources_.push_back({panels_.size(), panel.curves.size(), x, y, plot.x_scale, plot.y_scale});
@@ -453,6 +453,7 @@ HistoryPlot::HistoryPlot(std::filesystem::path file, const Scene& scene, const M
                          with_unit(known[0].name, known[0].unit),
                          with_unit(quantity, known[y].unit),
                          {},
+                         true,
                          {}});
     else if (is_new)
       ++left_out;

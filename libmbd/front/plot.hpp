@@ -40,7 +40,7 @@ struct Curve {
 struct Panel {
   std::string title = {}, x_label = {}, y_label = {};
   std::optional<std::array<double, 2>> x_range = {};  // default: what the curves span
-  bool x_is_time = false;                             // then the curves fill the width
+  bool x_is_time = false;  // or the load factor: then the curves fill the width
   std::vector<Curve> curves = {};
 };
 
@@ -63,7 +63,7 @@ Ticks make_ticks(double min, double max, int wanted);
 namespace mbd {
 
 // history.svg: the panels of the scene's <plot> elements, or, when it has none, one panel for each
-// recorded quantity over time.
+// recorded quantity over time, or over the load factor of load steps.
 class HistoryPlot : public Observer {
  public:
   // Throws Error for names that are not columns.

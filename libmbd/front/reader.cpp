@@ -469,7 +469,7 @@ class Reader {
   void plot(const Item& item) {
     PlotScene plot;
     plot.source = item.source();
-    plot.x = item.text("x");
+    if (item.has("x")) plot.x = item.text("x");
     plot.y = item.names("y");
     plot.x_scale = item.number("x_scale");
     plot.y_scale = item.number("y_scale");

@@ -66,6 +66,11 @@ std::string_view version() { return MBD_VERSION; }
 
 bool ExpectResult::pass() const { return got && std::abs(*got - expected) <= tolerance; }
 
+double RunReport::energy_moved() const {
+  return std::max(
+      {kinetic_most, energy_most - energy_least, std::abs(work.loads), std::abs(work.drives)});
+}
+
 bool RunReport::as_expected() const {
   return complete() && std::all_of(expects.begin(), expects.end(),
                                    [](const ExpectResult& result) { return result.pass(); });
@@ -96,7 +101,10 @@ std::string to_json(const RunReport& report) {
                    {"batches", batches}};
 
   Json solver = Json::object();
-  if (report.statics) solver["static"] = json(report.static_counters);
+  if (report.statics) {
+    solver["static"] = json(report.static_counters);
+    solver["static"]["most_iterations_in_a_step"] = report.most_static_iterations;
+  }
   if (report.transient) {
     solver["transient"] = json(report.transient_counters);
     solver["transient"]["most_iterations_in_a_step"] = report.most_iterations;

@@ -62,7 +62,7 @@ struct RunReport {
   Index nodes = 0, unknowns = 0, multipliers = 0;
   std::vector<BatchReport> batches;
   Counters static_counters, transient_counters;
-  int most_iterations = 0;  // in one time step
+  int most_static_iterations = 0, most_iterations = 0;  // in one load step, one time step
 
   // Of states sampled evenly, the last among them.
   int sampled_states = 0;
@@ -76,6 +76,7 @@ struct RunReport {
   double dissipated() const {
     return energy_start.total() + work.loads + work.drives - energy_end.total();
   }
+  double energy_moved() const;  // largest of kinetic energy, change of the total and works [J]
 
   Seconds compile, equilibrium, integration, output;  // of the parts; output is in no other
   std::vector<ExpectResult> expects;

@@ -62,8 +62,8 @@ std::string constraint_name(const System& system, Index row) {
   return {};
 }
 
-// Constraint residuals and energies of some states.
-void monitor(const System& system, const State& state, RunReport& report) {
+// Constraint residuals of some states.
+void monitor_constraints(const System& system, const State& state, RunReport& report) {
   const ConstraintResiduals now = constraint_residuals(system, state);
   const auto keep_worst = [&](WorstConstraint& worst, double value, Index row) {
     if (row >= 0 && (worst.where.empty() || value > worst.value))
@@ -71,6 +71,10 @@ void monitor(const System& system, const State& state, RunReport& report) {
   };
   keep_worst(report.position, now.position, now.position_row);
   keep_worst(report.velocity, now.velocity, now.velocity_row);
+}
+
+// Energies of some states.
+void monitor_energies(const System& system, const State& state, RunReport& report) {
   const Energies energies = system.energies(state);
   report.momentum_end = state.V.empty() ? Vec6(Vec6::Zero()) : system.momentum(state);
   report.work = state.work;
@@ -83,6 +87,27 @@ void monitor(const System& system, const State& state, RunReport& report) {
   report.energy_end = energies;
   report.energy_least = std::min(report.energy_least, energies.total());
   report.energy_most = std::max(report.energy_most, energies.total());
+}
+
+// Throws Error if no results can be written there. Leaves nothing behind.
+void check_directory(const std::filesystem::path& directory) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  std::vector<fs::path> missing;  // the deepest first
+  for (fs::path path = fs::absolute(directory, code);
+       !code && !path.empty() && !fs::exists(path, code) && path != path.root_path();
+       path = path.parent_path())
+    missing.push_back(path);
+  const auto remove = [&] {
+    for (const fs::path& path : missing) fs::remove(path, code);  // if empty
+  };
+  try {
+    make_directory(directory);
+  } catch (const Error&) {
+    remove();
+    throw;
+  }
+  remove();
 }
 
 // One run under way: the model, who watches it, and the report that grows.
@@ -104,9 +129,10 @@ class Run {
     columns_ = columns(model_);
     row_.resize(columns_.size());
     expectations_ = std::make_unique<Expectations>(scene, model_);
-    observers_.push_back(expectations_.get());
-    if (options.output) open_output(*options.output);
-    observers_.insert(observers_.end(), options.observers.begin(), options.observers.end());
+    if (options.output) {
+      plot_ = std::make_unique<HistoryPlot>(*options.output / "history.svg", scene_, model_);
+      check_directory(*options.output);
+    }
 
     const System& system = *model_.system;
     report_.nodes = system.nodes();
@@ -119,12 +145,8 @@ class Run {
 
   RunReport go() {
     State state = model_.initial;
-    if (find_equilibrium(state)) {
-      if (scene_.transient)
-        integrate(state);
-      else if (accept(state, true))
-        report_.output += watch_.lap();
-    }
+    if (scene_.statics) find_equilibrium(state);
+    if (scene_.transient) integrate(state);
     report_.t = state.t;
     report_.load_factor = state.load_factor;
     finish();
@@ -132,30 +154,63 @@ class Run {
   }
 
  private:
+  // What goes wrong before the first accepted state: nothing has been written, nothing will be.
+  [[noreturn]] void fail_to_start(const std::string& failure) {
+    if (in_statics_) throw Error(scene_.statics->source, "static: " + failure);
+    throw Error(scene_.transient->source, "transient: " + failure);
+  }
+
+  // Before the first accepted state: from here on an earlier result is lost.
+  void begin() {
+    observers_.push_back(expectations_.get());
+    if (options_.output) open_output(*options_.output);
+    observers_.insert(observers_.end(), options_.observers.begin(), options_.observers.end());
+  }
+
   void open_output(const std::filesystem::path& directory) {
     make_directory(directory);
+    history_ = std::make_unique<HistoryWriter>(directory / "history.csv", scene_.name, columns_);
     std::error_code code;
     for (const char* name : {"report.json", "history.svg"})  // of an earlier run
       std::filesystem::remove(directory / name, code);
-    plot_ = std::make_unique<HistoryPlot>(directory / "history.svg", scene_, model_);
-    history_ = std::make_unique<HistoryWriter>(directory / "history.csv", scene_.name, columns_);
     observers_.push_back(history_.get());
     observers_.push_back(plot_.get());
     report_.results = {directory / "history.csv", directory / "history.svg",
                        directory / "report.json"};
   }
 
-  bool find_equilibrium(State& state) {
-    if (!scene_.statics) return true;
+  void find_equilibrium(State& state) {
+    in_statics_ = true;
     StaticOptions options;
     options.steps = scene_.statics->steps;
     options.newton.tolerance = scene_.statics->tolerance;
+    if (!scene_.transient)
+      options.accepted = [this](const State& step) {
+        report_.equilibrium += watch_.lap();
+        const bool going = (report_.rows > 0 || accept_reference()) && accept(step, true);
+        report_.output += watch_.lap();
+        return going;
+      };
     const std::unique_ptr<LinearSolver> solver = make_klu_solver();
     const StaticReport result = solve_statics(*model_.system, *solver, options, state);
     report_.static_counters = result.counters;
-    report_.equilibrium = watch_.lap();
-    if (!result.converged) report_.failure = "static equilibrium: " + result.failure;
-    return result.converged;
+    report_.most_static_iterations = result.most_iterations;
+    report_.equilibrium += watch_.lap();
+    if (!result.converged && report_.complete()) {
+      const std::string failure = "static equilibrium: " + result.failure;
+      if (report_.rows == 0) fail_to_start(failure);
+      report_.failure = failure;
+    }
+    in_statics_ = false;
+  }
+
+  // Row 0 of load steps. It need not satisfy prescribed motions, which do not grow with the load.
+  bool accept_reference() {
+    State reference = model_.initial;
+    reference.load_factor = 0.0;
+    if (!accept(reference, false)) return false;
+    monitor_energies(*model_.system, reference, report_);
+    return true;
   }
 
   void integrate(State& state) {
@@ -175,9 +230,10 @@ class Run {
     const long every = (steps_ + most_monitored - 1) / most_monitored;
 
     StepReport step = integrator.start(state);
-    if (!step.converged) report_.failure = "initial accelerations: " + step.failure;
+    if (!step.converged) fail_to_start("initial accelerations: " + step.failure);
     report_.integration += watch_.lap();
-    bool going = step.converged && accept(state, true);
+    bool going = accept(state, true);
+    report_.output += watch_.lap();
     for (long n = 1; n <= steps_ && going; ++n) {
       step = integrator.step(state);
       if (!step.converged) {
@@ -191,7 +247,7 @@ class Run {
         options_.progress({state.t, transient.duration, n, steps_, step.iterations});
       report_.output += watch_.lap();
     }
-    if (!report_.complete() && report_.rows > 0) monitor(system, state, report_);
+    if (!report_.complete() && report_.rows > 0) monitor(state);
     report_.integration += watch_.lap();
     report_.transient_counters = integrator.counters();
   }
@@ -199,10 +255,17 @@ class Run {
   // Shows a state to the observers. False ends the run.
   bool accept(const State& state, bool monitored) {
     if (const Index bad = sample_row(model_, state, row_); bad >= 0) {
-      report_.failure = fmt::format("column {} of the results is not finite at t = {:.9g} s",
-                                    columns_[static_cast<std::size_t>(bad)].name, state.t);
+      const std::string name = columns_[static_cast<std::size_t>(bad)].name;
+      const std::string failure =
+          scene_.transient
+              ? fmt::format("column {} of the results is not finite at t = {:.9g} s", name, state.t)
+              : fmt::format("column {} of the results is not finite at load factor {:.9g}", name,
+                            state.load_factor);
+      if (report_.rows == 0) fail_to_start(failure);
+      report_.failure = failure;
       return false;
     }
+    if (report_.rows == 0) begin();
     try {
       for (Observer* const observer : observers_) observer->accepted({model_, state, row_});
     } catch (const Error& error) {
@@ -210,15 +273,19 @@ class Run {
       return false;
     }
     ++report_.rows;
-    if (monitored) monitor(*model_.system, state, report_);
+    if (monitored) monitor(state);
     return true;
+  }
+
+  void monitor(const State& state) {
+    monitor_constraints(*model_.system, state, report_);
+    monitor_energies(*model_.system, state, report_);
   }
 
   // Says it if the integrator has made much of the energy, or lost much.
   void check_energy() {
     if (!report_.transient || report_.sampled_states < 2) return;
-    const double size = std::max({report_.kinetic_most, report_.energy_most - report_.energy_least,
-                                  std::abs(report_.work.loads), std::abs(report_.work.drives)});
+    const double size = report_.energy_moved();
     if (std::abs(report_.dissipated()) > much_energy * size)
       report_.notes.push_back(fmt::format(
           "the integrator {} {:.3g} J, {:.0f} % of the energy that moved; if it is not meant to "
@@ -253,6 +320,7 @@ class Run {
   Stopwatch watch_;
   RunReport report_;
   long steps_ = 0;
+  bool in_statics_ = false;
   Model model_;
   std::vector<Column> columns_;
   std::vector<double> row_;

@@ -24,9 +24,12 @@ struct RunOptions {
   std::function<void(const Progress&)> progress = {};  // after each time step
 };
 
-// Throws Error for what is wrong with the scene or the directory, before the first step. What goes wrong
-// later ends the run and is told in RunReport::failure; the results up to there are kept.
-// A scene without <transient> has one accepted state, its equilibrium.
+// Throws Error for what is wrong with the scene or the directory, and when there is no first state: the
+// initial accelerations, the first load step or the equilibrium before a transient fail. Nothing is
+// written then, and an earlier result stays. What goes wrong later ends the run and is told in
+// RunReport::failure; the results up to there are kept.
+// A scene without <transient> has for accepted states its reference state, at load factor 0, and each
+// load step. The equilibrium before a transient has none of its own.
 RunReport run(const Scene& scene, const RunOptions& options = {});
 
 // Number of steps of a transient. Throws Error when the duration is not a whole number of steps to 1e-9

@@ -206,10 +206,10 @@ struct RecordScene {
   std::vector<std::string> quantities;
 };
 
-// A panel of history.svg: column names of history.csv; x defaults to "time".
+// A panel of history.svg: column names of history.csv; x is the first of them unless told.
 struct PlotScene {
   Source source;
-  std::string x = "time";
+  std::string x;  // empty: the first column, time or load_factor
   std::vector<std::string> y;
   double x_scale = 1.0, y_scale = 1.0;
   std::string x_label, y_label, title;

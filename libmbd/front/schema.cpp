@@ -287,7 +287,8 @@ constexpr Attribute record_attributes[] = {
 };
 
 constexpr Attribute plot_attributes[] = {
-    {"x", Kind::text, "", "time", "a column of history.csv"},
+    {"x", Kind::text, "", optional,
+     "a column of history.csv (default: the first, time or load_factor)"},
     {"y", Kind::names, "", required, "columns of history.csv, one curve each"},
     {"x_scale", Kind::number, "", "1", "factor on x"},
     {"y_scale", Kind::number, "", "1", "factor on y"},

@@ -13,6 +13,7 @@
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
+#include "libmbd/front/summary.hpp"
 #include "tools/mbd/command_line.hpp"
 
 namespace mbd {
@@ -68,36 +69,6 @@ class ProgressLine {
   bool dirty_ = false;
 };
 
-void print_summary(const RunReport& report) {
-  const Counters& c = report.transient ? report.transient_counters : report.static_counters;
-  const Seconds seconds[] = {report.compile, report.equilibrium, report.integration, report.output};
-  double wall = 0.0, cpu = 0.0;
-  for (const Seconds& part : seconds) {
-    wall += part.wall;
-    cpu += part.cpu;
-  }
-  fmt::print("{}: ", report.model);
-  if (report.transient)
-    fmt::print("{:.9g} s in {} steps, ", report.t, c.steps);
-  else
-    fmt::print("static equilibrium in {} load steps, ", c.steps);
-  fmt::print("{} iterations, {} factorizations; {:.3g} s ({:.3g} s CPU)\n", c.iterations,
-             c.factorizations, wall, cpu);
-  if (c.retries > 0) fmt::print("failing steps were halved {} times\n", c.retries);
-  if (report.transient && report.sampled_states > 0)
-    fmt::print(
-        "energy: {:.6g} J at the start + {:.6g} J work of loads + {:.6g} J work of drives = "
-        "{:.6g} J at the end + {:.3g} J taken out by the integrator\n",
-        report.energy_start.total(), report.work.loads, report.work.drives,
-        report.energy_end.total(), report.dissipated());
-  for (const std::string& note : report.notes) fmt::print("note: {}\n", note);
-  for (const std::filesystem::path& file : report.results) fmt::print("wrote {}\n", file.string());
-  if (report.expects.empty()) return;
-  std::size_t met = 0;
-  for (const ExpectResult& result : report.expects) met += result.pass() ? 1 : 0;
-  fmt::print("{}{} of {} expectations met\n", to_text(report.expects), met, report.expects.size());
-}
-
 int run_model(const RunArguments& arguments) {
   const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   RunOptions options;
@@ -111,7 +82,7 @@ int run_model(const RunArguments& arguments) {
       options.progress = [&line](const Progress& progress) { line.show(progress); };
     report = run(scene, options);
   }
-  if (!arguments.quiet) print_summary(report);
+  if (!arguments.quiet) fmt::print("{}", summary(report));
   if (!report.complete()) {
     fmt::print(stderr, "mbd: {}: {}\n", scene.name, report.failure);
     return 1;

@@ -1,0 +1,246 @@
+#include "libmbd/front/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <string_view>
+#include <vector>
+
+#include "libmbd/front/label.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr std::size_t width = 80;
+constexpr std::size_t margin = 13;  // of what stands right of the names of lines
+
+// Columns of UTF-8 text.
+std::size_t letters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
+}
+
+// Appends a line that begins with `name`, broken at blanks; further lines are indented.
+void line(std::string& text, std::string_view name, std::string_view words, std::size_t indent) {
+  text += name;
+  std::size_t column = letters(name);
+  if (!name.empty() && column < indent) {
+    text.append(indent - column, ' ');
+    column = indent;
+  }
+  bool first = true;
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find_first_of(" \n", at), words.size());
+    const std::string_view word = words.substr(at, end - at);
+    at = end + 1;
+    if (word.empty()) continue;
+    if (!first && column + 1 + letters(word) > width) {
+      text.append("\n").append(indent, ' ');
+      column = indent;
+      first = true;
+    }
+    if (!first) {
+      text += ' ';
+      ++column;
+    }
+    text += word;
+    column += letters(word);
+    first = false;
+  }
+  text += '\n';
+}
+
+void item(std::string& text, std::string_view name, std::string_view words) {
+  line(text, name, words, margin);
+}
+
+std::string plural(long n, std::string_view one, std::string_view many = {}) {
+  if (n == 1) return fmt::format("1 {}", one);
+  return many.empty() ? fmt::format("{} {}s", n, one) : fmt::format("{} {}", n, many);
+}
+
+// "36 s", "0.52 of 36 s".
+std::string way(const RunReport& report) {
+  if (!report.transient) return fmt::format("load factor {:.9g}", report.load_factor);
+  if (report.complete()) return fmt::format("{:.9g} s", report.t);
+  return fmt::format("{:.9g} of {:.9g} s", report.t, report.transient->duration);
+}
+
+std::string steps(const Counters& c, std::string_view one, std::string_view many) {
+  std::string text = plural(c.steps, one, many);
+  const auto more = [&](long n, std::string_view single, std::string_view several) {
+    if (n > 0) text += ", " + plural(n, single, several);
+  };
+  more(c.substeps == c.steps ? 0 : c.substeps, "substep", "substeps");
+  more(c.retries, "retry", "retries");
+  more(c.restarts, "restart", "restarts");
+  more(c.tolerant, "rank-tolerant step", "rank-tolerant steps");
+  return text;
+}
+
+void solver(std::string& text, std::string_view name, const std::string& steps, const Counters& c,
+            int most) {
+  std::string words = steps + "; " + plural(c.iterations, "iteration");
+  if (c.steps > 0)
+    words += fmt::format(" ({:.3g} a step, at most {})",
+                         static_cast<double>(c.iterations) / static_cast<double>(c.steps), most);
+  words += "; " + plural(c.tangents, "tangent") + ", " + plural(c.factorizations, "factorisation");
+  item(text, name, words);
+}
+
+void seconds(std::string& text, const RunReport& report) {
+  struct Part {
+    std::string_view name;
+    Seconds seconds;
+    bool done;
+  };
+  const Part parts[] = {{"compile", report.compile, true},
+                        {"static", report.equilibrium, report.statics.has_value()},
+                        {"transient", report.integration, report.transient.has_value()},
+                        {"output", report.output, true}};
+  const auto show = [&](std::string_view name, double Seconds::*clock) {
+    double sum = 0.0;
+    std::string words;
+    for (const Part& part : parts) {
+      if (!part.done) continue;
+      sum += part.seconds.*clock;
+      words +=
+          fmt::format("{}{} {:.2g}", words.empty() ? "" : ", ", part.name, part.seconds.*clock);
+    }
+    item(text, name, fmt::format("{:.3g} s: {}", sum, words));
+  };
+  show("wall time", &Seconds::wall);
+  show("CPU time", &Seconds::cpu);
+}
+
+void constraints(std::string& text, const RunReport& report) {
+  const auto show = [&](std::string_view name, const WorstConstraint& worst,
+                        std::string_view units) {
+    if (worst.where.empty()) return;
+    std::string words = fmt::format("{:.2g} {}, {}", worst.value, units, worst.where);
+    if (report.transient) words += fmt::format(", at {:.9g} s", worst.time);
+    item(text, name, words);
+  };
+  if (report.position.where.empty() && report.velocity.where.empty()) return;
+  text += "largest residual of a constraint\n";
+  show("  position", report.position, "m or rad");
+  if (report.transient) show("  velocity", report.velocity, "m/s or rad/s");
+}
+
+// Right-aligned numbers with their names.
+void energy(std::string& text, const RunReport& report) {
+  if (report.sampled_states == 0) return;
+  struct Line {
+    std::string_view sign, name;
+    std::string number;
+  };
+  const auto number = [](double value) { return fmt::format("{:.6g}", value); };
+  std::vector<Line> lines;
+  std::string remainder;
+  if (report.transient) {
+    lines = {{" ", "at the start", number(report.energy_start.total())},
+             {"+", "work of loads", number(report.work.loads)},
+             {"+", "work of drives", number(report.work.drives)},
+             {"=", "at the end", number(report.energy_end.total())},
+             {"+", "taken out by the integrator", fmt::format("{:.3g}", report.dissipated())}};
+    if (const double moved = report.energy_moved(); moved > 0.0)
+      remainder = fmt::format(", {:.2g} % of the energy that moved",
+                              100.0 * std::abs(report.dissipated()) / moved);
+  } else {
+    lines = {{" ", "strain", number(report.energy_end.strain)},
+             {" ", "potential", number(report.energy_end.potential)}};
+  }
+  std::size_t longest = 0;
+  for (const Line& line : lines) longest = std::max(longest, line.number.size());
+  text += "energy [J]\n";
+  for (const Line& line : lines)
+    text += fmt::format("{} {:>{}}  {}{}\n", line.sign, line.number, longest, line.name,
+                        &line == &lines.back() ? remainder : "");
+}
+
+// As wide as what stands in it; quantities too long for that stand on a line of their own.
+void expectations(std::string& text, const RunReport& report) {
+  if (report.expects.empty()) return;
+  std::size_t met = 0;
+  using Row = std::array<std::string, 6>;
+  std::vector<Row> rows = {{"", "quantity", "expected", "got", "error", "allowed"}};
+  for (const ExpectResult& result : report.expects) {
+    met += result.pass() ? 1 : 0;
+    rows.push_back({result.pass() ? "ok" : "FAIL", result.what,
+                    fmt::format("{:.9g}", result.expected),
+                    result.got ? fmt::format("{:.9g}", *result.got) : "not reached",
+                    result.got ? fmt::format("{:.1e}", *result.got - result.expected) : "",
+                    fmt::format("{:.1e}", result.tolerance)});
+  }
+  std::array<std::size_t, 6> size{};
+  for (const Row& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) size[i] = std::max(size[i], letters(row[i]));
+  std::size_t numbers = 0;
+  for (std::size_t i = 2; i < size.size(); ++i) numbers += 2 + size[i];
+  const std::size_t most = width - std::min(width, size[0] + 2 + numbers);
+  size[1] = std::min(size[1], most);
+
+  text += fmt::format("{} of {} met\n", met, plural(std::ssize(report.expects), "expectation"));
+  for (const Row& row : rows) {
+    text += row[0] + std::string(size[0] - row[0].size() + 2, ' ') + row[1];
+    std::size_t column = letters(row[1]);
+    if (column > size[1]) {
+      text.append("\n").append(size[0] + 2, ' ');
+      column = 0;
+    }
+    text.append(size[1] - column, ' ');
+    for (std::size_t i = 2; i < row.size(); ++i)
+      text.append(2 + size[i] - letters(row[i]), ' ').append(row[i]);
+    text += '\n';
+  }
+}
+
+void files(std::string& text, const RunReport& report) {
+  if (report.results.empty()) return;
+  const std::filesystem::path directory = report.results.front().parent_path();
+  text += "results in " + (directory.empty() ? "." : directory.string()) + "\n";
+  for (const std::filesystem::path& file : report.results) {
+    const std::string name = file.filename().string();
+    std::string what;
+    if (name == "history.csv")
+      what = fmt::format("{} of {} and what is recorded", plural(report.rows, "row"),
+                         report.transient ? "time" : "load factor");
+    else if (name == "history.svg")
+      what = "plots of them, for a browser";
+    else if (name == "report.json")
+      what = "settings, counts, costs and checks of this run";
+    item(text, "  " + name, what);
+  }
+}
+
+}  // namespace
+
+std::string summary(const RunReport& report) {
+  std::string text;
+  const std::string name = excerpt(report.model);
+  if (report.complete()) {
+    item(text, "", fmt::format("{}: {}, as far as asked", name, way(report)));
+  } else {
+    line(text, "", fmt::format("{}: FAILED at {}: {}", name, way(report), report.failure), 2);
+    if (!report.results.empty()) text += "The results up to there are kept.\n";
+  }
+  if (report.statics)
+    solver(text, "static", steps(report.static_counters, "load step", "load steps"),
+           report.static_counters, report.most_static_iterations);
+  if (report.transient)
+    solver(text, "transient", steps(report.transient_counters, "step", "steps"),
+           report.transient_counters, report.most_iterations);
+  seconds(text, report);
+  constraints(text, report);
+  energy(text, report);
+  for (const std::string& note : report.notes) line(text, "note:", note, 6);
+  expectations(text, report);
+  files(text, report);
+  return text;
+}
+
+}  // namespace mbd
