@@ -72,7 +72,7 @@ class Compiler {
     set_velocities(model.initial);
     check(model.initial);
     add_channels(model);
-    model.constraint_sources = joints_->sources();
+    model.makers = joints_->makers();
     model.system = std::move(system_);
     return model;
   }
@@ -433,9 +433,10 @@ class Compiler {
                                   "configuration; give the beam more elements",
                                   label(b), element));
     }
-    if (const std::optional<OpenConstraint> open = find_open_constraint(*system_, initial))
-      throw Error(joints_->sources()[static_cast<std::size_t>(open->multiplier)],
-                  joints_->label_of(open->multiplier) + ": " + open->row + ": " + open->what);
+    if (const std::optional<OpenConstraint> open = find_open_constraint(*system_, initial)) {
+      const Model::Maker& maker = joints_->makers()[static_cast<std::size_t>(open->multiplier)];
+      throw Error(maker.source, fmt::format("{}: {}: {}", maker.label, open->row, open->what));
+    }
   }
 
   // --- output ---

@@ -94,8 +94,7 @@ JointCompiler::Added JointCompiler::add(std::string_view type, const std::string
     info.row_names.push_back(row_name(row));
   }
   info.rows = static_cast<Index>(batch->rows().size());
-  sources_.insert(sources_.end(), batch->rows().size(), source);
-  labels_.insert(labels_.end(), batch->rows().size(), label);
+  makers_.insert(makers_.end(), batch->rows().size(), {source, label});
   definition.constraint = static_cast<Index>(system_.constraints().size());
   definition.multiplier = system_.add_constraint(std::move(info));
   if (batch->traits().angle) definition.angle = system_.add_angle();

@@ -31,11 +31,7 @@ class JointCompiler {
 
   void add_all();
 
-  // Who made each multiplier: a joint, a drive or a motion.
-  const std::vector<Source>& sources() const { return sources_; }
-  std::string label_of(Index multiplier) const {  // `revolute "A"`
-    return labels_[static_cast<std::size_t>(multiplier)];
-  }
+  const std::vector<Model::Maker>& makers() const { return makers_; }
 
   // Writes one of schema::joint_quantities() of the record's joint or motion.
   std::function<void(const State&, std::span<double>)> sample(const RecordScene& record,
@@ -71,8 +67,7 @@ class JointCompiler {
   double length_;
   Find find_;
   std::map<std::string, Reading> readings_;
-  std::vector<Source> sources_;      // by row of State::lambda
-  std::vector<std::string> labels_;  // likewise
+  std::vector<Model::Maker> makers_;
 };
 
 }  // namespace mbd

@@ -28,8 +28,13 @@ struct Channel {
 struct Model {
   std::unique_ptr<const System> system;
   State initial;  // reference configuration, initial velocities; not yet in equilibrium
-  std::vector<Channel> channels;           // in the order of the scene's records
-  std::vector<Source> constraint_sources;  // where each row of State::lambda comes from
+  std::vector<Channel> channels;  // in the order of the scene's records
+  // Who made each row of State::lambda: a joint, a drive or a motion, as messages call it.
+  struct Maker {
+    Source source;
+    std::string label;  // `revolute "A"`
+  };
+  std::vector<Maker> makers;
 };
 
 // Checks the scene as a mechanism and builds it. Throws Error, naming file, line and item, for unknown

@@ -1,6 +1,7 @@
 #include "libmbd/front/run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,10 +11,12 @@
 
 #include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/expect.hpp"
+#include "libmbd/front/label.hpp"
 #include "libmbd/front/plot.hpp"
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/initial.hpp"
 #include "solvers/klu_solver.hpp"
+#include "solvers/mechanism.hpp"
 #include "solvers/statics.hpp"
 
 namespace mbd {
@@ -155,9 +158,58 @@ class Run {
 
  private:
   // What goes wrong before the first accepted state: nothing has been written, nothing will be.
+  // Looks for the reason in the scene: constraints that repeat each other, a structure that nothing holds,
+  // a part without inertia; else the failure is told as it is.
   [[noreturn]] void fail_to_start(const std::string& failure) {
+    const System& system = *model_.system;
+    const Mechanism mechanism = analyze_mechanism(system, model_.initial);
+    if (!mechanism.redundant.empty()) refuse_redundant(mechanism);
+    if (in_statics_ && mechanism.freedoms() > 0)
+      throw Error(
+          scene_.statics->source,
+          fmt::format("static: no equilibrium: nothing holds the structure, which is free to "
+                      "move in {} way{}; add joints, or give a <transient> instead ({})",
+                      mechanism.freedoms(), mechanism.freedoms() == 1 ? "" : "s", failure));
+    for (const BodyScene& body : scene_.bodies)
+      if (failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
+        throw Error(body.source,
+                    fmt::format("{}: {}; give it mass and inertia", label(body), failure));
     if (in_statics_) throw Error(scene_.statics->source, "static: " + failure);
     throw Error(scene_.transient->source, "transient: " + failure);
+  }
+
+  // Tells of the first joint that repeats others, and counts the rest.
+  [[noreturn]] void refuse_redundant(const Mechanism& mechanism) const {
+    const System& system = *model_.system;
+    const auto maker = [this](Index row) -> const Model::Maker& {
+      return model_.makers[static_cast<std::size_t>(row)];
+    };
+    const Model::Maker& blamed = maker(mechanism.redundant.front().row);
+    std::vector<std::string> rows, others;
+    std::size_t more = 0;
+    for (const RedundantRow& r : mechanism.redundant) {
+      if (maker(r.row).label != blamed.label) {
+        ++more;
+        continue;
+      }
+      const std::string words = row_in_words(system, r.row);
+      rows.push_back(words.substr(words.find(", ") + 2));
+      for (const Index row : r.repeats)
+        if (std::find(others.begin(), others.end(), maker(row).label) == others.end())
+          others.push_back(maker(row).label);
+    }
+    constexpr std::size_t most = 6;
+    if (others.size() > most) {
+      others.resize(most);
+      others.push_back("others");
+    }
+    throw Error(
+        blamed.source,
+        fmt::format("{}: redundant constraints cannot be solved: its {} {} held already by {}{}; "
+                    "leave one of them out, or take a joint that holds less",
+                    blamed.label, fmt::join(rows, ", "), rows.size() == 1 ? "is" : "are",
+                    others.empty() ? "the ground" : fmt::format("{}", fmt::join(others, ", ")),
+                    more > 0 ? fmt::format(" (and {} more in other joints)", more) : ""));
   }
 
   // Before the first accepted state: from here on an earlier result is lost.
