@@ -82,7 +82,7 @@ std::string steps(const Counters& c, std::string_view one, std::string_view many
   more(c.substeps == c.steps ? 0 : c.substeps, "substep", "substeps");
   more(c.retries, "retry", "retries");
   more(c.restarts, "restart", "restarts");
-  more(c.tolerant, "rank-tolerant step", "rank-tolerant steps");
+  more(c.tolerant, "rank-tolerant\tstep", "rank-tolerant\tsteps");
   return text;
 }
 
@@ -196,7 +196,8 @@ void expectations(std::string& text, const RunReport& report) {
   if (!all) total -= gap + size[expected];
   if (total > width) size[quantity] -= std::min(size[quantity], total - width);
 
-  text += fmt::format("{} of {} met\n", met, plural(std::ssize(report.expects), "expectation"));
+  line(text, "",
+       fmt::format("{} of {} met", met, plural(std::ssize(report.expects), "expectation")), 0);
   for (const Row& row : rows) {
     text.append(row[0]).append(size[0] + gap - letters(row[0]), ' ').append(row[quantity]);
     std::size_t column = letters(row[quantity]);
