@@ -100,8 +100,10 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
       ++report.counters.retries;
       increment *= 0.5;
       if (increment < smallest_increment) {
-        report.failure = fmt::format("no equilibrium beyond {:.6g} of the load: {}",
-                                     report.load_factor, failure);
+        report.failure = fmt::format(
+            "no equilibrium beyond {:.6g} of the load: {}; see what holds the structure and how "
+            "large the loads are, or take more steps",
+            report.load_factor, failure);
         return report;
       }
     }

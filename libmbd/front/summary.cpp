@@ -15,7 +15,8 @@ namespace mbd {
 namespace {
 
 constexpr std::size_t width = 80;
-constexpr std::size_t margin = 13;  // of what stands right of the names of lines
+constexpr std::size_t margin = 15;  // of what stands right of the names of lines
+constexpr char glue = '\t';         // a blank at which no line is broken
 
 // Columns of UTF-8 text.
 std::size_t letters(std::string_view text) {
@@ -48,6 +49,7 @@ void line(std::string& text, std::string_view name, std::string_view words, std:
       ++column;
     }
     text += word;
+    std::replace(text.end() - std::ssize(word), text.end(), glue, ' ');
     column += letters(word);
     first = false;
   }
@@ -59,15 +61,17 @@ void item(std::string& text, std::string_view name, std::string_view words) {
 }
 
 std::string plural(long n, std::string_view one, std::string_view many = {}) {
-  if (n == 1) return fmt::format("1 {}", one);
-  return many.empty() ? fmt::format("{} {}s", n, one) : fmt::format("{} {}", n, many);
+  const std::string several = many.empty() ? std::string(one) + "s" : std::string(many);
+  return fmt::format("{}{}{}", n, glue, n == 1 ? one : several);
 }
 
-// "36 s", "0.52 of 36 s".
+// "36 s simulated", "0.52 s of 36 s", "equilibrium at load factor 1".
 std::string way(const RunReport& report) {
-  if (!report.transient) return fmt::format("load factor {:.9g}", report.load_factor);
-  if (report.complete()) return fmt::format("{:.9g} s", report.t);
-  return fmt::format("{:.9g} of {:.9g} s", report.t, report.transient->duration);
+  if (!report.transient)
+    return fmt::format("{}load factor {:.9g}", report.complete() ? "equilibrium at " : "",
+                       report.load_factor);
+  if (report.complete()) return fmt::format("{:.9g} s simulated", report.t);
+  return fmt::format("{:.9g} s of {:.9g} s", report.t, report.transient->duration);
 }
 
 std::string steps(const Counters& c, std::string_view one, std::string_view many) {
@@ -78,7 +82,7 @@ std::string steps(const Counters& c, std::string_view one, std::string_view many
   more(c.substeps == c.steps ? 0 : c.substeps, "substep", "substeps");
   more(c.retries, "retry", "retries");
   more(c.restarts, "restart", "restarts");
-  more(c.tolerant, "rank-tolerant step", "rank-tolerant steps");
+  more(c.tolerant, "rank-tolerant\tstep", "rank-tolerant\tsteps");
   return text;
 }
 
@@ -86,7 +90,7 @@ void solver(std::string& text, std::string_view name, const std::string& steps, 
             int most) {
   std::string words = steps + "; " + plural(c.iterations, "iteration");
   if (c.steps > 0)
-    words += fmt::format(" ({:.3g} a step, at most {})",
+    words += fmt::format("\t({:.3g}\ta\tstep, at\tmost\t{})",
                          static_cast<double>(c.iterations) / static_cast<double>(c.steps), most);
   words += "; " + plural(c.tangents, "tangent") + ", " + plural(c.factorizations, "factorisation");
   item(text, name, words);
@@ -109,7 +113,7 @@ void seconds(std::string& text, const RunReport& report) {
       if (!part.done) continue;
       sum += part.seconds.*clock;
       words +=
-          fmt::format("{}{} {:.2g}", words.empty() ? "" : ", ", part.name, part.seconds.*clock);
+          fmt::format("{}{}\t{:.2g}", words.empty() ? "" : ", ", part.name, part.seconds.*clock);
     }
     item(text, name, fmt::format("{:.3g} s: {}", sum, words));
   };
@@ -121,50 +125,56 @@ void constraints(std::string& text, const RunReport& report) {
   const auto show = [&](std::string_view name, const WorstConstraint& worst,
                         std::string_view units) {
     if (worst.where.empty()) return;
-    std::string words = fmt::format("{:.2g} {}, {}", worst.value, units, worst.where);
-    if (report.transient) words += fmt::format(", at {:.9g} s", worst.time);
+    std::string words = fmt::format("{:.2g}\t{}, {}", worst.value, units, worst.where);
+    if (report.transient) words += fmt::format(", at\t{:.9g}\ts", worst.time);
     item(text, name, words);
   };
   if (report.position.where.empty() && report.velocity.where.empty()) return;
   text += "largest residual of a constraint\n";
-  show("  position", report.position, "m or rad");
-  if (report.transient) show("  velocity", report.velocity, "m/s or rad/s");
+  show("  position", report.position, "m\tor\trad");
+  if (report.transient) show("  velocity", report.velocity, "m/s\tor\trad/s");
 }
 
-// Right-aligned numbers with their names.
+// Numbers with their names, right-aligned: what went in = what is there.
 void energy(std::string& text, const RunReport& report) {
   if (report.sampled_states == 0) return;
   struct Line {
-    std::string_view sign, name;
-    std::string number;
+    std::string_view sign;
+    std::string number, name;
   };
-  const auto number = [](double value) { return fmt::format("{:.6g}", value); };
   std::vector<Line> lines;
-  std::string remainder;
+  const auto add = [&](std::string_view sign, double value, std::string_view name) {
+    lines.push_back({sign, fmt::format("{:.6g}", value), std::string(name)});
+  };
+  const Work& work = report.work;
   if (report.transient) {
-    lines = {{" ", "at the start", number(report.energy_start.total())},
-             {"+", "work of loads", number(report.work.loads)},
-             {"+", "work of drives", number(report.work.drives)},
-             {"=", "at the end", number(report.energy_end.total())},
-             {"+", "taken out by the integrator", fmt::format("{:.3g}", report.dissipated())}};
-    if (const double moved = report.energy_moved(); moved > 0.0)
-      remainder = fmt::format(", {:.2g} % of the energy that moved",
-                              100.0 * std::abs(report.dissipated()) / moved);
+    add("", report.energy_start.total(), "at the start");
+    if (work.loads != 0.0) add("+", work.loads, "work of loads");
+    if (work.drives != 0.0) add("+", work.drives, "work of drives");
+    const double out = report.dissipated(), moved = report.energy_moved();
+    const std::string part = moved > 0.0 ? fmt::format(", {:.2g} % of the energy that moved",
+                                                       100.0 * std::abs(out) / moved)
+                                         : std::string();
+    const std::string size = fmt::format("{:.3g}", std::abs(out));
+    if (out < 0.0) lines.push_back({"+", size, "put in by the integrator" + part});
+    add("=", report.energy_end.total(), "at the end");
+    if (out >= 0.0) lines.push_back({"+", size, "taken out by the integrator" + part});
   } else {
-    lines = {{" ", "strain", number(report.energy_end.strain)},
-             {" ", "potential", number(report.energy_end.potential)}};
+    add("", report.energy_end.strain, "strain");
+    if (report.energy_end.potential != 0.0) add("", report.energy_end.potential, "potential");
   }
   std::size_t longest = 0;
   for (const Line& line : lines) longest = std::max(longest, line.number.size());
   text += "energy [J]\n";
   for (const Line& line : lines)
-    text += fmt::format("{} {:>{}}  {}{}\n", line.sign, line.number, longest, line.name,
-                        &line == &lines.back() ? remainder : "");
+    text += fmt::format("  {:1} {:>{}}  {}\n", line.sign, line.number, longest, line.name);
 }
 
-// As wide as what stands in it; quantities too long for that stand on a line of their own.
+// As wide as what stands in it. Where that is too wide, what was expected is left out, which `got` and
+// `error` tell; then a quantity too long stands on a line of its own.
 void expectations(std::string& text, const RunReport& report) {
   if (report.expects.empty()) return;
+  constexpr std::size_t quantity = 1, expected = 2;
   std::size_t met = 0;
   using Row = std::array<std::string, 6>;
   std::vector<Row> rows = {{"", "quantity", "expected", "got", "error", "allowed"}};
@@ -176,25 +186,29 @@ void expectations(std::string& text, const RunReport& report) {
                     result.got ? fmt::format("{:.1e}", *result.got - result.expected) : "",
                     fmt::format("{:.1e}", result.tolerance)});
   }
+  constexpr std::size_t gap = 2;
   std::array<std::size_t, 6> size{};
   for (const Row& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) size[i] = std::max(size[i], letters(row[i]));
-  std::size_t numbers = 0;
-  for (std::size_t i = 2; i < size.size(); ++i) numbers += 2 + size[i];
-  const std::size_t most = width - std::min(width, size[0] + 2 + numbers);
-  size[1] = std::min(size[1], most);
+  std::size_t total = size[0];
+  for (std::size_t i = quantity; i < size.size(); ++i) total += gap + size[i];
+  const bool all = total <= width;
+  if (!all) total -= gap + size[expected];
+  if (total > width) size[quantity] -= std::min(size[quantity], total - width);
 
-  text += fmt::format("{} of {} met\n", met, plural(std::ssize(report.expects), "expectation"));
+  line(text, "",
+       fmt::format("{} of {} met", met, plural(std::ssize(report.expects), "expectation")), 0);
   for (const Row& row : rows) {
-    text += row[0] + std::string(size[0] - row[0].size() + 2, ' ') + row[1];
-    std::size_t column = letters(row[1]);
-    if (column > size[1]) {
-      text.append("\n").append(size[0] + 2, ' ');
+    text.append(row[0]).append(size[0] + gap - letters(row[0]), ' ').append(row[quantity]);
+    std::size_t column = letters(row[quantity]);
+    if (column > size[quantity]) {
+      text.append("\n").append(size[0] + gap, ' ');
       column = 0;
     }
-    text.append(size[1] - column, ' ');
-    for (std::size_t i = 2; i < row.size(); ++i)
-      text.append(2 + size[i] - letters(row[i]), ' ').append(row[i]);
+    text.append(size[quantity] - column, ' ');
+    for (std::size_t i = expected; i < row.size(); ++i)
+      if (i != expected || all) text.append(gap + size[i] - letters(row[i]), ' ').append(row[i]);
+    text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
   }
 }
@@ -207,10 +221,10 @@ void files(std::string& text, const RunReport& report) {
     const std::string name = file.filename().string();
     std::string what;
     if (name == "history.csv")
-      what = fmt::format("{} of {} and what is recorded", plural(report.rows, "row"),
+      what = fmt::format("{}: {} and what is recorded", plural(report.rows, "row"),
                          report.transient ? "time" : "load factor");
     else if (name == "history.svg")
-      what = "plots of them, for a browser";
+      what = "its plots, for a browser";
     else if (name == "report.json")
       what = "settings, counts, costs and checks of this run";
     item(text, "  " + name, what);
@@ -223,7 +237,7 @@ std::string summary(const RunReport& report) {
   std::string text;
   const std::string name = excerpt(report.model);
   if (report.complete()) {
-    item(text, "", fmt::format("{}: {}, as far as asked", name, way(report)));
+    line(text, "", fmt::format("{}: {}", name, way(report)), 2);
   } else {
     line(text, "", fmt::format("{}: FAILED at {}: {}", name, way(report), report.failure), 2);
     if (!report.results.empty()) text += "The results up to there are kept.\n";

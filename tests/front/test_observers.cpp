@@ -13,6 +13,7 @@
 
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/observers.hpp"
+#include "libmbd/front/reader.hpp"
 #include "libmbd/front/report.hpp"
 #include "libmbd/front/run.hpp"
 
@@ -169,6 +170,148 @@ TEST(Run, DurationIsAWholeNumberOfSteps) {
                  "step=\"1/4\" it is, "
                  "or with duration=\"4*0.3\"");
   }
+}
+
+// ---- load steps as rows -----------------------------------------------------------------------
+
+using LoadSteps = Files;
+
+const std::string cantilever = R"(
+      <section name="s"><stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
+        <mass per_length="1" inertia="1e-3 5e-4 5e-4"/></section>
+      <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="3"/>
+      <load at="b.end" force="0 0 -100"/>
+      <record name="tip" at="b.end" quantities="displacement"/>)";
+const std::string clamp = R"(<fixed name="clamp" between="ground b.start"/>)";
+
+Scene static_scene(const std::string& more) {
+  return read_model_text("<mbd name=\"cantilever\">" + cantilever + more + "</mbd>");
+}
+
+struct Rows : Observer {
+  void accepted(const Sample& sample) override {
+    rows.emplace_back(sample.row.begin(), sample.row.end());
+    if (static_cast<long>(rows.size()) == most) throw Error("seen enough");
+  }
+  std::vector<std::vector<double>> rows;
+  long most = -1;
+};
+
+TEST_F(LoadSteps, AreRowsFromTheReferenceToTheWholeLoad) {
+  Rows rows;
+  const Scene scene = static_scene(clamp + R"(<static steps="5"/>
+      <expect quantity="tip.displacement.3" value="0" tolerance="1" source="calc"/>
+      <expect quantity="tip.displacement.3" of="minimum" value="0" tolerance="1" source="calc"/>
+      <expect quantity="tip.displacement.3" of="maximum" value="0" tolerance="1e-300" source="calc"/>
+      <expect quantity="load_factor" of="minimum" value="0" tolerance="1e-300" source="calc"/>
+      <expect quantity="load_factor" value="1" tolerance="1e-300" source="calc"/>)");
+  const RunReport report = run(scene, {.output = directory_ / "out", .observers = {&rows}});
+  ASSERT_TRUE(report.as_expected()) << to_text(report.expects);
+  ASSERT_GE(rows.rows.size(), 3u);
+  EXPECT_EQ(report.rows, report.static_counters.steps + 1);
+  EXPECT_EQ(report.rows, static_cast<long>(rows.rows.size()));
+  EXPECT_EQ(report.load_factor, 1.0);
+  EXPECT_EQ(rows.rows[0], std::vector<double>(4, 0.0));
+  EXPECT_NEAR(rows.rows[1][0], 0.2, 1e-15);
+  EXPECT_EQ(rows.rows.back()[0], 1.0);
+  for (std::size_t i = 1; i < rows.rows.size(); ++i) {
+    EXPECT_GT(rows.rows[i][0], rows.rows[i - 1][0]);
+    EXPECT_LT(rows.rows[i][3], rows.rows[i - 1][3]);
+  }
+  EXPECT_EQ(report.expects[0].got, rows.rows.back()[3]);  // the last row
+  EXPECT_EQ(report.expects[1].got, rows.rows.back()[3]);  // of all rows
+  EXPECT_EQ(report.energy_start.total(), 0.0);            // the reference state
+  EXPECT_GT(report.energy_end.strain, 0.0);
+
+  const std::string csv = read(directory_ / "out" / "history.csv");
+  EXPECT_NE(csv.find("# units: 1, m, m, m\nload_factor,tip.displacement.1,"), std::string::npos)
+      << csv;
+  const std::string svg = read(directory_ / "out" / "history.svg");
+  EXPECT_NE(svg.find(">load_factor<"), std::string::npos);
+}
+
+TEST_F(LoadSteps, PlotsAreOverTheFirstColumn) {
+  Scene scene = static_scene(clamp + R"(<static/><plot y="tip.displacement.3"/>)");
+  EXPECT_EQ(scene.plots[0].x, "");
+  EXPECT_TRUE(run(scene, {.output = directory_ / "out"}).complete());
+  EXPECT_NE(read(directory_ / "out" / "history.svg").find(">load_factor<"), std::string::npos);
+  scene.plots[0].x = "time";
+  EXPECT_THROW(run(scene, {.output = directory_ / "time"}), Error);
+  EXPECT_FALSE(fs::exists(directory_ / "time"));
+}
+
+TEST_F(LoadSteps, OfATransientAreNoRows) {
+  Rows rows;
+  const RunReport report =
+      run(static_scene(clamp + R"(<static steps="5"/><transient duration="2e-3" step="1e-3"/>)"),
+          {.output = directory_ / "out", .observers = {&rows}});
+  EXPECT_TRUE(report.complete()) << report.failure;
+  ASSERT_EQ(rows.rows.size(), 3u);
+  EXPECT_EQ(rows.rows[0][0], 0.0);
+  EXPECT_LT(rows.rows[0][3], -0.1);  // in equilibrium
+  EXPECT_NE(read(directory_ / "out" / "history.csv").find("\ntime,"), std::string::npos);
+}
+
+TEST_F(LoadSteps, KeepTheirRowsWhenTheRunEnds) {
+  Rows rows;
+  rows.most = 2;
+  const RunReport report = run(
+      static_scene(
+          clamp +
+          R"(<static steps="5"/><expect quantity="tip.displacement.3" value="0" tolerance="1" source="calc"/>)"),
+      {.output = directory_ / "out", .observers = {&rows}});
+  EXPECT_EQ(report.failure, "seen enough");
+  EXPECT_EQ(rows.rows.size(), 2u);
+  EXPECT_EQ(report.static_counters.steps, 1);  // no more of them were solved for
+  EXPECT_FALSE(report.expects[0].got);
+  EXPECT_NE(read(directory_ / "out" / "history.csv").find("\n0.2,"), std::string::npos);
+  EXPECT_NE(read(directory_ / "out" / "report.json").find("seen enough"), std::string::npos);
+}
+
+// ---- runs that do not start -------------------------------------------------------------------
+
+using NoStart = Files;
+
+// Refused with the line of what was to be done; nothing is written, and what there was stays.
+TEST_F(NoStart, LeavesEarlierResultsAlone) {
+  const std::string transient = R"(<transient duration="1" step="0.1"/>)";
+  for (const auto& [more, element] :
+       {std::pair{std::string("\n<static/>"), "static"},
+        {"\n<static/>" + transient, "static"},
+        {clamp + R"(<fixed name="again" between="ground b.start"/>)" + "\n" + transient,
+         "transient"}}) {
+    for (const char* const name : {"history.csv", "history.svg", "report.json"})
+      write_file(directory_ / name, "earlier");
+    for (const fs::path& output : {directory_, directory_ / "new" / "below"}) {
+      try {
+        run(static_scene(more), {.output = output});
+        ADD_FAILURE() << "no error: " << more;
+      } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find(std::string(element) + ": "), std::string::npos) << text;
+        EXPECT_NE(text.find(":7: "), std::string::npos) << text;
+      }
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 3);
+    for (const fs::directory_entry& entry : fs::directory_iterator(directory_))
+      EXPECT_EQ(read(entry.path()), "earlier");
+    EXPECT_THROW(run(static_scene(more)), Error);  // nor without results
+  }
+}
+
+TEST_F(NoStart, PlacesForResultsAreCheckedAndLeftAsTheyWere) {
+  write_file(directory_ / "file", "x");
+  const Scene scene = static_scene("<static/>");  // would not start either
+  for (const fs::path& output : {directory_ / "file", directory_ / "file" / "below",
+                                 directory_ / "new" / std::string(300, 'a')}) {
+    try {
+      run(scene, {.output = output});
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("--out"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);
 }
 
 TEST(Expectations, ColumnsAreFoundOrTheNearestIsNamed) {

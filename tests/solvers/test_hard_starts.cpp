@@ -117,32 +117,27 @@ TEST(HardStart, SingularStaticsAreReportedByName) {
        {std::pair{"pendulum", "body 'bob'"}, std::pair{"chain", "body 'rod"}}) {
     Scene scene = model_scene(name);
     scene.statics = StaticScene{};
-    const RunReport report = run(scene);
-    EXPECT_FALSE(report.complete()) << name;
-    expect_words(report.failure, {"static equilibrium", "singular", part});
+    expect_words(message_of([&] { run(scene); }), {"static equilibrium", "singular", part});
   }
 }
 
 // A structure that can move freely has no equilibrium of its own; under no load any place is one.
 TEST(HardStart, AFreeBeamHasNoEquilibriumUnderLoad) {
-  const RunReport report = run(read_model_text(R"(<mbd name="free">
+  const Scene scene = read_model_text(R"(<mbd name="free">
       <section name="s"><stiffness EA="1e4" GA2="1e4" GA3="1e4" GJ="500" EI2="500" EI3="500"/></section>
       <beam name="beam" section="s" from="0 0 0" to="10 0 0" normal="0 0 1" elements="5" order="3"/>
       <load at="beam.end" force="0 0 1"/>
       <static/>
       <record name="end" at="beam.end" quantities="displacement"/>
-    </mbd>)"));
-  EXPECT_FALSE(report.complete());
-  expect_words(report.failure, {"static equilibrium", "beam 'beam'"});
+    </mbd>)");
+  expect_words(message_of([&] { run(scene); }), {"static equilibrium", "beam 'beam'"});
 }
 
 TEST(HardStart, RedundantConstraintsAreReportedByName) {
   Scene scene = model_scene("pendulum");
   scene.joints.push_back(scene.joints.front());
   scene.joints.back().name = "again";
-  const RunReport report = run(scene);
-  EXPECT_FALSE(report.complete());
-  expect_words(report.failure, {"revolute '", "redundant"});
+  expect_words(message_of([&] { run(scene); }), {"revolute '", "redundant"});
 }
 
 bool same(const State& a, const State& b) {
