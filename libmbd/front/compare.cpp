@@ -234,7 +234,7 @@ std::string to_text(const Comparison& comparison, const History& first, const Hi
   }
   const std::string x = first.columns[0].name;
   text += fmt::format("{:<{}}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}\n", "column", width,
-                      "relative rms", "largest", "rms", "largest", "at " + x, "relative to");
+                      "relative rms", "rel. largest", "rms", "largest", "at " + x, "relative to");
   const auto relative = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.3e}", *value) : "-";
   };
@@ -260,7 +260,6 @@ std::string overlay_svg(const Comparison& comparison, const History& first, cons
   std::vector<std::size_t> chosen;
   for (const ColumnDifference& d : comparison.columns) chosen.push_back(d.in_first);
   plot::QuantityPanels made = plot::quantity_panels(first.columns, chosen, 0);
-  // places are in the order of the columns that are shown, unless there are too many of them
   const auto add = [](plot::Curve& curve, const History& history, std::size_t column) {
     for (std::size_t row = 0; row < history.rows(); ++row)
       curve.trace.add({history.values[0][row], history.values[column][row]});

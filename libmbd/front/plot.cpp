@@ -422,11 +422,15 @@ double draw_panel(std::string& svg, const Panel& panel, std::size_t number, doub
     top += line_height;
   }
   if (!head.title.empty()) top += 10.0;
+  double legend_x = x0;  // of all rows: above the axes, or as far left as the widest needs
   for (std::size_t row = 0; row + 1 < head.legend.size(); ++row) {
     double width = -legend_gap;
     for (std::size_t i = head.legend[row]; i < head.legend[row + 1]; ++i)
       width += legend_width(panel.curves[i]);
-    double item = std::max(at_x + 24.0, std::min(x0, at_x + panel_width - 24.0 - width));
+    legend_x = std::max(at_x + 24.0, std::min(legend_x, at_x + panel_width - 24.0 - width));
+  }
+  for (std::size_t row = 0; row + 1 < head.legend.size(); ++row) {
+    double item = legend_x;
     for (std::size_t i = head.legend[row]; i < head.legend[row + 1]; ++i) {
       const Curve& curve = panel.curves[i];
       const Style& style = style_of(panel, i);

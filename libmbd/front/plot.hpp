@@ -51,8 +51,8 @@ struct Panel {
 };
 
 struct Layout {
-  int columns = 1;   // of panels
-  std::string note;  // below the last panel
+  int columns = 1;        // of panels
+  std::string note = {};  // below the last panel
   std::string title = {};
 };
 
