@@ -158,7 +158,9 @@ History read_history(const fs::path& file_or_directory) {
                 "); check its permissions");
   char beginning[4096];
   stream.read(beginning, sizeof beginning);
-  if (std::memchr(beginning, 0, static_cast<std::size_t>(stream.gcount())))
+  if (std::any_of(beginning, beginning + stream.gcount(), [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\r' && c != '\t';
+      }))
     throw Error(history.file.string() +
                 ": is not text; name a history.csv, the table that mbd run writes");
   stream.clear();
