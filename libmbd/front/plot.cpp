@@ -7,7 +7,9 @@
 #include <limits>
 #include <numbers>
 
+#include "libmbd/core/error.hpp"
 #include "libmbd/front/expect.hpp"
+#include "libmbd/front/label.hpp"
 
 namespace mbd::plot {
 namespace {
@@ -15,17 +17,23 @@ namespace {
 // --- layout, in units of the picture ---
 constexpr double panel_width = 720.0;
 constexpr double panel_height = 420.0;
-constexpr double left = 112.0, right = 24.0;  // of the axes, from the panel's edges
-constexpr double title_height = 40.0, legend_height = 30.0, bottom = 70.0;
-constexpr double font = 20.0;
-constexpr double letter = 0.53 * font;  // mean width of a letter
+constexpr double left = 112.0, right = 30.0;  // of the axes, from the panel's edges
+constexpr double line_height = 30.0, bottom = 72.0;
+constexpr double font = 22.0;           // 11 px on a screen 360 px wide
+constexpr double letter = 0.56 * font;  // width of a letter, rather too much than too little
+constexpr double text_width = panel_width - 48.0;
+constexpr double legend_line = 60.0, legend_gap = 26.0;
+constexpr std::size_t few_points = 30, sparse_markers = 7;
 
+enum class Marker { circle, square, triangle, diamond, cross, ring };
 struct Style {
   std::string_view colour, dashes;
+  Marker marker;
 };
 constexpr Style styles[] = {
-    {"#000000", ""},         {"#0b62a4", "11 5"},        {"#c1440e", "3 4"},
-    {"#4f8a10", "14 4 3 4"}, {"#7a3e9d", "6 3 2 3 2 3"}, {"#806000", "20 6"}};
+    {"#000000", "", Marker::circle},           {"#0b62a4", "11 5", Marker::square},
+    {"#c1440e", "3 4", Marker::triangle},      {"#4f8a10", "14 4 3 4", Marker::diamond},
+    {"#7a3e9d", "6 3 2 3 2 3", Marker::cross}, {"#806000", "20 6", Marker::ring}};
 
 std::string escaped(std::string_view text) {
   std::string result;
@@ -55,6 +63,49 @@ std::size_t letters(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
   }));
+}
+
+// The first `count` letters, and where the rest begins.
+std::size_t bytes_of(std::string_view text, std::size_t count) {
+  std::size_t at = 0;
+  for (; at < text.size(); ++at)
+    if ((static_cast<unsigned char>(text[at]) & 0xC0) != 0x80 && count-- == 0) break;
+  return at;
+}
+
+double width_of(std::string_view text) { return letter * static_cast<double>(letters(text)); }
+
+// Text in lines no wider than `width`, broken at blanks where there are some.
+std::vector<std::string> wrapped(std::string_view text, double width) {
+  constexpr std::size_t most_lines = 6;
+  const auto most = static_cast<std::size_t>(width / letter);
+  std::vector<std::string> lines;
+  while (!text.empty()) {
+    if (letters(text) <= most) {
+      lines.emplace_back(text);
+      break;
+    }
+    if (lines.size() + 1 == most_lines) {
+      lines.push_back(std::string(text.substr(0, bytes_of(text, most - 1))) + "…");
+      break;
+    }
+    const std::size_t end = bytes_of(text, most);
+    const std::size_t blank = text.rfind(' ', end);
+    const bool at_blank = blank != std::string_view::npos && blank > 0;
+    lines.emplace_back(text.substr(0, at_blank ? blank : end));
+    text.remove_prefix(at_blank ? blank + 1 : end);
+  }
+  return lines;
+}
+
+// A text whose middle gives way: its beginning and its end, the component, tell curves apart.
+std::string shortened(const std::string& text, double width) {
+  const auto most = static_cast<std::size_t>(width / letter);
+  const std::size_t all = letters(text);
+  if (all <= most) return text;
+  const std::size_t front = most / 3;
+  return text.substr(0, bytes_of(text, front)) + "…" +
+         text.substr(bytes_of(text, all - (most - 1 - front)));
 }
 
 std::string superscript(int number) {
@@ -192,8 +243,56 @@ bool within(const std::optional<std::array<double, 2>>& range, double x) {
   return !range || (x >= (*range)[0] && x <= (*range)[1]);
 }
 
-void draw_curve(std::string& svg, const Curve& curve, const Style& style, const Panel& panel,
+// Filled with white where open, so that it can be told from the curves below.
+std::string marker_at(const Point& p, const Style& style) {
+  const double x = p[0], y = p[1];
+  constexpr double r = 5.0;
+  const std::string open =
+      fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"2\"", style.colour);
+  switch (style.marker) {
+    case Marker::circle:
+      return fmt::format("<circle class=\"m\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>\n",
+                         x, y, r, style.colour);
+    case Marker::square:
+      return fmt::format(
+          "<rect class=\"m\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" {}/>\n", x - r,
+          y - r, 2 * r, 2 * r, open);
+    case Marker::triangle:
+      return fmt::format(
+          "<path class=\"m\" d=\"M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}Z\" {}/>\n", x - 6.0,
+          y + r, x + 6.0, y + r, x, y - 6.5, open);
+    case Marker::diamond:
+      return fmt::format(
+          "<path class=\"m\" d=\"M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}Z\" "
+          "fill=\"{}\"/>\n",
+          x - 6.5, y, x, y + 6.5, x + 6.5, y, x, y - 6.5, style.colour);
+    case Marker::cross:
+      return fmt::format(
+          "<path class=\"m\" d=\"M{:.1f},{:.1f} {:.1f},{:.1f}M{:.1f},{:.1f} {:.1f},{:.1f}\" {}/>\n",
+          x - r, y - r, x + r, y + r, x - r, y + r, x + r, y - r, open);
+    case Marker::ring:
+      break;
+  }
+  return fmt::format("<circle class=\"m\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {}/>\n", x, y, r,
+                     open);
+}
+
+// Attributes of a curve's line, in the axes and in the legend.
+std::string stroke(const Curve& curve, const Style& style) {
+  if (curve.wide)
+    return fmt::format("stroke=\"{}\" stroke-width=\"9\" stroke-opacity=\"0.3\"", style.colour);
+  return fmt::format(
+      "stroke=\"{}\" stroke-width=\"2.5\"{}", style.colour,
+      style.dashes.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", style.dashes));
+}
+
+bool has_markers(const Curve& curve, const Panel& panel) {
+  return curve.trace.points().size() <= few_points || panel.curves.size() > 1;
+}
+
+void draw_curve(std::string& svg, std::size_t number, const Style& style, const Panel& panel,
                 const Axis& x, const Axis& y, double x0, double x1, double y0, double y1) {
+  const Curve& curve = panel.curves[number];
   const auto to_picture = [&](const Point& p) -> Point {
     constexpr double far = 1e5;  // outside the picture, inside what viewers can draw
     return {std::clamp(x.place(p[0], x0, x1), -far, far),
@@ -213,29 +312,44 @@ void draw_curve(std::string& svg, const Curve& curve, const Style& style, const 
     path.line(to_picture(points[i]));
     drawing = inside;
   }
-  const std::string dashes =
-      style.dashes.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", style.dashes);
-  if (points.size() == 1) {
-    const Point p = to_picture(points[0]);
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\"/>\n", p[0], p[1],
-                       style.colour);
-  } else {
-    svg += fmt::format(
-        "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\" "
-        "stroke-linejoin=\"round\"{}/>\n",
-        path.take(), style.colour, dashes);
+  if (points.size() > 1)
+    svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n", path.take(),
+                       stroke(curve, style));
+  if (!has_markers(curve, panel)) return;
+  if (points.size() <= few_points) {
+    for (const Point& p : points) svg += marker_at(to_picture(p), style);
+    return;
+  }
+  // Each curve has its own phase, so that markers of curves that coincide stand side by side.
+  const auto curves = static_cast<double>(panel.curves.size());
+  const double phase = (static_cast<double>(number) + 0.5) / curves;
+  for (std::size_t n = 0; n < sparse_markers; ++n) {
+    const double at = (static_cast<double>(n) + phase) / static_cast<double>(sparse_markers);
+    const auto i = static_cast<std::size_t>(at * static_cast<double>(points.size() - 1));
+    svg += marker_at(to_picture(points[i]), style);
   }
 }
 
-const Style& style_of(std::size_t curve) { return styles[curve % std::size(styles)]; }
+const Style& style_of(const Panel& panel, std::size_t curve) {
+  const int style = panel.curves[curve].style;
+  return styles[(style < 0 ? curve : static_cast<std::size_t>(style)) % std::size(styles)];
+}
+
+std::string legend_text(const Curve& curve) {
+  return shortened(curve.label, text_width - legend_line);
+}
+
+double legend_width(const Curve& curve) {
+  return legend_line + width_of(legend_text(curve)) + legend_gap;
+}
 
 // Rows of the legend: curves from each of these to the next.
 std::vector<std::size_t> legend_rows(const Panel& panel) {
   std::vector<std::size_t> rows = {0};
   double width = 0.0;
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
-    const double item = 70.0 + letter * static_cast<double>(letters(panel.curves[i].label));
-    if (width > 0.0 && width + item > panel_width - left - right) {
+    const double item = legend_width(panel.curves[i]);
+    if (width > 0.0 && width + item - legend_gap > text_width) {
       rows.push_back(i);
       width = 0.0;
     }
@@ -245,10 +359,29 @@ std::vector<std::size_t> legend_rows(const Panel& panel) {
   return rows;
 }
 
-double height_of(const Panel& panel) {
-  const double legend =
-      panel.curves.size() > 1 ? static_cast<double>(legend_rows(panel).size() - 1) : 0.0;
-  return panel_height + legend_height * legend + (panel.title.empty() ? 0.0 : title_height);
+// What stands above the axes, in this order.
+struct Head {
+  std::vector<std::string> title;
+  std::vector<std::size_t> legend;   // rows; empty: none
+  std::vector<std::string> y_label;  // one that is too long to stand beside the axis
+  double height = 0.0;
+};
+
+constexpr double axes_height = panel_height - 22.0 - bottom;
+
+std::string with_factor(const std::string& label, const std::string& factor) {
+  return factor.empty() ? label : label.empty() ? factor : label + "  " + factor;
+}
+
+Head head_of(const Panel& panel, const std::string& y_label) {
+  Head head;
+  head.title = wrapped(panel.title, text_width / 1.1);  // bold letters are wider
+  if (panel.curves.size() > 1) head.legend = legend_rows(panel);
+  if (width_of(y_label) > axes_height) head.y_label = wrapped("↑ " + y_label, text_width);
+  const std::size_t rows = head.legend.empty() ? 0 : head.legend.size() - 1;
+  head.height = line_height * static_cast<double>(head.title.size() + rows + head.y_label.size()) +
+                (head.title.empty() ? 0.0 : 10.0);
+  return head;
 }
 
 std::string text_at(double x, double y, std::string_view anchor, std::string_view text,
@@ -257,37 +390,9 @@ std::string text_at(double x, double y, std::string_view anchor, std::string_vie
                      anchor, more, escaped(text));
 }
 
-void draw_panel(std::string& svg, const Panel& panel, std::size_t number, double at_x,
-                double at_y) {
-  const double x0 = at_x + left, x1 = at_x + panel_width - right;
-  const double y0 = at_y + height_of(panel) - bottom;  // bottom of the axes; y points down
-  double top = at_y + 22.0;
-
-  if (!panel.title.empty()) {
-    const double width = 1.15 * letter * static_cast<double>(letters(panel.title));
-    const double size = font * std::min(1.0, (panel_width - 2.0 * right) / width);
-    svg += text_at(at_x + panel_width / 2, at_y + 28.0, "middle", panel.title,
-                   fmt::format(" font-weight=\"bold\" font-size=\"{:.1f}\"", size));
-    top += title_height;
-  }
-  if (panel.curves.size() > 1) {
-    const std::vector<std::size_t> rows = legend_rows(panel);
-    for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
-      double x = x0;
-      for (std::size_t i = rows[row]; i < rows[row + 1]; ++i) {
-        const Style& style = style_of(i);
-        svg += fmt::format(
-            "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" "
-            "stroke-width=\"3\"{}/>\n",
-            x, top - 2.0, x + 44.0, top - 2.0, style.colour,
-            style.dashes.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", style.dashes));
-        svg += text_at(x + 50.0, top + 4.0, "start", panel.curves[i].label);
-        x += 70.0 + letter * static_cast<double>(letters(panel.curves[i].label));
-      }
-      top += legend_height;
-    }
-  }
-
+// Draws it and returns its height.
+double draw_panel(std::string& svg, const Panel& panel, std::size_t number, double at_x,
+                  double at_y) {
   Extent span_x, span_y;
   for (const Curve& curve : panel.curves)
     for (const Point& p : curve.trace.points())
@@ -298,14 +403,57 @@ void draw_panel(std::string& svg, const Panel& panel, std::size_t number, double
   if (panel.x_range) span_x = {(*panel.x_range)[0], (*panel.x_range)[1]};
   const std::optional<Axis> angles = panel.x_range ? make_angle_axis(*panel.x_range) : std::nullopt;
   const double margin = panel.x_range || panel.x_is_time ? 0.0 : 0.04;
-  const Axis x = angles ? *angles : make_axis(drawable(span_x, margin), 6);
+  const Axis x = angles ? *angles : make_axis(drawable(span_x, margin), 5);
   const Axis y = make_axis(drawable(span_y, 0.04), 6);
+
+  const std::string y_label = with_factor(panel.y_label, y.factor);
+  const Head head = head_of(panel, y_label);
+  const std::vector<std::string> x_label =
+      wrapped(with_factor(panel.x_label, x.factor), text_width);
+  const double more_below =
+      line_height * static_cast<double>(std::max<std::size_t>(x_label.size(), 1) - 1);
+  const double height = panel_height + head.height + more_below;
+  const double x0 = at_x + left, x1 = at_x + panel_width - right;
+  const double y0 = at_y + height - bottom - more_below;  // bottom of the axes; y points down
+  double top = at_y + 22.0;
+
+  for (const std::string& line : head.title) {
+    svg += text_at(at_x + panel_width / 2, top + 10.0, "middle", line, " font-weight=\"bold\"");
+    top += line_height;
+  }
+  if (!head.title.empty()) top += 10.0;
+  double legend_x = x0;  // of all rows: above the axes, or as far left as the widest needs
+  for (std::size_t row = 0; row + 1 < head.legend.size(); ++row) {
+    double width = -legend_gap;
+    for (std::size_t i = head.legend[row]; i < head.legend[row + 1]; ++i)
+      width += legend_width(panel.curves[i]);
+    legend_x = std::max(at_x + 24.0, std::min(legend_x, at_x + panel_width - 24.0 - width));
+  }
+  for (std::size_t row = 0; row + 1 < head.legend.size(); ++row) {
+    double item = legend_x;
+    for (std::size_t i = head.legend[row]; i < head.legend[row + 1]; ++i) {
+      const Curve& curve = panel.curves[i];
+      const Style& style = style_of(panel, i);
+      svg +=
+          fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", item,
+                      top - 4.0, item + legend_line - 8.0, top - 4.0, stroke(curve, style));
+      if (has_markers(curve, panel))
+        svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
+      svg += text_at(item + legend_line, top + 4.0, "start", legend_text(curve));
+      item += legend_width(curve);
+    }
+    top += line_height;
+  }
+  for (const std::string& line : head.y_label) {
+    svg += text_at(at_x + 24.0, top + 4.0, "start", line);
+    top += line_height;
+  }
 
   for (std::size_t i = 0; i < x.ticks.size(); ++i) {
     const double at = x.place(x.ticks[i], x0, x1);
     svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#dddddd\"/>\n", at,
                        y0, top);
-    svg += text_at(at, y0 + 24.0, "middle", x.labels[i]);
+    svg += text_at(at, y0 + 26.0, "middle", x.labels[i]);
   }
   for (std::size_t i = 0; i < y.ticks.size(); ++i) {
     const double at = y.place(y.ticks[i], y0, top);
@@ -319,21 +467,29 @@ void draw_panel(std::string& svg, const Panel& panel, std::size_t number, double
       "height=\"{:.1f}\"/></clipPath>\n",
       number, x0, top, x1 - x0, y0 - top);
   svg += fmt::format("<g clip-path=\"url(#c{})\">\n", number);
-  for (std::size_t i = 0; i < panel.curves.size(); ++i)
-    draw_curve(svg, panel.curves[i], style_of(i), panel, x, y, x0, x1, y0, top);
+  for (const bool wide : {true, false})
+    for (std::size_t i = 0; i < panel.curves.size(); ++i)
+      if (panel.curves[i].wide == wide)
+        draw_curve(svg, i, style_of(panel, i), panel, x, y, x0, x1, y0, top);
   svg += "</g>\n";
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
       "stroke=\"#000000\"/>\n",
       x0, top, x1 - x0, y0 - top);
 
-  const auto with_factor = [](const std::string& label, const std::string& factor) {
-    return factor.empty() ? label : label.empty() ? factor : label + "  " + factor;
-  };
-  svg += text_at((x0 + x1) / 2, y0 + 54.0, "middle", with_factor(panel.x_label, x.factor));
-  const double middle = (y0 + top) / 2;
-  svg += text_at(at_x + 24.0, middle, "middle", with_factor(panel.y_label, y.factor),
-                 fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at_x + 24.0, middle));
+  double below = y0 + 58.0;
+  for (const std::string& line : x_label) {
+    const double half = width_of(line) / 2;  // under the axis if it fits there
+    const double middle = std::min((x0 + x1) / 2, at_x + panel_width - 24.0 - half);
+    svg += text_at(std::max(middle, at_x + panel_width / 2), below, "middle", line);
+    below += line_height;
+  }
+  if (head.y_label.empty()) {
+    const double middle = (y0 + top) / 2;
+    svg += text_at(at_x + 24.0, middle, "middle", y_label,
+                   fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at_x + 24.0, middle));
+  }
+  return height;
 }
 
 }  // namespace
@@ -375,36 +531,38 @@ Ticks make_ticks(double min, double max, int wanted) {
 
 std::string to_svg(std::span<const Panel> panels, const Layout& layout) {
   const auto columns = static_cast<std::size_t>(std::max(1, layout.columns));
-  std::string body;
-  double y = 0.0;
-  for (std::size_t begin = 0; begin < panels.size(); begin += columns) {
-    double height = 0.0;
-    for (std::size_t i = begin; i < std::min(begin + columns, panels.size()); ++i) {
-      draw_panel(body, panels[i], i, panel_width * static_cast<double>(i - begin), y);
-      height = std::max(height, height_of(panels[i]));
-    }
-    y += height;
-  }
   const double width =
       panel_width * static_cast<double>(std::clamp<std::size_t>(panels.size(), 1, columns));
-  if (!layout.note.empty()) {
-    y += 30.0;
-    body += text_at(width / 2, y - 12.0, "middle", layout.note);
+  std::string body;
+  double y = 0.0;
+  for (const std::string& line : wrapped(layout.title, (width - 48.0) / 1.1)) {
+    y += line_height;
+    body += text_at(width / 2, y, "middle", line, " font-weight=\"bold\"");
   }
+  if (y > 0.0) y += 12.0;
+  for (std::size_t begin = 0; begin < panels.size(); begin += columns) {
+    double height = 0.0;
+    for (std::size_t i = begin; i < std::min(begin + columns, panels.size()); ++i)
+      height = std::max(
+          height, draw_panel(body, panels[i], i, panel_width * static_cast<double>(i - begin), y));
+    y += height;
+  }
+  const std::vector<std::string> note = wrapped(layout.note, width - 48.0);
+  for (const std::string& line : note) {
+    y += line_height;
+    body += text_at(width / 2, y - 8.0, "middle", line);
+  }
+  if (!note.empty()) y += 8.0;
   y = std::max(y, 40.0);
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
-             "width=\"{0:.0f}\" "
-             "height=\"{1:.0f}\" font-family=\"Helvetica, Arial, sans-serif\" "
-             "font-size=\"{2:.0f}\">\n"
+             "width=\"{0:.0f}\" height=\"{1:.0f}\" style=\"max-width:100%;height:auto\" "
+             "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{2:.0f}\">\n"
              "<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"#ffffff\"/>\n",
              width, y, font) +
          body + "</svg>\n";
 }
 
-}  // namespace mbd::plot
-
-namespace mbd {
 namespace {
 
 constexpr std::size_t most_default_panels = 24;
@@ -413,7 +571,88 @@ std::string with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " [" + unit + "]";
 }
 
+// "C.displacement [m]" of its components, "[m], [rad]" of columns of several quantities; `scale` is what
+// the numbers are multiplied by.
+std::string label_of(std::span<const Column> columns, double scale) {
+  const std::string factor = scale == 1.0 ? "" : fmt::format("{} × ", scale);
+  if (columns.size() == 1) return factor + with_unit(columns[0].name, columns[0].unit);
+  std::string units;
+  bool alike = true;
+  std::vector<std::string> seen;
+  for (const Column& column : columns) {
+    alike = alike && quantity_of(column.name) == quantity_of(columns[0].name);
+    const std::string unit = "[" + (column.unit.empty() ? "1" : column.unit) + "]";
+    if (std::find(seen.begin(), seen.end(), unit) != seen.end()) continue;
+    seen.push_back(unit);
+    units += (units.empty() ? "" : ", ") + unit;
+  }
+  if (alike && seen.size() == 1)
+    return factor + with_unit(std::string(quantity_of(columns[0].name)), columns[0].unit);
+  return factor + units;
+}
+
+std::string left_out_note(std::size_t left_out, std::string_view remedy) {
+  return left_out == 0 ? "" : fmt::format("{} more quantities are not shown; {}", left_out, remedy);
+}
+
 }  // namespace
+
+QuantityPanels quantity_panels(std::span<const Column> columns, std::span<const std::size_t> chosen,
+                               std::size_t x) {
+  QuantityPanels result;
+  std::vector<std::string_view> quantities;  // of the panels, and those left out
+  for (const std::size_t column : chosen) {
+    const std::string_view quantity = quantity_of(columns[column].name);
+    const auto found = std::find(quantities.begin(), quantities.end(), quantity);
+    const auto panel = static_cast<std::size_t>(found - quantities.begin());
+    if (found == quantities.end()) {
+      quantities.push_back(quantity);
+      if (panel < most_default_panels)
+        result.panels.push_back(
+            {.x_label = with_unit(columns[x].name, columns[x].unit), .x_is_time = x == 0});
+      else
+        ++result.left_out;
+    }
+    if (panel >= most_default_panels) continue;
+    std::vector<Curve>& curves = result.panels[panel].curves;
+    result.places.push_back({panel, curves.size(), column});
+    curves.push_back({columns[column].name, {}});
+  }
+  std::vector<std::vector<Column>> shown(result.panels.size());
+  for (const QuantityPanels::Place& place : result.places)
+    shown[place.panel].push_back(columns[place.column]);
+  for (std::size_t i = 0; i < shown.size(); ++i) result.panels[i].y_label = label_of(shown[i], 1.0);
+  return result;
+}
+
+std::string history_svg(const History& history, std::span<const std::size_t> chosen, std::size_t x,
+                        const std::string& title) {
+  QuantityPanels made = quantity_panels(history.columns, chosen, x);
+  for (const QuantityPanels::Place& place : made.places) {
+    Trace& trace = made.panels[place.panel].curves[place.curve].trace;
+    for (std::size_t row = 0; row < history.rows(); ++row)
+      trace.add({history.values[x][row], history.values[place.column][row]});
+  }
+  Layout layout;
+  layout.title = title;
+  layout.note = left_out_note(made.left_out, "name the records to plot");
+  return to_svg(made.panels, layout);
+}
+
+void check_picture(const std::filesystem::path& file) {
+  std::error_code code;
+  const std::filesystem::path directory = file.has_parent_path() ? file.parent_path() : ".";
+  if (file.extension() != ".svg" || std::filesystem::is_directory(file, code))
+    throw Error(excerpt(file.string()) +
+                ": cannot be a picture; choose a name that ends in .svg with --out");
+  if (!std::filesystem::is_directory(directory, code))
+    throw Error(excerpt(file.string()) + ": there is no directory " + excerpt(directory.string()) +
+                "; make it, or choose another with --out");
+}
+
+}  // namespace mbd::plot
+
+namespace mbd {
 
 HistoryPlot::HistoryPlot(std::filesystem::path file, const Scene& scene, const Model& model)
     : file_(std::move(file)) {
@@ -421,49 +660,26 @@ HistoryPlot::HistoryPlot(std::filesystem::path file, const Scene& scene, const M
   for (const PlotScene& plot : scene.plots) {
     const std::size_t x = plot.x.empty() ? 0 : find_column(known, plot.x, plot.source, "plot");
     plot::Panel panel{plot.title, plot.x_label, plot.y_label, plot.x_range, x == 0, {}};
-    if (panel.x_label.empty())
-      panel.x_label = with_unit(known[x].name, plot.x_scale == 1.0 ? known[x].unit : "");
+    if (panel.x_label.empty()) panel.x_label = plot::label_of({&known[x], 1}, plot.x_scale);
+    std::vector<Column> shown;
     for (const std::string& name : plot.y) {
       const std::size_t y = find_column(known, name, plot.source, "plot");
       sources_.push_back({panels_.size(), panel.curves.size(), x, y, plot.x_scale, plot.y_scale});
       panel.curves.push_back({name, {}});
-      if (plot.y_label.empty()) {
-        const std::string unit = plot.y_scale == 1.0 ? known[y].unit : "";
-        panel.y_label = plot.y.size() == 1 ? with_unit(name, unit)
-                        : unit.empty()     ? ""
-                                           : "[" + unit + "]";
-      }
+      shown.push_back(known[y]);
     }
+    if (panel.y_label.empty()) panel.y_label = plot::label_of(shown, plot.y_scale);
     panels_.push_back(std::move(panel));
   }
   if (!scene.plots.empty()) return;
 
-  // Columns "record.quantity.1" … of one quantity stand next to each other.
-  std::string last;
-  std::size_t left_out = 0;
-  for (std::size_t y = 1; y < known.size(); ++y) {
-    const std::string& name = known[y].name;
-    const std::size_t first_dot = name.find('.');
-    const std::string quantity =
-        first_dot == std::string::npos ? name : name.substr(0, name.find('.', first_dot + 1));
-    const bool is_new = quantity != last;
-    last = quantity;
-    if (is_new && panels_.size() < most_default_panels)
-      panels_.push_back({"",
-                         with_unit(known[0].name, known[0].unit),
-                         with_unit(quantity, known[y].unit),
-                         {},
-                         true,
-                         {}});
-    else if (is_new)
-      ++left_out;
-    if (left_out > 0) continue;
-    sources_.push_back({panels_.size() - 1, panels_.back().curves.size(), 0, y, 1.0, 1.0});
-    panels_.back().curves.push_back({name, {}});
-  }
-  if (left_out > 0)
-    layout_.note =
-        fmt::format("{} more recorded quantities are not shown; <plot> chooses", left_out);
+  std::vector<std::size_t> all;
+  for (std::size_t y = 1; y < known.size(); ++y) all.push_back(y);
+  plot::QuantityPanels made = plot::quantity_panels(known, all, 0);
+  panels_ = std::move(made.panels);
+  for (const auto& place : made.places)
+    sources_.push_back({place.panel, place.curve, 0, place.column, 1.0, 1.0});
+  layout_.note = plot::left_out_note(made.left_out, "<plot> chooses");
 }
 
 void HistoryPlot::accepted(const Sample& sample) {

@@ -1,5 +1,6 @@
-// Curves as SVG, legible on a phone and in grey: panels below each other, black first, a line style and
-// a colour for each curve.
+// Curves as SVG, legible on a phone and in grey: panels below each other; curves differ by dashes, markers
+// and colour, black first. The picture shrinks to the width it is given; its letters are 11 pixels high
+// where that is 360.
 #pragma once
 
 #include <array>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "libmbd/front/history.hpp"
 #include "libmbd/front/observers.hpp"
 
 namespace mbd::plot {
@@ -32,9 +34,13 @@ class Trace {
   std::vector<Point> points_;
 };
 
+// A curve of 30 points or less has a marker at each of them; where there are several curves, longer ones
+// have a few.
 struct Curve {
   std::string label;
   Trace trace;
+  int style = -1;     // dashes, marker and colour; default: the number of the curve in its panel
+  bool wide = false;  // a broad pale line without dashes, under those that are not
 };
 
 struct Panel {
@@ -45,11 +51,33 @@ struct Panel {
 };
 
 struct Layout {
-  int columns = 1;   // of panels
-  std::string note;  // a line below the last panel
+  int columns = 1;        // of panels
+  std::string note = {};  // below the last panel
+  std::string title = {};
 };
 
+// Long titles and notes are broken into lines, long entries of a legend lose their middle.
 std::string to_svg(std::span<const Panel> panels, const Layout& layout = {});
+
+// One panel for each quantity of the chosen columns, its components next to each other, 24 at most.
+struct QuantityPanels {
+  struct Place {  // of a column's curve
+    std::size_t panel, curve, column;
+  };
+  std::vector<Panel> panels;  // their curves without points
+  std::vector<Place> places;
+  std::size_t left_out = 0;  // quantities
+};
+QuantityPanels quantity_panels(std::span<const Column> columns, std::span<const std::size_t> chosen,
+                               std::size_t x);
+
+// The SVG of the chosen columns of a history over its column x.
+std::string history_svg(const History& history, std::span<const std::size_t> chosen, std::size_t x,
+                        const std::string& title = {});
+
+// Throws Error, saying what to do, unless `file` may be the name of a picture: it ends in .svg, is no
+// directory and stands in one.
+void check_picture(const std::filesystem::path& file);
 
 // Positions of ticks: a step of 1, 2 or 5 times a power of ten, about `wanted` of them in [min, max].
 struct Ticks {

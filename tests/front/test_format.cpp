@@ -228,8 +228,9 @@ TEST_F(Includes, Refusals) {
       read_message("a.xml"),
       "parts/b.xml:2: include: file=\"../a.xml\": a circle: a.xml includes b.xml includes a.xml");
   write("none.xml", "<include file=\"nowhere.xml\"/>");
-  EXPECT_SAYS(read_message("none.xml"),
-              "none.xml:2: include: file=\"nowhere.xml\": there is no file");
+  EXPECT_SAYS(
+      read_message("none.xml"),
+      "none.xml:2: include: file=\"nowhere.xml\": no such file: nowhere.xml; give its name");
   write("broken.xml", "<include file=\"parts/bad.xml\"/>");
   std::ofstream(dir_ / "parts/bad.xml") << "<mbd name=\"x\">\n<body></mbd>";
   EXPECT_SAYS(read_message("broken.xml"), "parts/bad.xml:2: not well-formed XML");
@@ -297,10 +298,10 @@ std::string with_version(const std::string& version) {
 
 TEST(Version, NewerIsRefusedBeforeAnythingElse) {
   EXPECT_SAYS(with_version("1"), "unknown element <future>");
-  EXPECT_EQ(
-      with_version("2"),
-      "test.xml:2: mbd: version=\"2\": the file is of a newer format than this mbd reads, which "
-      "is 1; get a newer mbd");
+  EXPECT_EQ(with_version("2"),
+            "test.xml:2: mbd \"m\": version=\"2\": the file is of a newer format than this mbd "
+            "reads, which "
+            "is 1; get a newer mbd");
   EXPECT_SAYS(with_version("one"), "must be a whole number; the newest is 1");
   EXPECT_SAYS(with_version("0"), "must be a whole number; the newest is 1");
   EXPECT_SAYS(with_version("1.5"), "must be a whole number");

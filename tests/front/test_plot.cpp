@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string>
 
 #include "libmbd/front/plot.hpp"
@@ -73,8 +74,8 @@ TEST(Plot, SvgHasItsParts) {
   EXPECT_EQ(count(svg, "<g clip-path"), 2u);
   EXPECT_EQ(count(svg, ">C.displacement.2</text>"), 2u);  // legend
   EXPECT_EQ(count(svg, "A &lt; B &amp; &quot;C&quot;"), 2u);
-  EXPECT_EQ(count(svg, "fill=\"#ffffff\""), 1u);
-  EXPECT_GE(count(svg, "stroke-dasharray"), 2u);  // the second curve differs in grey
+  EXPECT_EQ(count(svg, "<rect width=\"720\""), 1u);  // a white ground
+  EXPECT_GE(count(svg, "stroke-dasharray"), 2u);     // the second curve differs in grey
   EXPECT_EQ(count(svg, "nan"), 0u);
   EXPECT_EQ(count(svg, "inf"), 0u);
 }
@@ -111,6 +112,69 @@ TEST(Plot, SurvivesOddData) {
     EXPECT_LT(svg.size(), 20000u);
   }
   EXPECT_TRUE(to_svg({}, {}).ends_with("</svg>\n"));
+}
+
+// Letters on a screen 360 px wide are at least 10 px high, and pictures shrink to it.
+TEST(Plot, IsLegibleOnAPhone) {
+  const std::string svg = to_svg(std::vector<Panel>{sine(50, "a")}, {});
+  EXPECT_EQ(count(svg, "viewBox=\"0 0 720 "), 1u);
+  EXPECT_EQ(count(svg, "max-width:100%"), 1u);
+  std::size_t sizes = 0;
+  for (std::size_t at = svg.find("font-size=\""); at != std::string::npos;
+       at = svg.find("font-size=\"", at + 1), ++sizes)
+    EXPECT_GE(std::stod(svg.substr(at + 11)) * 360.0 / 720.0, 10.0);
+  EXPECT_GE(sizes, 1u);
+}
+
+TEST(Plot, FewPointsHaveMarkers) {
+  EXPECT_EQ(count(to_svg(std::vector<Panel>{sine(30, "a")}, {}), "class=\"m\""), 30u);
+  EXPECT_EQ(count(to_svg(std::vector<Panel>{sine(31, "a")}, {}), "class=\"m\""), 0u);
+  EXPECT_EQ(count(to_svg(std::vector<Panel>{sine(1, "a")}, {}), "class=\"m\""), 1u);
+}
+
+// Without colours, every two of six curves still differ: in dashes and in markers.
+TEST(Plot, StylesDifferInGrey) {
+  Panel panel = sine(100, "a");
+  for (const char* const label : {"b", "c", "d", "e", "f"})
+    panel.curves.push_back({label, panel.curves[0].trace});
+  const std::string svg = to_svg(std::vector<Panel>{panel}, {});
+  std::set<std::string> dashes;
+  for (std::size_t at = svg.find("stroke-dasharray=\""); at != std::string::npos;
+       at = svg.find("stroke-dasharray=\"", at + 1))
+    dashes.insert(svg.substr(at, svg.find('"', at + 18) - at));
+  EXPECT_EQ(dashes.size(), 5u);  // and one without
+  EXPECT_EQ(count(svg, "class=\"m\""), 6u * (7u + 1u));
+}
+
+TEST(Plot, LongTextsAreBrokenOrShortened) {
+  Panel panel = sine(100, std::string(300, 'a') + ".1");
+  panel.title = "a long title, ";
+  for (int i = 0; i < 3; ++i) panel.title += panel.title;
+  panel.y_label = std::string(40, 'y') + " [m]";
+  panel.curves.push_back({std::string(300, 'a') + ".2", {}});
+  const std::string svg = to_svg(std::vector<Panel>{panel}, {.title = std::string(2000, 'w')});
+  for (std::size_t at = svg.find("<text "); at != std::string::npos;
+       at = svg.find("<text ", at + 1)) {
+    const std::size_t begin = svg.find('>', at) + 1;
+    EXPECT_LE(svg.find('<', begin) - begin, 60u) << svg.substr(at, 200);
+  }
+  EXPECT_EQ(count(svg, "a.1</text>"), 1u);  // what tells curves apart is still there
+  EXPECT_EQ(count(svg, "a.2</text>"), 1u);
+  EXPECT_EQ(count(svg, "rotate"),
+            0u);  // the label of y is longer than its axis and stands above it
+  EXPECT_EQ(count(svg, ">↑ yyyy"), 1u);
+}
+
+TEST(Plot, QuantitiesHavePanelsWithUnits) {
+  const std::vector<Column> columns = {
+      {"time", "s"}, {"C.u.1", "m"}, {"D.angle", "rad"}, {"C.u.2", "m"}};
+  const QuantityPanels made = quantity_panels(columns, std::vector<std::size_t>{1, 2, 3}, 0);
+  ASSERT_EQ(made.panels.size(), 2u);
+  EXPECT_EQ(made.panels[0].y_label, "C.u [m]");
+  EXPECT_EQ(made.panels[1].y_label, "D.angle [rad]");
+  EXPECT_EQ(made.panels[0].x_label, "time [s]");
+  EXPECT_EQ(made.panels[0].curves.size(), 2u);
+  EXPECT_EQ(made.left_out, 0u);
 }
 
 }  // namespace

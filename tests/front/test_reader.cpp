@@ -231,7 +231,7 @@ TEST(Reader, ExpectationsForSomeParametersOnly) {
   EXPECT_EQ(read(model, {{"N", "5"}}).expects.size(), 0u);
   EXPECT_SAYS(message("<expect quantity=\"q\" of=\"minimum\" value=\"1\" tolerance=\"1\" "
                       "source=\"s\" when=\"M=1\"/>"),
-              "is not of the form parameter=value");
+              "must be of the form parameter=value");
 }
 
 TEST(Reader, OrientationByMatrix) {
@@ -362,7 +362,8 @@ TEST(Reader, RefusesBadPlaces) {
   const auto place = [](const std::string& at) {
     return message("<load at=\"" + at + "\" force=\"0 0 1\"/>");
   };
-  EXPECT_SAYS(place("bar.middle"), "\"bar.middle\" is not a place: ground, the name of a body");
+  EXPECT_SAYS(place("bar.middle"),
+              "\"bar.middle\" is not a place; write ground, the name of a body");
   EXPECT_SAYS(place("bar@x"), "load: at=\"bar@x\"");
   EXPECT_SAYS(place("@0.5"), "is not a place");
   EXPECT_SAYS(place(""), "must be one place");
@@ -400,8 +401,9 @@ TEST(Reader, RefusesWhatDoesNotBelong) {
 
 TEST(Reader, RefusesWhatIsNoModel) {
   EXPECT_SAYS(message_of_text(""), "test.xml:1: not well-formed XML: the file is empty");
-  EXPECT_SAYS(message_of_text("<scene/>"), "a model is one <mbd name=");
-  EXPECT_SAYS(message_of_text("<gravity acceleration=\"0 0 1\"/>"), "a model is one <mbd name=");
+  EXPECT_SAYS(message_of_text("<scene/>"), "a model must be one <mbd name=");
+  EXPECT_SAYS(message_of_text("<gravity acceleration=\"0 0 1\"/>"),
+              "a model must be one <mbd name=");
   EXPECT_SAYS(message_of_text("<mbd name=\"a\">\n<body></mbd>"), "test.xml:2: not well-formed XML");
   EXPECT_SAYS(message_of_text("<mbd name=\"a\"/><mbd name=\"b\"/>"), "this is a second");
   EXPECT_SAYS(message_of_text(std::string("<mbd name=\"a\"/>\0<x/>", 20)), "zero bytes");

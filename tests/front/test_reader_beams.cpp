@@ -108,11 +108,11 @@ TEST(ReaderOfBeams, Refuses) {
   EXPECT_SAYS(message("<point at=\"0 0 0\"/>"), "<point> cannot stand in <mbd>");
   EXPECT_SAYS(
       message("<section name=\"s\">" + D + "<station at=\"0\">" + D + "</station></section>"),
-      "stiffness and mass stand in the stations, or there are no stations");
+      "stiffness and mass must stand in the stations, or there must be no stations");
   EXPECT_SAYS(message("<section name=\"s\"><station at=\"0\">" + M + "</station></section>"),
               "station: <stiffness> is missing");
   EXPECT_SAYS(message("<section name=\"s\" interpolation=\"smooth\">" + D + "</section>"),
-              "interpolation=\"smooth\": is between stations");
+              "section \"s\": interpolation is between stations");
   EXPECT_SAYS(message("<section name=\"s\">" + D + D + "</section>"), "has one already");
   EXPECT_SAYS(message(bar + "<load at=\"bar.end\" moment=\"0 0 1\" offset=\"1 0 0\"/>"),
               "is where a force acts, and there is none");
@@ -144,7 +144,7 @@ TEST(ReaderOfBeams, CompileRefuses) {
   };
   EXPECT_EQ(message(stations(station("0", D) + station("1", D)), true), "no error");
   EXPECT_SAYS(message(stations(station("0", D) + station("0.9", D)), true),
-              "section \"s\": stations run from at=\"0\" to at=\"1\"");
+              "section \"s\": stations must run from at=\"0\" to at=\"1\"");
   EXPECT_SAYS(
       message(stations(station("0", D) + station("0.6", D) + station("0.5", D) + station("1", D)),
               true),
@@ -171,11 +171,11 @@ TEST(ReaderOfBeams, CompileRefuses) {
   EXPECT_SAYS(message(bar + "<distributed name=\"q\" beam=\"bar\" force=\"0 0 1/(s-1/2)\"/>" +
                           "<record name=\"r\" at=\"bar@0.5\" quantities=\"force\"/>",
                       true),
-              "distributed load \"q\" on beam \"bar\", at s = 0.5");
+              "distributed \"q\", at s = 0.5");
   EXPECT_SAYS(message(bar + "<point_mass at=\"ground\" mass=\"1\"/>", true),
-              "point mass on the ground does nothing");
+              "point_mass: on the ground it does nothing");
   EXPECT_SAYS(message(bar + "<load name=\"x\" at=\"ground\" force=\"0 0 1\"/>", true),
-              "a load \"x\" on the ground does nothing");
+              "load \"x\": on the ground it does nothing");
 }
 
 }  // namespace

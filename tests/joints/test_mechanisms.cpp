@@ -492,10 +492,9 @@ void expect_says(const std::string& inside, const std::string& words) {
 }
 
 TEST(JointMessages, SayWhatIsWrong) {
-  expect_says(
-      R"(<universal name="U" between="ground b" axis="0 0 1" second_axis="1 0 1"/>)",
-      "model.xml:2: universal joint \"U\": second_axis must be perpendicular to axis; they are "
-      "at 45 degrees");
+  expect_says(R"(<universal name="U" between="ground b" axis="0 0 1" second_axis="1 0 1"/>)",
+              "model.xml:2: universal \"U\": second_axis must be perpendicular to axis; they are "
+              "at 45 degrees");
   expect_says(R"(<universal name="U" between="ground b" axis="0 0 1"/>)",
               "\"second_axis\" is missing");
   expect_says(R"(<screw name="S" between="ground b" axis="0 0 1"/>)", "\"pitch\" is missing");
@@ -506,10 +505,10 @@ TEST(JointMessages, SayWhatIsWrong) {
   expect_says(R"(<distance name="D" between="ground b" at_a="0 0 0"/>)",
               "its two points are the same");
   expect_says(R"(<revolute name="R" between="ground b" axis="0 0 1"/><drive joint="R" speed="0"/>)",
-              "drive of joint \"R\": a revolute joint has no displacement to drive; joints that "
+              "drive: revolute \"R\" has no displacement to drive; joints that "
               "have one: prismatic");
   expect_says(R"(<prismatic name="P" between="ground b" axis="0 0 1"/><drive joint="P" rate="0"/>)",
-              "drive of joint \"P\": a prismatic joint has no angle to drive; joints that have "
+              "drive: prismatic \"P\" has no angle to drive; joints that have "
               "one: revolute");
   expect_says(R"(<screw name="S" between="ground b" axis="0 0 1" pitch="1"/>
                  <drive joint="S" rate="0"/><drive joint="S" speed="0"/>)",
@@ -529,10 +528,10 @@ TEST(JointMessages, SayWhatIsWrong) {
   expect_says(R"(<motion name="m" of="b" displacement="0 0 0" velocity="0 0 0"/>)", "not both");
   expect_says(R"(<prismatic name="P" between="ground b" axis="0 0 1"/>
                  <record name="r" joint="P" quantities="angle"/>)",
-              "joint \"P\" is prismatic: it has no angle");
+              "record \"r\": prismatic \"P\" has no angle");
   expect_says(R"(<motion name="m" of="b" rotation="0 0 0"/>
                  <record name="r" joint="m" quantities="angle"/>)",
-              "\"m\" is a motion: it has no angle");
+              "record \"r\": motion \"m\" has no angle");
 }
 
 }  // namespace

@@ -59,11 +59,11 @@ TEST(HardStart, AnOpenJointIsNamedWithItsGap) {
 TEST(HardStart, InconsistentVelocitiesAreNamedWithTheirGap) {
   Scene top = model_scene("heavy_top");
   top.bodies.at(0).velocity.setZero();
-  expect_words(message_of([&] { compile(top); }), {"spherical 'O'", "velocit", "4.61538"});
+  expect_words(message_of([&] { compile(top); }), {"spherical \"O\"", "velocit", "4.61538"});
 
   Scene driven = model_scene("four_bar");  // at rest, but driven at once
   driven.drives.at(0).rate = Expression::parse("0.6", {}, Variables::time);
-  expect_words(message_of([&] { compile(driven); }), {"drive of 'A'", "velocit", "0.6"});
+  expect_words(message_of([&] { compile(driven); }), {"drive: joint \"A\"", "velocit", "0.6"});
 
   const Model model = compile(model_scene("pendulum"));
   State state = model.initial;
@@ -137,7 +137,8 @@ TEST(HardStart, RedundantConstraintsAreReportedByName) {
   Scene scene = model_scene("pendulum");
   scene.joints.push_back(scene.joints.front());
   scene.joints.back().name = "again";
-  expect_words(message_of([&] { run(scene); }), {"revolute '", "redundant"});
+  expect_words(message_of([&] { run(scene); }),
+               {"revolute \"again\": redundant", "held already by revolute \"O\""});
 }
 
 bool same(const State& a, const State& b) {

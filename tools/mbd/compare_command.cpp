@@ -1,0 +1,77 @@
+#include "tools/mbd/compare_command.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libmbd/front/compare.hpp"
+#include "libmbd/front/files.hpp"
+#include "libmbd/front/plot.hpp"
+
+namespace mbd {
+namespace {
+
+struct CompareArguments {
+  std::string first, second;
+  std::vector<std::string> names;
+  std::string output;
+  std::optional<double> tolerance;
+};
+
+int compare_results(const CompareArguments& arguments) {
+  if (arguments.tolerance && !(*arguments.tolerance >= 0.0 && std::isfinite(*arguments.tolerance)))
+    throw Error(fmt::format("--tolerance is {}, must be a finite number and not negative",
+                            *arguments.tolerance));
+  const History first = read_history(arguments.first), second = read_history(arguments.second);
+  const Comparison comparison = compare(first, second, arguments.names);
+  const std::filesystem::path file = arguments.output.empty()
+                                         ? second.file.parent_path() / "compare.svg"
+                                         : std::filesystem::path(arguments.output);
+  plot::check_picture(file);
+  write_file(file, overlay_svg(comparison, first, second));
+  for (const History* const history : {&first, &second})
+    for (const std::string& note : history->notes) fmt::print("note: {}\n", note);
+  fmt::print("{}wrote {}\n", to_text(comparison, first, second), file.string());
+  if (!arguments.tolerance) return 0;
+  std::size_t above = 0;
+  for (const ColumnDifference& d : comparison.columns) above += d.above(*arguments.tolerance);
+  fmt::print("{} of {} columns have a relative rms above {}\n", above, comparison.columns.size(),
+             *arguments.tolerance);
+  return above > 0 ? 2 : 0;
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* const command =
+      app.add_subcommand("compare", "Norms of the differences of two runs, and a plot of both.");
+  command->add_option("DIR1", arguments->first, "directory of a run's results, or a CSV file")
+      ->required();
+  command->add_option("DIR2", arguments->second, "the one compared with it")->required();
+  command->add_option("RECORD", arguments->names,
+                      "what to compare: records, quantities or columns; default: all");
+  command
+      ->add_option("-o,--out", arguments->output,
+                   "picture; default: compare.svg beside the second history")
+      ->type_name("FILE.svg");
+  command
+      ->add_option("-t,--tolerance", arguments->tolerance,
+                   "exit with status 2 if the rms of a column's difference is above this part of "
+                   "its largest magnitude in DIR1, or is not zero where that is zero")
+      ->type_name("T");
+  command->footer(
+      "Examples:\n"
+      "  mbd compare results/four_bar results/four_bar_fine\n"
+      "  mbd compare results/four_bar results/four_bar_fine C.displacement --tolerance 1e-3\n"
+      "Exit status: 0 compared; 1 an error; 2 a column is above --tolerance.");
+  command->callback([arguments, &status] { status = compare_results(*arguments); });
+}
+
+}  // namespace mbd
