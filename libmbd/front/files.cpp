@@ -47,7 +47,10 @@ void write_file(const fs::path& file, std::string_view text) {
     throw;
   }
   fs::rename(part, file, code);
-  if (code) throw Error(file.string() + ": cannot be written (" + code.message() + ")");
+  if (!code) return;
+  const std::string why = code.message();
+  fs::remove(part, code);
+  throw Error(file.string() + ": cannot be written (" + why + ")");
 }
 
 AppendedFile::AppendedFile(fs::path path) : path_(std::move(path)) {
