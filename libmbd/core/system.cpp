@@ -39,7 +39,11 @@ void System::finish(bool with_rates, double length_scale) {
   for (Index n = 1; n < nodes(); ++n) graph_.blocks.push_back({6, BlockGraph::Kind::node});
   for (const ConstraintInfo& c : constraints_)
     graph_.blocks.push_back({static_cast<int>(c.rows), BlockGraph::Kind::multiplier});
-  for (const auto& batch : batches_) batch->connect(graph_);
+  first_contributions_.clear();
+  for (const auto& batch : batches_) {
+    first_contributions_.push_back(static_cast<Index>(graph_.contributions.size()));
+    batch->connect(graph_);
+  }
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const int accelerates = signal_uses_[i] == SignalUse::drive ? 2 : 0;
     for (const Jump& jump : signals_[i].jumps())

@@ -54,6 +54,8 @@ class System {
   double length_scale() const { return length_scale_; }  // [m] size of the scene
   const BlockGraph& graph() const { return graph_; }
   const std::vector<std::unique_ptr<Batch>>& batches() const { return batches_; }
+  // By batch: the first of its contributions in graph().contributions; those of a batch are neighbours.
+  std::span<const Index> first_contributions() const { return first_contributions_; }
   const std::vector<ConstraintInfo>& constraints() const { return constraints_; }
   const std::vector<Signal>& signals() const { return signals_; }
   const std::vector<Breakpoint>& breakpoints() const { return breakpoints_; }  // t rising, distinct
@@ -93,6 +95,7 @@ class System {
   std::vector<Signal> signals_;
   std::vector<std::unique_ptr<Batch>> batches_;
   BlockGraph graph_;
+  std::vector<Index> first_contributions_;
   std::vector<SignalUse> signal_uses_;
   std::vector<Breakpoint> breakpoints_;
   Index multipliers_ = 0;

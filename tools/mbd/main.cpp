@@ -7,6 +7,8 @@
 #include <string>
 
 #include "libmbd/front/report.hpp"
+#include "tools/mbd/check_command.hpp"
+#include "tools/mbd/explain_command.hpp"
 #include "tools/mbd/run_command.hpp"
 
 int main(int argc, char** argv) {
@@ -22,6 +24,8 @@ int main(int argc, char** argv) {
 
   int status = 0;
   mbd::add_run_command(app, status);
+  mbd::add_check_command(app, status);
+  mbd::add_explain_command(app, status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

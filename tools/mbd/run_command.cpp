@@ -13,6 +13,7 @@
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
+#include "tools/mbd/overrides.hpp"
 
 namespace mbd {
 namespace {
@@ -23,17 +24,6 @@ struct RunArguments {
   std::vector<std::string> set;
   bool quiet = false;
 };
-
-Overrides to_overrides(const std::vector<std::string>& set) {
-  Overrides overrides;
-  for (const std::string& text : set) {
-    const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
-      throw Error("--set " + text + ": write --set name=value, without blanks around =");
-    overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
-  }
-  return overrides;
-}
 
 std::string clock_time(double seconds) {
   const long s = std::lround(seconds);
@@ -132,11 +122,7 @@ void add_run_command(CLI::App& app, int& status) {
   command->add_option(
       "-o,--out", arguments->output,
       "directory for history.csv, history.svg and report.json; default: results/MODEL's name");
-  command
-      ->add_option("-s,--set", arguments->set,
-                   "give a parameter of the model another value; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
+  add_set_option(*command, arguments->set);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   command->callback([arguments, &status] { status = run_model(*arguments); });
 }
