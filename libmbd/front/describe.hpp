@@ -29,14 +29,14 @@ struct CheckReport {
 
   // The mechanism (solvers/mechanism.hpp), with every beam as a rigid body.
   Index rigid_parts = 0;
-  Index joint_freedoms = 0;            // that the joints leave
-  Index prescribed = 0;                // of these, by drives and motions
-  Index freedoms = 0;                  // left free
-  std::vector<std::string> redundant;  // sentences, of the constraints that others imply
+  Index joint_freedoms = 0;                     // that the joints leave
+  Index prescribed = 0;                         // of these, by drives and motions
+  Index freedoms = 0;                           // left free
+  std::vector<std::string> redundant;           // sentences, of the constraints that others imply
   std::vector<std::string> redundant_if_rigid;  // that they would imply if the beams were rigid
 
   // At the start, before equilibrium is sought.
-  Energies energy;                   // [J]
+  Energies energy;                     // [J]
   WorstConstraint position, velocity;  // |g| [m, rad], |gdot| [m/s, rad/s]
 
   std::optional<StaticScene> statics;

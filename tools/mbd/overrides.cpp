@@ -4,8 +4,7 @@ namespace mbd {
 
 void add_set_option(CLI::App& command, std::vector<std::string>& set) {
   command
-      .add_option("-s,--set", set,
-                  "give a parameter of the model another value; may be repeated")
+      .add_option("-s,--set", set, "give a parameter of the model another value; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
 }
