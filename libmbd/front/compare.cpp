@@ -161,7 +161,9 @@ Comparison compare(const History& first, const History& second,
 
   for (ColumnDifference& d : result.columns) {
     const std::vector<double>&v1 = first.values[d.in_first], &v2 = second.values[d.in_second];
-    for (const double value : v1) d.scale = std::max(d.scale, std::abs(value));
+    for (std::size_t i = 1; i < first.columns.size(); ++i)
+      if (quantity_of(first.columns[i].name) == quantity_of(d.name))
+        for (const double value : first.values[i]) d.scale = std::max(d.scale, std::abs(value));
     double sum = 0.0;
     std::vector<double> differences;
     for (std::size_t i = 0; i < stencils.size(); ++i) {
@@ -226,29 +228,34 @@ std::string to_text(const Comparison& comparison, const History& first, const Hi
   const std::array<std::string, 2> called = short_names(first, second);
   std::string text =
       fmt::format("{} - {}, {}\n", called[1], called[0], comparison.sampling) +
-      fmt::format("relative to the largest magnitude of the column in all of {}\n", called[0]);
+      fmt::format(
+          "rms and largest magnitude of each difference, relative to the largest magnitude of any\n"
+          "component of the quantity in all of {}\n",
+          called[0]);
   std::size_t width = 6;
   for (const ColumnDifference& d : comparison.columns) {
     const std::string name = d.unit.empty() ? d.name : d.name + " [" + d.unit + "]";
     width = std::max(width, name.size());
   }
   const std::string x = first.columns[0].name;
-  text += fmt::format("{:<{}}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}\n", "column", width,
-                      "relative rms", "rel. largest", "rms", "largest", "at " + x, "relative to");
+  text += fmt::format("{:<{}}  {:>8}  {:>8}  {:>8}  {:>8}  {:>9}\n", "", width, "rel. rms", "rel.",
+                      "largest", "at", "relative") +
+          fmt::format("{:<{}}  {:>8}  {:>8}  {:>8}  {:>8}  {:>9}\n", "column", width, "", "largest",
+                      "", x, "to");
   const auto relative = [](const std::optional<double>& value) {
-    return value ? fmt::format("{:.3e}", *value) : "-";
+    return value ? fmt::format("{:.2e}", *value) : "-";
   };
   bool zero = false;
   for (const ColumnDifference& d : comparison.columns) {
     const std::string name = d.unit.empty() ? d.name : d.name + " [" + d.unit + "]";
-    text += fmt::format("{:<{}}  {:>12}  {:>12}  {:>12.3e}  {:>12.3e}  {:>12.6g}  {:>12.3e}\n",
-                        name, width, relative(d.relative_rms()), relative(d.relative_largest()),
-                        d.rms, d.largest, d.at, d.scale);
+    text += fmt::format("{:<{}}  {:>8}  {:>8}  {:>8.2e}  {:>8.5g}  {:>9.2e}\n", name, width,
+                        relative(d.relative_rms()), relative(d.relative_largest()), d.largest, d.at,
+                        d.scale);
     zero = zero || !d.relative_rms();
   }
   if (zero)
-    text +=
-        fmt::format("-: the column is zero in {}, so there is no relative difference\n", called[0]);
+    text += fmt::format("-: the quantity is zero in {}, so there is no relative difference\n",
+                        called[0]);
   for (const auto& [names, who] : {std::pair(&comparison.only_first, &called[0]),
                                    std::pair(&comparison.only_second, &called[1])})
     for (const std::string& name : *names) text += fmt::format("only in {}: {}\n", *who, name);

@@ -17,7 +17,9 @@ struct ColumnDifference {
   std::size_t in_first = 0, in_second = 0;  // columns
   double rms = 0.0;                // over the samples of the comparison, each with weight 1
   double largest = 0.0, at = 0.0;  // magnitude, and the time of it
-  double scale = 0.0;              // largest magnitude of the column in all rows of the first
+  // Largest magnitude in all rows of the first, of any component of the quantity: so a component that is
+  // round-off beside the others is not compared with itself.
+  double scale = 0.0;
 
   // Relative to `scale`; where that is zero, 0 for equal columns and otherwise nothing.
   std::optional<double> relative_rms() const { return relative(rms); }

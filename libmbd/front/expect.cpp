@@ -93,6 +93,15 @@ std::size_t find_column(std::span<const Column> columns, const std::string& name
                           suggest(name, known, "columns") + "; a <record> makes more of them");
 }
 
+void check_outputs(const Scene& scene, const Model& model) {
+  const Expectations expectations(scene, model);
+  const std::vector<Column> known = columns(model);
+  for (const PlotScene& plot : scene.plots) {
+    find_column(known, plot.x, plot.source, "plot");
+    for (const std::string& name : plot.y) find_column(known, name, plot.source, "plot");
+  }
+}
+
 std::string to_text(std::span<const ExpectResult> results) {
   std::size_t width = 8;
   for (const ExpectResult& result : results) width = std::max(width, result.what.size());

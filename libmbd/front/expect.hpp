@@ -36,6 +36,10 @@ class Expectations : public Observer {
 std::size_t find_column(std::span<const Column> columns, const std::string& name,
                         const Source& source, const std::string& who);
 
+// Checks what plots and expectations ask of a run, without one: columns of the results and sample times.
+// Throws Error as Expectations and HistoryPlot do.
+void check_outputs(const Scene& scene, const Model& model);
+
 // A table of expected and computed numbers, one line each, for people.
 std::string to_text(std::span<const ExpectResult> results);
 

@@ -1,7 +1,6 @@
 #include "libmbd/front/run.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/plot.hpp"
+#include "libmbd/front/redundancy.hpp"
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/initial.hpp"
 #include "solvers/klu_solver.hpp"
@@ -163,7 +163,7 @@ class Run {
   [[noreturn]] void fail_to_start(const std::string& failure) {
     const System& system = *model_.system;
     const Mechanism mechanism = analyze_mechanism(system, model_.initial);
-    if (!mechanism.redundant.empty()) refuse_redundant(mechanism);
+    refuse_redundant(model_, mechanism);
     if (in_statics_ && mechanism.freedoms() > 0)
       throw Error(
           scene_.statics->source,
@@ -176,40 +176,6 @@ class Run {
                     fmt::format("{}: {}; give it mass and inertia", label(body), failure));
     if (in_statics_) throw Error(scene_.statics->source, "static: " + failure);
     throw Error(scene_.transient->source, "transient: " + failure);
-  }
-
-  // Tells of the first joint that repeats others, and counts the rest.
-  [[noreturn]] void refuse_redundant(const Mechanism& mechanism) const {
-    const System& system = *model_.system;
-    const auto maker = [this](Index row) -> const Model::Maker& {
-      return model_.makers[static_cast<std::size_t>(row)];
-    };
-    const Model::Maker& blamed = maker(mechanism.redundant.front().row);
-    std::vector<std::string> rows, others;
-    std::size_t more = 0;
-    for (const RedundantRow& r : mechanism.redundant) {
-      if (maker(r.row).label != blamed.label) {
-        ++more;
-        continue;
-      }
-      const std::string words = row_in_words(system, r.row);
-      rows.push_back(words.substr(words.find(", ") + 2));
-      for (const Index row : r.repeats)
-        if (std::find(others.begin(), others.end(), maker(row).label) == others.end())
-          others.push_back(maker(row).label);
-    }
-    constexpr std::size_t most = 6;
-    if (others.size() > most) {
-      others.resize(most);
-      others.push_back("others");
-    }
-    throw Error(
-        blamed.source,
-        fmt::format("{}: redundant constraints cannot be solved: its {} {} held already by {}{}; "
-                    "leave one of them out, or take a joint that holds less",
-                    blamed.label, fmt::join(rows, ", "), rows.size() == 1 ? "is" : "are",
-                    others.empty() ? "the ground" : fmt::format("{}", fmt::join(others, ", ")),
-                    more > 0 ? fmt::format(" (and {} more in other joints)", more) : ""));
   }
 
   // Before the first accepted state: from here on an earlier result is lost.
@@ -249,9 +215,8 @@ class Run {
     report_.most_static_iterations = result.most_iterations;
     report_.equilibrium += watch_.lap();
     if (!result.converged && report_.complete()) {
-      const std::string failure = "static equilibrium: " + result.failure;
-      if (report_.rows == 0) fail_to_start(failure);
-      report_.failure = failure;
+      if (report_.rows == 0) fail_to_start(result.failure);
+      report_.failure = "static equilibrium: " + result.failure;
     }
     in_statics_ = false;
   }
@@ -282,7 +247,7 @@ class Run {
     const long every = (steps_ + most_monitored - 1) / most_monitored;
 
     StepReport step = integrator.start(state);
-    if (!step.converged) fail_to_start("initial accelerations: " + step.failure);
+    if (!step.converged) fail_to_start(step.failure);
     report_.integration += watch_.lap();
     bool going = accept(state, true);
     report_.output += watch_.lap();

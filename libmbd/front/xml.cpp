@@ -61,7 +61,9 @@ class Diagnosis {
   void text() {
     if (open_.empty() && !is_blank(text_.substr(at_, 1)) &&
         static_cast<unsigned char>(text_[at_]) < 0x80)  // not the mark that a file is UTF-8
-      fail(line_, "text after the end of the model does not belong there; a comment is written <!-- … -->");
+      fail(
+          line_,
+          "text after the end of the model does not belong there; a comment is written <!-- … -->");
     step();
   }
   void skip(std::string_view end, const std::string& otherwise) {

@@ -155,14 +155,14 @@ void set_up(CLI::App& app) {
   app.require_subcommand(1);
 }
 
-void set_examples(CLI::App& command, std::string_view examples) {
+void set_examples(CLI::App& command, std::string_view examples, std::string_view exit_status) {
   std::string text = "Examples:\n";
   for (std::size_t at = 0; at < examples.size();) {
     const std::size_t end = std::min(examples.find('\n', at), examples.size());
     text += "  " + std::string(examples.substr(at, end - at)) + "\n";
     at = end + 1;
   }
-  command.footer(text + "\n" + std::string(exit_status_text));
+  command.footer(text + "\n" + std::string(exit_status));
 }
 
 int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {

@@ -17,7 +17,8 @@ inline constexpr std::string_view exit_status_text =
 void set_up(CLI::App& app);
 
 // Sets what stands below the options in a command's help: examples, one a line, and exit statuses.
-void set_examples(CLI::App& command, std::string_view examples);
+void set_examples(CLI::App& command, std::string_view examples,
+                  std::string_view exit_status = exit_status_text);
 
 // Parses the arguments and so runs the command they name. Returns the exit status: that of the command
 // (`status`); 1 if it threw, or if what it printed could not be written; 100 and more for wrong use, which is

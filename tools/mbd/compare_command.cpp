@@ -13,6 +13,7 @@
 #include "libmbd/front/compare.hpp"
 #include "libmbd/front/files.hpp"
 #include "libmbd/front/plot.hpp"
+#include "tools/mbd/command_line.hpp"
 
 namespace mbd {
 namespace {
@@ -62,15 +63,16 @@ void add_compare_command(CLI::App& app, int& status) {
                    "picture; default: compare.svg beside the second history")
       ->type_name("FILE.svg");
   command
-      ->add_option("-t,--tolerance", arguments->tolerance,
-                   "exit with status 2 if the rms of a column's difference is above this part of "
-                   "its largest magnitude in DIR1, or is not zero where that is zero")
+      ->add_option(
+          "-t,--tolerance", arguments->tolerance,
+          "exit with status 2 if the rms of a column's difference is above this part of the "
+          "largest magnitude of its quantity in DIR1")
       ->type_name("T");
-  command->footer(
-      "Examples:\n"
-      "  mbd compare results/four_bar results/four_bar_fine\n"
-      "  mbd compare results/four_bar results/four_bar_fine C.displacement --tolerance 1e-3\n"
-      "Exit status: 0 compared; 1 an error; 2 a column is above --tolerance.");
+  set_examples(*command,
+               "mbd compare results/four_bar results/four_bar_fine\n"
+               "mbd compare results/four_bar results/four_bar_fine C.displacement --tolerance 1e-3",
+               "Exit status: 0 all went well; 1 an error; 2 a column is above --tolerance;\n"
+               "100 and more: wrong use of the command.");
   command->callback([arguments, &status] { status = compare_results(*arguments); });
 }
 

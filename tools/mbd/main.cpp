@@ -4,9 +4,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/mbd/check_command.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/compare_command.hpp"
 #include "tools/mbd/completion_command.hpp"
+#include "tools/mbd/explain_command.hpp"
 #include "tools/mbd/plot_command.hpp"
 #include "tools/mbd/run_command.hpp"
 #include "tools/mbd/schema_command.hpp"
@@ -16,11 +18,14 @@ int main(int argc, char** argv) {
   mbd::set_up(app);
   int status = 0;
   mbd::add_run_command(app, status);
+  mbd::add_check_command(app, status);
+  mbd::add_explain_command(app, status);
   mbd::add_plot_command(app, status);
   mbd::add_compare_command(app, status);
   mbd::add_schema_command(app, status);
   mbd::add_completion_command(app, status);
   mbd::set_examples(app,
+                    "mbd check models/four_bar.xml\n"
                     "mbd run models/four_bar.xml\n"
                     "mbd plot results/four_bar C\n"
                     "mbd run models/chain.xml --set N=100 --out chain_of_100\n"

@@ -11,6 +11,7 @@
 #include "libmbd/front/files.hpp"
 #include "libmbd/front/history.hpp"
 #include "libmbd/front/plot.hpp"
+#include "tools/mbd/command_line.hpp"
 
 namespace mbd {
 namespace {
@@ -53,17 +54,16 @@ void add_plot_command(CLI::App& app, int& status) {
                       "(C.displacement.3); default: all");
   command
       ->add_option("-x,--x", arguments->x,
-                   "column for the horizontal axis; default: the first, time")
+                   "column for the horizontal axis; default: the first (time or load_factor)")
       ->type_name("COLUMN");
   command
       ->add_option("-o,--out", arguments->output, "picture; default: plot.svg beside the history")
       ->type_name("FILE.svg");
   command->add_option("-t,--title", arguments->title, "written above the picture");
-  command->footer(
-      "Examples:\n"
-      "  mbd plot results/four_bar\n"
-      "  mbd plot results/four_bar C.displacement A.angle --out c.svg --title \"Joint C\"\n"
-      "  mbd plot results/four_bar C.displacement.3 --x A.angle");
+  set_examples(*command,
+               "mbd plot results/four_bar\n"
+               "mbd plot results/four_bar C.displacement A.angle --out c.svg --title \"Joint C\"\n"
+               "mbd plot results/four_bar C.displacement.3 --x A.angle");
   command->callback([arguments, &status] { status = plot_results(*arguments); });
 }
 

@@ -15,6 +15,7 @@
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/summary.hpp"
 #include "tools/mbd/command_line.hpp"
+#include "tools/mbd/overrides.hpp"
 
 namespace mbd {
 namespace {
@@ -25,17 +26,6 @@ struct RunArguments {
   std::vector<std::string> set;
   bool quiet = false;
 };
-
-Overrides to_overrides(const std::vector<std::string>& set) {
-  Overrides overrides;
-  for (const std::string& text : set) {
-    const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
-      throw Error("--set " + text + ": write --set name=value, without blanks around =");
-    overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
-  }
-  return overrides;
-}
 
 std::string clock_time(double seconds) {
   const long s = std::lround(seconds);
@@ -107,11 +97,7 @@ void add_run_command(CLI::App& app, int& status) {
           "directory for history.csv, history.svg and report.json; default: results/ and the "
           "model file's name without .xml")
       ->type_name("DIR");
-  command
-      ->add_option("-s,--set", arguments->set,
-                   "give a parameter of the model another value; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
+  add_set_option(*command, arguments->set);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"

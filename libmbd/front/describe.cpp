@@ -1,0 +1,668 @@
+#include "libmbd/front/describe.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "libmbd/front/expect.hpp"
+#include "libmbd/front/label.hpp"
+#include "libmbd/front/observers.hpp"
+#include "libmbd/front/run.hpp"
+#include "libmbd/front/schema.hpp"
+#include "solvers/initial.hpp"
+#include "solvers/klu_solver.hpp"
+#include "solvers/mechanism.hpp"
+
+namespace mbd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using schema::shortest;
+
+// ---- words -------------------------------------------------------------------------------------
+
+constexpr std::size_t line_width = 80;
+
+// Letters, not bytes: those that continue a UTF-8 character are not counted.
+std::size_t letters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+// A paragraph that starts with `head` and goes on `indent` letters from the left. Words are kept whole.
+std::string paragraph(const std::string& head, std::string_view text, std::size_t indent) {
+  std::string result = head;
+  std::size_t at = letters(head);
+  bool first = true;
+  for (const std::string_view word : schema::words(text)) {
+    const std::size_t size = letters(word);
+    if (!first && at + 1 + size > line_width) {
+      result += "\n" + std::string(indent, ' ');
+      at = indent;
+    } else if (!first) {
+      result += ' ';
+      ++at;
+    }
+    result += word;
+    at += size;
+    first = false;
+  }
+  return result + "\n";
+}
+
+std::string entry(std::string_view name, const std::string& text) {
+  constexpr std::size_t indent = 15;
+  return paragraph(fmt::format("  {:<{}}", name, indent - 2), text, indent);
+}
+
+// "1 body", "2 bodies".
+std::string counted(Index n, std::string_view plural) {
+  std::string word(plural);
+  if (n == 1) {
+    if (plural.ends_with("ies"))
+      word.replace(word.size() - 3, 3, "y");
+    else if (plural.ends_with("sses"))
+      word.resize(word.size() - 2);
+    else if (plural.ends_with("s"))
+      word.resize(word.size() - 1);
+  }
+  return fmt::format("{} {}", n, word);
+}
+
+std::string joined(const std::vector<std::string>& items, std::string_view between = ", ") {
+  std::string text;
+  for (const std::string& item : items) {
+    if (!text.empty()) text += between;
+    text += item;
+  }
+  return text;
+}
+
+// The first of many, and how many more.
+std::vector<std::string> some(std::vector<std::string> items) {
+  constexpr std::size_t most = 6;
+  if (items.size() <= most) return items;
+  const std::size_t more = items.size() - (most - 1);
+  items.resize(most - 1);
+  items.push_back(fmt::format("and {} more", more));
+  return items;
+}
+
+std::string title(const std::string& model, const std::string& file) {
+  const std::string name = model.empty() ? "(a model without a name)" : excerpt(model);
+  return file.empty() ? name + "\n" : fmt::format("{} ({})\n", name, file);
+}
+
+std::string kind_key(std::string what) {  // "point masses" -> "point_masses"
+  std::replace(what.begin(), what.end(), ' ', '_');
+  return what;
+}
+
+std::string dump(const Json& all) {
+  // Names from a model may hold bytes that are not UTF-8: replaced, not refused.
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Index beam_elements(const System& system) {
+  Index n = 0;
+  for (const auto& batch : system.batches())
+    if (dynamic_cast<const BeamElasticBatch*>(batch.get()) != nullptr) n += batch->size();
+  return n;
+}
+
+// ---- check -------------------------------------------------------------------------------------
+
+std::vector<Count> stated_counts(const Scene& scene) {
+  const auto size = [](const auto& list) { return static_cast<Index>(list.size()); };
+  Index elements = 0;
+  for (const BeamScene& beam : scene.beams) elements += beam.elements;
+  return {{"sections", size(scene.sections)},
+          {"beams", size(scene.beams)},
+          {"elements", elements},
+          {"bodies", size(scene.bodies)},
+          {"point masses", size(scene.point_masses)},
+          {"joints", size(scene.joints)},
+          {"drives", size(scene.drives)},
+          {"motions", size(scene.motions)},
+          {"loads", size(scene.loads)},
+          {"distributed loads", size(scene.distributed_loads)},
+          {"records", size(scene.records)},
+          {"plots", size(scene.plots)},
+          {"expectations", size(scene.expects)}};
+}
+
+Index stated(const CheckReport& report, std::string_view what) {
+  for (const Count& count : report.stated)
+    if (count.what == what) return count.count;
+  return 0;
+}
+
+std::string constraint_at(const System& system, Index row) {
+  return row < 0 ? "" : row_in_words(system, row);
+}
+
+// The joints, drives or motions that take part in a redundancy, each once, the repeating one first.
+std::vector<std::string> who_repeats(const System& system, const RedundantRow& redundant) {
+  std::vector<Index> rows{redundant.row};
+  rows.insert(rows.end(), redundant.repeats.begin(), redundant.repeats.end());
+  std::vector<std::string> names;
+  for (const Index row : rows)
+    for (const ConstraintInfo& info : system.constraints())
+      if (row >= info.first_row && row < info.first_row + info.rows &&
+          std::find(names.begin(), names.end(), info.name) == names.end())
+        names.push_back(info.name);
+  return names;
+}
+
+void add_mechanism(const System& system, const State& state, const Scene& scene,
+                   CheckReport& report) {
+  const Mechanism mechanism = analyze_mechanism(system, state);
+  report.rigid_parts = mechanism.rigid_parts;
+  report.joint_freedoms = mechanism.joint_freedoms;
+  report.prescribed = mechanism.prescribed;
+  report.freedoms = mechanism.freedoms();
+  for (const RedundantRow& row : mechanism.redundant) {
+    report.redundant.push_back(to_text(system, row));
+    const std::vector<std::string> who = who_repeats(system, row);
+    std::string remedy = who.size() < 2
+                             ? "leave it out"
+                             : "free that direction in it, or one that " + who[1] + " holds";
+    report.notes.push_back(fmt::format(
+        "{} is redundant: nothing determines its force, and a run is refused or may fail; {}",
+        row_in_words(system, row.row), remedy));
+  }
+  const auto always = [&mechanism](const RedundantRow& rigid) {
+    return std::any_of(mechanism.redundant.begin(), mechanism.redundant.end(),
+                       [&rigid](const RedundantRow& row) { return row.row == rigid.row; });
+  };
+  for (const RedundantRow& row : mechanism.rigid_redundant)
+    if (!always(row)) report.redundant_if_rigid.push_back(to_text(system, row));
+  if (scene.statics && mechanism.freedoms() > 0)
+    report.notes.push_back(fmt::format(
+        "the mechanism is free to move in {} and <static> seeks an equilibrium: there is a unique "
+        "one only if loads, gravity or the elasticity of beams hold it; otherwise add a joint, a "
+        "drive or a motion",
+        counted(mechanism.freedoms(), "ways")));
+}
+
+std::string plan(const CheckReport& report) {
+  std::vector<std::string> parts;
+  if (report.statics)
+    parts.push_back(
+        fmt::format("static equilibrium in {}", counted(report.statics->steps, "load steps")));
+  if (report.transient)
+    parts.push_back(fmt::format("transient of {} s in {} of {} s",
+                                shortest(report.transient->duration),
+                                counted(report.steps, "steps"), shortest(report.transient->step)));
+  return joined(parts, ", then ");
+}
+
+std::string residual(const WorstConstraint& worst, std::string_view unit) {
+  if (worst.where.empty()) return "none";
+  return fmt::format("{:.2g} {} at {}", worst.value, unit, worst.where);
+}
+
+Json json(const WorstConstraint& worst) {
+  return {{"largest", worst.value}, {"where", worst.where}};
+}
+
+Json settings(const CheckReport& report) {
+  Json all = Json::object();
+  if (report.statics)
+    all["static"] = {{"steps", report.statics->steps}, {"tolerance", report.statics->tolerance}};
+  if (report.transient)
+    all["transient"] = {{"duration", report.transient->duration},
+                        {"step", report.transient->step},
+                        {"steps", report.steps},
+                        {"rho_infinity", report.transient->rho_infinity}};
+  return all;
+}
+
+// ---- explain -----------------------------------------------------------------------------------
+
+// Finds effects and what is absent. Each pair of them is settled in one place, so that nothing is said
+// to be both, or neither.
+class Explainer {
+ public:
+  Explainer(const Scene& scene, const Model& model, Explanation& explanation)
+      : scene_(scene), system_(*model.system), result_(explanation) {}
+
+  void explain() {
+    beams();
+    inertia();
+    gravity();
+    loads();
+    joints();
+    analyses();
+    limits();
+  }
+
+ private:
+  using Names = std::vector<std::string>;
+
+  // `<gravity>, line 12`, with the file if it is not that of the model.
+  std::string at(const std::string& what, const Source& source) const {
+    if (source.line <= 0) return what;
+    return source.file == scene_.file ? fmt::format("{}, line {}", what, source.line)
+                                      : fmt::format("{}, {}:{}", what, source.file, source.line);
+  }
+
+  template <class List, class Which>
+  Names from(const List& list, const Which& which) const {
+    Names names;
+    for (const auto& item : list)
+      if (which(item)) names.push_back(at(label(item), item.source));
+    return names;
+  }
+  template <class List>
+  Names from(const List& list) const {
+    return from(list, [](const auto&) { return true; });
+  }
+
+  void present(std::string what, Names names) {
+    result_.effects.push_back({std::move(what), std::move(names)});
+  }
+  void absent(std::string what, std::string why) {
+    result_.absent.push_back({std::move(what), std::move(why)});
+  }
+  void either(const std::string& what, Names names, const std::string& why) {
+    if (names.empty())
+      absent(what, why);
+    else
+      present(what, std::move(names));
+  }
+
+  const Batch* batch(std::string_view type) const {
+    for (const auto& one : system_.batches())
+      if (one->type() == type) return one.get();
+    return nullptr;
+  }
+
+  bool is_used(const Section& section) const {
+    return std::any_of(scene_.beams.begin(), scene_.beams.end(),
+                       [&](const BeamScene& beam) { return beam.section == section.name; });
+  }
+
+  static bool is_coupled(const Section& section) {
+    const auto off_diagonal = [](const Mat6& D) { return !D.isDiagonal(0.0); };
+    if (section.stations.empty()) return off_diagonal(section.stiffness);
+    return std::any_of(section.stations.begin(), section.stations.end(),
+                       [&](const Station& station) { return off_diagonal(station.stiffness); });
+  }
+
+  void beams() {
+    if (scene_.beams.empty()) {
+      absent("elastic deformation", "no <beam>, <arc> or <curve>: every body is rigid");
+      return;
+    }
+    present("stretching, shearing, bending and twisting of beams, of any size of rotation",
+            from(scene_.beams));
+    const auto used = [this](auto which) {
+      return from(scene_.sections,
+                  [this, which](const Section& s) { return is_used(s) && which(s); });
+    };
+    either("coupling of stretching, shearing, bending and twisting", used(is_coupled),
+           "the stiffness of every section used is diagonal");
+    either("sections that vary along a beam",
+           used([](const Section& s) { return !s.stations.empty(); }),
+           "no section used has stations");
+    either("curved beams",
+           from(scene_.beams,
+                [](const BeamScene& beam) {
+                  const auto* const curve = std::get_if<Curve>(&beam.line);
+                  return curve != nullptr ? curve->points.size() > 2
+                                          : std::holds_alternative<Arc>(beam.line);
+                }),
+           "every reference line is straight");
+  }
+
+  // What has mass, whether or not it matters.
+  Names masses() const {
+    Names names = from(scene_.sections, [this](const Section& s) {
+      return is_used(s) && (s.mass || (!s.stations.empty() && s.stations.front().mass));
+    });
+    const Names bodies = from(
+        scene_.bodies, [](const BodyScene& b) { return b.mass > 0.0 || !b.inertia.isZero(0.0); });
+    const Names points =
+        from(scene_.point_masses, [](const PointMassScene& m) { return m.mass > 0.0; });
+    names.insert(names.end(), bodies.begin(), bodies.end());
+    names.insert(names.end(), points.begin(), points.end());
+    return names;
+  }
+
+  void inertia() {
+    if (batch("inertia") == nullptr) {
+      absent("inertia and velocities", "no <transient>: only an equilibrium is sought");
+      return;
+    }
+    either("inertia, with its centrifugal and gyroscopic forces", masses(), "nothing has mass");
+    either("velocities at the start",
+           from(scene_.bodies,
+                [](const BodyScene& b) {
+                  return !b.velocity.isZero(0.0) || !b.angular_velocity.isZero(0.0);
+                }),
+           "no <body> states any");
+  }
+
+  void gravity() {
+    if (!scene_.gravity) {
+      absent("gravity", "no <gravity>");
+      return;
+    }
+    const std::string here = at("<gravity>", scene_.gravity->source);
+    const Batch* const nodes = batch("gravity");
+    if (nodes == nullptr || nodes->size() == 0)
+      absent("gravity", here + ": it has nothing to act on, as nothing has mass");
+    else if (scene_.gravity->acceleration.isZero(0.0))
+      absent("gravity", here + ": its acceleration is zero");
+    else
+      present("gravity", {here});
+  }
+
+  void loads() {
+    const auto is_dead = [](const auto& load) { return load.force || load.moment; };
+    const auto follows = [](const auto& load) {
+      return load.follower_force || load.follower_moment;
+    };
+    either("loads at places", from(scene_.loads), "no <load>");
+    either("distributed loads", from(scene_.distributed_loads), "no <distributed>");
+    if (scene_.loads.empty() && scene_.distributed_loads.empty()) return;
+
+    // Components that are zero are not in a batch: what is stated may do nothing.
+    const auto kind = [&](const std::string& what, const char* type, const auto& which,
+                          const std::string& why) {
+      Names names = from(scene_.loads, which);
+      const Names more = from(scene_.distributed_loads, which);
+      names.insert(names.end(), more.begin(), more.end());
+      if (!names.empty() && batch(type) == nullptr)
+        absent(what, "those stated are zero: " + joined(some(names)));
+      else
+        either(what, names, why);
+    };
+    kind("loads of fixed direction", "dead load", is_dead,
+         "every load follows its section or body");
+    kind("loads that follow their section or body", "follower load", follows,
+         "no follower_force or follower_moment");
+  }
+
+  void joints() {
+    if (scene_.joints.empty()) absent("joints", "none stated");
+    for (const schema::JointKind& kind : schema::joint_kinds()) {
+      const Names names =
+          from(scene_.joints, [&kind](const JointScene& j) { return j.kind == kind.name; });
+      if (!names.empty()) present(fmt::format("joints that are {}", kind.name), names);
+    }
+    Names drives;
+    for (const DriveScene& drive : scene_.drives)
+      drives.push_back(at(label("drive", drive.joint), drive.source));
+    either("driven joints", drives, "no <drive>");
+    either("prescribed motions of places", from(scene_.motions), "no <motion>");
+  }
+
+  void analyses() {
+    if (scene_.statics)
+      present(fmt::format("equilibrium at t = 0, loads raised in {}",
+                          counted(scene_.statics->steps, "steps")),
+              {at("<static>", scene_.statics->source)});
+    else
+      absent("equilibrium before the first step",
+             "no <static>: beams start in their stated shape, without strain");
+    if (!scene_.transient) {
+      absent("course in time", "no <transient>");
+      return;
+    }
+    const TransientScene& transient = *scene_.transient;
+    const std::string here = at("<transient>", transient.source);
+    present(fmt::format("course in time by generalized-alpha, steps of {} s, balance of {}",
+                        shortest(transient.step),
+                        transient.balance == Balance::momentum ? "momenta" : "accelerations"),
+            {here});
+    if (transient.rho_infinity < 1.0)
+      present(fmt::format("numerical damping of what the step does not resolve, rho_infinity = {}",
+                          shortest(transient.rho_infinity)),
+              {here});
+    else
+      absent("numerical damping", here + ": rho_infinity = 1 damps nothing");
+
+    Names times;
+    for (const Breakpoint& b : system_.breakpoints())
+      if (b.restart && b.t > 0.0 && b.t < transient.duration)
+        times.push_back("t = " + shortest(b.t) + " s");
+    either("restarts where drives or motions jump in acceleration", times,
+           "none of them jumps after the start");
+  }
+
+  // What no model of this version can have. Said each time, as its absence is easily overlooked.
+  void limits() {
+    std::string damping = "this version has none";
+    if (scene_.transient)
+      damping += scene_.transient->rho_infinity < 1.0
+                     ? fmt::format("; rho_infinity = {} damps numerically",
+                                   shortest(scene_.transient->rho_infinity))
+                     : "; with rho_infinity = 1 nothing is damped";
+    absent("structural damping", damping);
+    absent("springs, friction, clearance and contact", "this version has none");
+    if (!scene_.beams.empty())
+      absent("plastic or nonlinear material, warping as a freedom",
+             "a beam has the linear stiffness of its section");
+  }
+
+  const Scene& scene_;
+  const System& system_;
+  Explanation& result_;
+};
+
+std::vector<Term> make_terms(const System& system) {
+  const BlockGraph& graph = system.graph();
+  const std::span<const std::size_t> first = system.first_contributions();
+  std::vector<Term> terms;
+  for (std::size_t i = 0; i < system.batches().size(); ++i) {
+    const Batch& batch = *system.batches()[i];
+    Term term{std::string(batch.type()), batch.size(), 0, batch.bytes()};
+    const std::size_t end = i + 1 < first.size() ? first[i + 1] : graph.contributions.size();
+    for (std::size_t k = first[i]; k < end; ++k) {
+      const auto [row, column] = graph.contributions[k];
+      if (row >= 0 && column >= 0)
+        term.contributions += Index{graph.blocks[static_cast<std::size_t>(row)].size} *
+                              graph.blocks[static_cast<std::size_t>(column)].size;
+    }
+    terms.push_back(std::move(term));
+  }
+  return terms;
+}
+
+std::size_t bytes_of(const State& state) {
+  return sizeof(State) + state.pose.size() * sizeof(state.pose[0]) +
+         (state.V.size() + state.Vdot.size()) * sizeof(Vec6) +
+         static_cast<std::size_t>(state.lambda.size()) * sizeof(double) +
+         state.signals.size() * sizeof(SignalValue) + state.angles.size() * sizeof(double);
+}
+
+}  // namespace
+
+CheckReport check_model(const Scene& scene, const Model& model) {
+  CheckReport report;
+  report.model = scene.name;
+  report.file = scene.file;
+  report.stated = stated_counts(scene);
+  report.statics = scene.statics;
+  report.transient = scene.transient;
+  if (scene.transient) report.steps = number_of_steps(*scene.transient);
+  check_outputs(scene, model);
+  report.columns = static_cast<Index>(columns(model).size());
+
+  const System& system = *model.system;
+  report.elements = beam_elements(system);
+  report.nodes = system.nodes();
+  report.unknowns = system.unknowns();
+  report.multipliers = system.multipliers();
+
+  report.energy = system.energies(model.initial);
+  const ConstraintResiduals residuals = constraint_residuals(system, model.initial);
+  report.position = {residuals.position, 0.0, constraint_at(system, residuals.position_row)};
+  report.velocity = {residuals.velocity, 0.0, constraint_at(system, residuals.velocity_row)};
+  add_mechanism(system, model.initial, scene, report);
+  return report;
+}
+
+std::string to_text(const CheckReport& report) {
+  std::string text = title(report.model, report.file);
+  std::vector<std::string> items;
+  for (const Count& count : report.stated)
+    if (count.count > 0) items.push_back(counted(count.count, count.what));
+  text += entry("stated", joined(items));
+  const std::string elements =
+      report.elements > 0 ? counted(report.elements, "beam elements") + ", " : "";
+  text += entry("system",
+                fmt::format("{}{} with the ground, {}, of which {}", elements,
+                            counted(report.nodes, "nodes"), counted(report.unknowns, "unknowns"),
+                            counted(report.multipliers, "multipliers")));
+  text +=
+      entry("mechanism",
+            fmt::format("with rigid beams: {}; the joints leave {}; drives and motions "
+                        "prescribe {}; {} left",
+                        counted(report.rigid_parts, "parts"),
+                        counted(report.joint_freedoms, "freedoms"), report.prescribed,
+                        report.freedoms == 0 ? "none is"
+                                             : fmt::format("{} {}", report.freedoms,
+                                                           report.freedoms == 1 ? "is" : "are")));
+  text += entry("redundant",
+                report.redundant.empty()
+                    ? "no constraint"
+                    : counted(static_cast<Index>(report.redundant.size()), "constraints") + ":");
+  for (const std::string& sentence : report.redundant) text += paragraph("    ", sentence, 6);
+  if (!report.redundant_if_rigid.empty()) {
+    text += entry("", fmt::format("{} only if the beams were rigid: as they deform, each has its "
+                                  "own force",
+                                  counted(static_cast<Index>(report.redundant_if_rigid.size()),
+                                          "constraints")));
+    for (const std::string& sentence : report.redundant_if_rigid)
+      text += paragraph("    ", sentence, 6);
+  }
+  text += entry("start",
+                fmt::format("energy: {:.6g} J kinetic, {:.6g} J potential, {:.6g} J strain",
+                            report.energy.kinetic, report.energy.potential, report.energy.strain));
+  if (report.multipliers > 0) {
+    text += entry("", "largest gap: " + residual(report.position, "m or rad"));
+    if (report.transient)
+      text += entry("", "largest gap rate: " + residual(report.velocity, "m/s or rad/s"));
+  }
+  text += entry("to be run", plan(report));
+  text += entry("results",
+                fmt::format("{} in history.csv, {} to be met", counted(report.columns, "columns"),
+                            counted(stated(report, "expectations"), "expectations")));
+  for (const std::string& note : report.notes) text += paragraph("note: ", note, 6);
+  return text;
+}
+
+std::string to_json(const CheckReport& report) {
+  Json all;
+  all["model"] = report.model;
+  all["file"] = report.file;
+  all["version"] = version();
+  Json& counts = all["stated"] = Json::object();
+  for (const Count& count : report.stated) counts[kind_key(count.what)] = count.count;
+  all["system"] = {{"elements", report.elements},
+                   {"nodes", report.nodes},
+                   {"unknowns", report.unknowns},
+                   {"multipliers", report.multipliers}};
+  all["mechanism"] = {{"rigid_parts", report.rigid_parts},
+                      {"joint_freedoms", report.joint_freedoms},
+                      {"prescribed", report.prescribed},
+                      {"freedoms", report.freedoms},
+                      {"redundant", report.redundant},
+                      {"redundant_if_beams_were_rigid", report.redundant_if_rigid}};
+  all["start"] = {{"energy",
+                   {{"kinetic", report.energy.kinetic},
+                    {"strain", report.energy.strain},
+                    {"potential", report.energy.potential},
+                    {"total", report.energy.total()}}},
+                  {"constraint_residuals",
+                   {{"position", json(report.position)}, {"velocity", json(report.velocity)}}}};
+  all["settings"] = settings(report);
+  all["columns"] = report.columns;
+  all["notes"] = report.notes;
+  return dump(all);
+}
+
+Explanation explain_model(const Scene& scene, const Model& model) {
+  const System& system = *model.system;
+  Explanation result;
+  result.model = scene.name;
+  result.file = scene.file;
+  result.terms = make_terms(system);
+  for (const Term& term : result.terms) result.batch_bytes += term.bytes;
+  result.nodes = system.nodes();
+  result.unknowns = system.unknowns();
+  result.multipliers = system.multipliers();
+  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+  solver->analyze(system.graph());
+  result.nonzeros = solver->nonzeros();
+  result.state_bytes = bytes_of(model.initial);
+  Explainer(scene, model, result).explain();
+  return result;
+}
+
+std::string to_text(const Explanation& e) {
+  std::size_t width = 24;
+  for (const Term& term : e.terms) width = std::max(width, letters(term.type));
+  std::string text = title(e.model, e.file);
+  text += fmt::format("\n  {:<{}}  {:>7}  {:>10}  {:>10}\n", "terms", width, "number", "nonzeros",
+                      "bytes");
+  for (const Term& term : e.terms)
+    text += fmt::format("  {:<{}}  {:>7}  {:>10}  {:>10}\n", term.type, width, term.size,
+                        term.contributions, term.bytes);
+  text += fmt::format("  {:<{}}  {:>7}  {:>10}  {:>10}\n", "the matrix; all terms", width, "",
+                      e.nonzeros, e.batch_bytes);
+  text += "\n";
+  text += paragraph(
+      "  ",
+      fmt::format("{} with the ground, {}, of which {}; a state has {}.", counted(e.nodes, "nodes"),
+                  counted(e.unknowns, "unknowns"), counted(e.multipliers, "multipliers"),
+                  counted(static_cast<Index>(e.state_bytes), "bytes")),
+      2);
+  text += paragraph("  ",
+                    "Nonzeros of a term are numbers that it adds to the matrix; several terms may "
+                    "add to the same place.",
+                    2);
+  text += "\nSimulated, and where it is stated\n";
+  for (const Effect& effect : e.effects)
+    text += paragraph("  ", effect.what + ": " + joined(some(effect.from), "; "), 6);
+  text += "\nAbsent, and why\n";
+  for (const Absence& absence : e.absent)
+    text += paragraph("  ", absence.what + ": " + absence.why, 6);
+  return text;
+}
+
+std::string to_json(const Explanation& e) {
+  Json terms = Json::array(), effects = Json::array(), absent = Json::array();
+  for (const Term& term : e.terms)
+    terms.push_back({{"type", term.type},
+                     {"size", term.size},
+                     {"nonzeros_added", term.contributions},
+                     {"bytes", term.bytes}});
+  for (const Effect& effect : e.effects)
+    effects.push_back({{"effect", effect.what}, {"from", effect.from}});
+  for (const Absence& absence : e.absent)
+    absent.push_back({{"effect", absence.what}, {"why", absence.why}});
+  Json all;
+  all["model"] = e.model;
+  all["file"] = e.file;
+  all["version"] = version();
+  all["terms"] = terms;
+  all["totals"] = {{"nodes", e.nodes},
+                   {"unknowns", e.unknowns},
+                   {"multipliers", e.multipliers},
+                   {"nonzeros", e.nonzeros},
+                   {"bytes_of_terms", e.batch_bytes},
+                   {"bytes_of_a_state", e.state_bytes}};
+  all["simulated"] = effects;
+  all["absent"] = absent;
+  return dump(all);
+}
+
+}  // namespace mbd

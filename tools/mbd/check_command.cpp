@@ -1,0 +1,61 @@
+#include "tools/mbd/check_command.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libmbd/front/describe.hpp"
+#include "libmbd/front/reader.hpp"
+#include "libmbd/front/redundancy.hpp"
+#include "tools/mbd/command_line.hpp"
+#include "tools/mbd/overrides.hpp"
+
+namespace mbd {
+namespace {
+
+struct CheckArguments {
+  std::vector<std::string> models;
+  std::vector<std::string> set;
+};
+
+// One message for each model that is wrong; the others are checked all the same.
+int check_models(const CheckArguments& arguments) {
+  const Overrides overrides = to_overrides(arguments.set);
+  int status = 0;
+  for (const std::string& file : arguments.models) {
+    try {
+      const Scene scene = read_model(file, overrides);
+      const Model model = compile(scene);
+      const CheckReport report = check_model(scene, model);
+      if (!report.redundant.empty())
+        refuse_redundant(model, analyze_mechanism(*model.system, model.initial));
+      const std::string text = to_text(report);
+      fmt::print("{}{}", &file == arguments.models.data() ? "" : "\n", text);
+    } catch (const std::exception& error) {
+      std::fflush(stdout);
+      fmt::print(stderr, "mbd: {}\n", error.what());
+      status = 1;
+    }
+  }
+  return status;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<CheckArguments>();
+  CLI::App* const command = app.add_subcommand(
+      "check", "Reads and compiles models and says what they are; runs and writes nothing.");
+  command->add_option("MODEL", arguments->models, "model files (XML)")->required();
+  add_set_option(*command, arguments->set);
+  set_examples(*command,
+               "mbd check models/four_bar.xml\n"
+               "mbd check models/*.xml\n"
+               "mbd check models/chain.xml --set N=100");
+  command->callback([arguments, &status] { status = check_models(*arguments); });
+}
+
+}  // namespace mbd
