@@ -21,6 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using schema::shortest;
+using Names = std::vector<std::string>;
 
 // ---- words -------------------------------------------------------------------------------------
 
@@ -145,17 +146,34 @@ std::string constraint_at(const System& system, Index row) {
   return row < 0 ? "" : row_in_words(system, row);
 }
 
-// The joints, drives or motions that take part in a redundancy, each once, the repeating one first.
-std::vector<std::string> who_repeats(const System& system, const RedundantRow& redundant) {
-  std::vector<Index> rows{redundant.row};
-  rows.insert(rows.end(), redundant.repeats.begin(), redundant.repeats.end());
-  std::vector<std::string> names;
-  for (const Index row : rows)
-    for (const ConstraintInfo& info : system.constraints())
-      if (row >= info.first_row && row < info.first_row + info.rows &&
-          std::find(names.begin(), names.end(), info.name) == names.end())
-        names.push_back(info.name);
-  return names;
+// The joint, drive or motion that made a row.
+const ConstraintInfo& maker(const System& system, Index row) {
+  const auto& all = system.constraints();
+  return *std::find_if(all.begin(), all.end(), [row](const ConstraintInfo& info) {
+    return row < info.first_row + info.rows;
+  });
+}
+
+// One note for each joint, drive or motion that holds what others hold already.
+void add_redundancy_notes(const System& system, const Mechanism& mechanism,
+                          std::vector<std::string>& notes) {
+  for (const ConstraintInfo& blamed : system.constraints()) {
+    Names rows, others;
+    for (const RedundantRow& redundant : mechanism.redundant) {
+      if (&maker(system, redundant.row) != &blamed) continue;
+      rows.push_back(blamed.row_names[static_cast<std::size_t>(redundant.row - blamed.first_row)]);
+      for (const Index row : redundant.repeats)
+        if (const std::string& name = maker(system, row).name;
+            name != blamed.name && std::find(others.begin(), others.end(), name) == others.end())
+          others.push_back(name);
+    }
+    if (rows.empty()) continue;
+    notes.push_back(fmt::format(
+        "{} is redundant: its {} {} held already by {}; nothing determines the forces, and a run "
+        "is refused or fails. Leave one of them out, or take a joint that holds less",
+        blamed.name, joined(rows), rows.size() == 1 ? "is" : "are",
+        others.empty() ? "the ground" : joined(some(others))));
+  }
 }
 
 void add_mechanism(const System& system, const State& state, const Scene& scene,
@@ -165,16 +183,9 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
   report.joint_freedoms = mechanism.joint_freedoms;
   report.prescribed = mechanism.prescribed;
   report.freedoms = mechanism.freedoms();
-  for (const RedundantRow& row : mechanism.redundant) {
+  for (const RedundantRow& row : mechanism.redundant)
     report.redundant.push_back(to_text(system, row));
-    const std::vector<std::string> who = who_repeats(system, row);
-    std::string remedy = who.size() < 2
-                             ? "leave it out"
-                             : "free that direction in it, or one that " + who[1] + " holds";
-    report.notes.push_back(fmt::format(
-        "{} is redundant: nothing determines its force, and a run is refused or may fail; {}",
-        row_in_words(system, row.row), remedy));
-  }
+  add_redundancy_notes(system, mechanism, report.notes);
   const auto always = [&mechanism](const RedundantRow& rigid) {
     return std::any_of(mechanism.redundant.begin(), mechanism.redundant.end(),
                        [&rigid](const RedundantRow& row) { return row.row == rigid.row; });
@@ -183,9 +194,8 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
     if (!always(row)) report.redundant_if_rigid.push_back(to_text(system, row));
   if (scene.statics && mechanism.freedoms() > 0)
     report.notes.push_back(fmt::format(
-        "the mechanism is free to move in {} and <static> seeks an equilibrium: there is a unique "
-        "one only if loads, gravity or the elasticity of beams hold it; otherwise add a joint, a "
-        "drive or a motion",
+        "the mechanism is free to move in {}, and <static> seeks an equilibrium: there is a unique "
+        "one only where loads or gravity hold it; otherwise add a joint, a drive or a motion",
         counted(mechanism.freedoms(), "ways")));
 }
 
@@ -242,8 +252,6 @@ class Explainer {
   }
 
  private:
-  using Names = std::vector<std::string>;
-
   // `<gravity>, line 12`, with the file if it is not that of the model.
   std::string at(const std::string& what, const Source& source) const {
     if (source.line <= 0) return what;
@@ -394,7 +402,7 @@ class Explainer {
     for (const schema::JointKind& kind : schema::joint_kinds()) {
       const Names names =
           from(scene_.joints, [&kind](const JointScene& j) { return j.kind == kind.name; });
-      if (!names.empty()) present(fmt::format("joints that are {}", kind.name), names);
+      if (!names.empty()) present(fmt::format("{} joints", kind.name), names);
     }
     Names drives;
     for (const DriveScene& drive : scene_.drives)
@@ -410,7 +418,8 @@ class Explainer {
               {at("<static>", scene_.statics->source)});
     else
       absent("equilibrium before the first step",
-             "no <static>: beams start in their stated shape, without strain");
+             scene_.beams.empty() ? "no <static>"
+                                  : "no <static>: beams start in their stated shape, unstrained");
     if (!scene_.transient) {
       absent("course in time", "no <transient>");
       return;
@@ -432,8 +441,9 @@ class Explainer {
     for (const Breakpoint& b : system_.breakpoints())
       if (b.restart && b.t > 0.0 && b.t < transient.duration)
         times.push_back("t = " + shortest(b.t) + " s");
-    either("restarts where drives or motions jump in acceleration", times,
-           "none of them jumps after the start");
+    if (!system_.signals().empty())
+      either("new starts of the integrator where drives, motions or loads jump", times,
+             "none of them jumps after the start");
   }
 
   // What no model of this version can have. Said each time, as its absence is easily overlooked.
@@ -523,8 +533,9 @@ std::string to_text(const CheckReport& report) {
                             counted(report.multipliers, "multipliers")));
   text +=
       entry("mechanism",
-            fmt::format("with rigid beams: {}; the joints leave {}; drives and motions "
+            fmt::format("{}{}; the joints leave {}; drives and motions "
                         "prescribe {}; {} left",
+                        report.elements > 0 ? "with rigid beams: " : "",
                         counted(report.rigid_parts, "parts"),
                         counted(report.joint_freedoms, "freedoms"), report.prescribed,
                         report.freedoms == 0 ? "none is"
@@ -536,10 +547,9 @@ std::string to_text(const CheckReport& report) {
                     : counted(static_cast<Index>(report.redundant.size()), "constraints") + ":");
   for (const std::string& sentence : report.redundant) text += paragraph("    ", sentence, 6);
   if (!report.redundant_if_rigid.empty()) {
-    text += entry("", fmt::format("{} only if the beams were rigid: as they deform, each has its "
-                                  "own force",
-                                  counted(static_cast<Index>(report.redundant_if_rigid.size()),
-                                          "constraints")));
+    text += entry("", counted(static_cast<Index>(report.redundant_if_rigid.size()), "more") +
+                          " would be, were the beams rigid; as they deform, each has a force of "
+                          "its own:");
     for (const std::string& sentence : report.redundant_if_rigid)
       text += paragraph("    ", sentence, 6);
   }
@@ -611,13 +621,20 @@ std::string to_text(const Explanation& e) {
   std::size_t width = 24;
   for (const Term& term : e.terms) width = std::max(width, letters(term.type));
   std::string text = title(e.model, e.file);
-  text += fmt::format("\n  {:<{}}  {:>7}  {:>10}  {:>10}\n", "terms", width, "number", "nonzeros",
-                      "bytes");
-  for (const Term& term : e.terms)
-    text += fmt::format("  {:<{}}  {:>7}  {:>10}  {:>10}\n", term.type, width, term.size,
-                        term.contributions, term.bytes);
-  text += fmt::format("  {:<{}}  {:>7}  {:>10}  {:>10}\n", "the matrix; all terms", width, "",
-                      e.nonzeros, e.batch_bytes);
+  Index contributions = 0;
+  const auto row = [&](std::string_view what, const auto& number, const auto& nonzeros,
+                       const auto& bytes) {
+    text += "  " + std::string(what) + std::string(width - letters(what), ' ') +
+            fmt::format(" {:>6} {:>8} {:>9}\n", number, nonzeros, bytes);
+  };
+  text += "\n";
+  row("term", "number", "nonzeros", "bytes");
+  for (const Term& term : e.terms) {
+    row(term.type, term.size, term.contributions, term.bytes);
+    contributions += term.contributions;
+  }
+  row("all terms", "", contributions, e.batch_bytes);
+  row("the matrix", "", e.nonzeros, "");
   text += "\n";
   text += paragraph(
       "  ",
