@@ -190,8 +190,14 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
     return std::any_of(mechanism.redundant.begin(), mechanism.redundant.end(),
                        [&rigid](const RedundantRow& row) { return row.row == rigid.row; });
   };
-  for (const RedundantRow& row : mechanism.rigid_redundant)
-    if (!always(row)) report.redundant_if_rigid.push_back(to_text(system, row));
+  for (const ConstraintInfo& blamed : system.constraints()) {
+    Names rows;
+    for (const RedundantRow& row : mechanism.rigid_redundant)
+      if (&maker(system, row.row) == &blamed && !always(row))
+        rows.push_back(blamed.row_names[static_cast<std::size_t>(row.row - blamed.first_row)]);
+    if (!rows.empty()) report.redundant_if_rigid.push_back(blamed.name + ": " + joined(rows));
+    report.rows_redundant_if_rigid += static_cast<Index>(rows.size());
+  }
   if (scene.statics && mechanism.freedoms() > 0)
     report.notes.push_back(fmt::format(
         "the mechanism is free to move in {}, and <static> seeks an equilibrium: there is a unique "
@@ -547,7 +553,7 @@ std::string to_text(const CheckReport& report) {
                     : counted(static_cast<Index>(report.redundant.size()), "constraints") + ":");
   for (const std::string& sentence : report.redundant) text += paragraph("    ", sentence, 6);
   if (!report.redundant_if_rigid.empty()) {
-    text += entry("", counted(static_cast<Index>(report.redundant_if_rigid.size()), "more") +
+    text += entry("", counted(report.rows_redundant_if_rigid, "more") +
                           " would be, were the beams rigid; as they deform, each has a force of "
                           "its own:");
     for (const std::string& sentence : report.redundant_if_rigid)

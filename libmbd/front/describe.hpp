@@ -29,11 +29,13 @@ struct CheckReport {
 
   // The mechanism (solvers/mechanism.hpp), with every beam as a rigid body.
   Index rigid_parts = 0;
-  Index joint_freedoms = 0;                     // that the joints leave
-  Index prescribed = 0;                         // of these, by drives and motions
-  Index freedoms = 0;                           // left free
-  std::vector<std::string> redundant;           // sentences, of the constraints that others imply
-  std::vector<std::string> redundant_if_rigid;  // that they would imply if the beams were rigid
+  Index joint_freedoms = 0;            // that the joints leave
+  Index prescribed = 0;                // of these, by drives and motions
+  Index freedoms = 0;                  // left free
+  std::vector<std::string> redundant;  // sentences, of the constraints that others imply
+  // What they would imply if the beams were rigid, by joint ("revolute 'D': position 3"), and how many rows.
+  std::vector<std::string> redundant_if_rigid;
+  Index rows_redundant_if_rigid = 0;
 
   // At the start, before equilibrium is sought.
   Energies energy;                     // [J]

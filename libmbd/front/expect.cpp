@@ -97,7 +97,7 @@ void check_outputs(const Scene& scene, const Model& model) {
   const Expectations expectations(scene, model);
   const std::vector<Column> known = columns(model);
   for (const PlotScene& plot : scene.plots) {
-    find_column(known, plot.x, plot.source, "plot");
+    if (!plot.x.empty()) find_column(known, plot.x, plot.source, "plot");
     for (const std::string& name : plot.y) find_column(known, name, plot.source, "plot");
   }
 }

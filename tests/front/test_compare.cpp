@@ -214,7 +214,7 @@ TEST_F(ResultsCommands, CompareSaysHowAndExitsByTolerance) {
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_TRUE(contains(ended.out, "b - a, at the 3 samples that both have")) << ended.out;
   EXPECT_TRUE(contains(ended.out, "component of the quantity in all of a"));
-  EXPECT_TRUE(contains(ended.out, "5.774e-03     1.000e-02")) << ended.out;  // 0.04/√3/4, 0.04/4
+  EXPECT_TRUE(contains(ended.out, "5.77e-03  1.00e-02")) << ended.out;  // 0.04/√3/4, 0.04/4
   const std::string svg = contents(at("b/compare.svg"));
   EXPECT_TRUE(contains(svg, ">a: C.displacement.1<") && contains(svg, ">b: C.displacement.1<"));
   EXPECT_TRUE(contains(svg, "stroke-opacity"));  // the first run, told from the second in grey

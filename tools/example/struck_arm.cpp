@@ -24,7 +24,7 @@ mbd::Scene make_scene() {
   const double A = pi * d * d / 4.0, I = pi * std::pow(d, 4) / 64.0, G = E / (2.0 * (1.0 + nu));
 
   mbd::Scene scene;
-  scene.name = "struck arm";
+  scene.name = "struck_arm";
 
   mbd::Section rod;
   rod.name = "rod";
