@@ -23,11 +23,13 @@ struct CheckArguments {
 int check_models(const CheckArguments& arguments) {
   const Overrides overrides = to_overrides(arguments.set);
   int status = 0;
+  bool first = true;
   for (const std::string& file : arguments.models) {
     try {
       const Scene scene = read_model(file, overrides);
       const std::string text = to_text(check_model(scene, compile(scene)));
-      fmt::print("{}{}", &file == arguments.models.data() ? "" : "\n", text);
+      fmt::print("{}{}", first ? "" : "\n", text);
+      first = false;
     } catch (const std::exception& error) {
       std::fflush(stdout);
       fmt::print(stderr, "mbd: {}\n", error.what());
