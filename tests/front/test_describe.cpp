@@ -310,6 +310,24 @@ TEST(Explain, FollowsTheScene) {
   EXPECT_EQ(why(e, "follow"), "no follower_force or follower_moment");
 }
 
+TEST(Explain, TellsWhenTheIntegratorStartsAfresh) {
+  Scene scene = read_model(models / "pendulum.xml");
+  EXPECT_EQ(why(explanation_of(scene), "new starts"), "");  // nothing that could jump
+  LoadScene load;
+  load.name = "push";
+  load.at = {Place::Kind::body, scene.bodies.at(0).name, 0.0};
+  const auto component = [](const char* text) {
+    return Expression::parse(text, {}, Variables::time);
+  };
+  load.force = {component("t"), component("0"), component("0")};
+  scene.loads.push_back(load);
+  EXPECT_NE(why(explanation_of(scene), "new starts"), "");
+  scene.loads[0].force->at(0) = component("t < 0.25 ? 0 : 1");
+  const Explanation e = explanation_of(scene);
+  EXPECT_EQ(origin(e, "new starts"), "t = 0.25 s");
+  EXPECT_EQ(origin(e, "loads at places"), "load \"push\"");
+}
+
 TEST(Explain, NothingIsBothThereAndAbsent) {
   for (const fs::path& file : all_models()) {
     SCOPED_TRACE(file.filename());
