@@ -631,7 +631,9 @@ std::string to_text(const Explanation& e) {
   const auto row = [&](std::string_view what, const auto& number, const auto& nonzeros,
                        const auto& bytes) {
     text += "  " + std::string(what) + std::string(width - letters(what), ' ') +
-            fmt::format(" {:>6} {:>8} {:>9}\n", number, nonzeros, bytes);
+            fmt::format(" {:>6} {:>8} {:>9}", number, nonzeros, bytes);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += "\n";
   };
   text += "\n";
   row("term", "number", "nonzeros", "bytes");

@@ -281,8 +281,16 @@ TEST_F(BadModels, AreRefusedByTheProgram) {
 TEST_F(BadModels, AreRefusedByCheck) {
   if (!contains(Program({"--help"}, scratch_ / "help").wait().out, "\n  check "))
     GTEST_SKIP() << "this mbd has no command check";
+  // What only the solution of the first equations finds; check reports the freedoms, and that is all.
+  const std::set<std::string> found_by_a_run = {"body_without_inertia_on_a_hinge",
+                                                "nothing_holds_it"};
   run_each({"check"}, false, [&](const BadModel& model, const Ended& ended) {
     SCOPED_TRACE(ended.err);
+    if (found_by_a_run.contains(std::string(model.file))) {
+      EXPECT_EQ(ended.status, 0);
+      EXPECT_TRUE(contains(ended.out, " is left") || contains(ended.out, " are left")) << ended.out;
+      return;
+    }
     expect_refused(ended);
     EXPECT_EQ(message_in(ended.err), library_says(model));
   });

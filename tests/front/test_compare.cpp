@@ -108,7 +108,7 @@ TEST(Compare, ZeroColumnsHaveNoRelativeDifference) {
   EXPECT_FALSE(c.columns[0].relative_rms());
   EXPECT_TRUE(c.columns[0].above(1e6));
   EXPECT_NEAR(c.columns[0].rms, 1e-20, 1e-34);
-  EXPECT_TRUE(contains(to_text(c, zero, other), "the column is zero in a"));
+  EXPECT_TRUE(contains(to_text(c, zero, other), "the quantity is zero in a"));
 }
 
 TEST(Compare, ListsColumnsOfOneAndRefusesWhatCannotBeCompared) {

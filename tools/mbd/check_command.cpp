@@ -25,6 +25,7 @@ struct CheckArguments {
 int check_models(const CheckArguments& arguments) {
   const Overrides overrides = to_overrides(arguments.set);
   int status = 0;
+  bool first = true;
   for (const std::string& file : arguments.models) {
     try {
       const Scene scene = read_model(file, overrides);
@@ -33,7 +34,8 @@ int check_models(const CheckArguments& arguments) {
       if (!report.redundant.empty())
         refuse_redundant(model, analyze_mechanism(*model.system, model.initial));
       const std::string text = to_text(report);
-      fmt::print("{}{}", &file == arguments.models.data() ? "" : "\n", text);
+      fmt::print("{}{}", first ? "" : "\n", text);
+      first = false;
     } catch (const std::exception& error) {
       std::fflush(stdout);
       fmt::print(stderr, "mbd: {}\n", error.what());
