@@ -238,19 +238,23 @@ std::string to_text(const Comparison& comparison, const History& first, const Hi
     width = std::max(width, name.size());
   }
   const std::string x = first.columns[0].name;
-  text += fmt::format("{:<{}}  {:>8}  {:>8}  {:>8}  {:>8}  {:>9}\n", "", width, "rel. rms", "rel.",
-                      "largest", "at", "relative") +
-          fmt::format("{:<{}}  {:>8}  {:>8}  {:>8}  {:>8}  {:>9}\n", "column", width, "", "largest",
-                      "", x, "to");
+  const std::size_t at = std::max<std::size_t>(8, x.size());
+  const auto row = [&](std::string_view name, std::string_view rms, std::string_view most,
+                       std::string_view largest, std::string_view place, std::string_view scale) {
+    text += fmt::format("{:<{}}  {:>8}  {:>8}  {:>8}  {:>{}}  {:>8}\n", name, width, rms, most,
+                        largest, place, at, scale);
+  };
+  row("", "rel. rms", "rel.", "largest", "at", "relative");
+  row("column", "", "largest", "", x, "to");
   const auto relative = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.2e}", *value) : "-";
   };
   bool zero = false;
   for (const ColumnDifference& d : comparison.columns) {
     const std::string name = d.unit.empty() ? d.name : d.name + " [" + d.unit + "]";
-    text += fmt::format("{:<{}}  {:>8}  {:>8}  {:>8.2e}  {:>8.5g}  {:>9.2e}\n", name, width,
-                        relative(d.relative_rms()), relative(d.relative_largest()), d.largest, d.at,
-                        d.scale);
+    row(name, relative(d.relative_rms()), relative(d.relative_largest()),
+        fmt::format("{:.2e}", d.largest), fmt::format("{:.6g}", d.at),
+        fmt::format("{:.2e}", d.scale));
     zero = zero || !d.relative_rms();
   }
   if (zero)

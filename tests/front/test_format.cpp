@@ -8,9 +8,9 @@
 #include <numbers>
 #include <string>
 
-#include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/units.hpp"
+#include "tests/support/read_text.hpp"
 
 namespace mbd {
 namespace {
@@ -18,19 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double pi = std::numbers::pi;
 
-Scene read(const std::string& inside, const Overrides& overrides = {}) {
-  return read_model_text("<mbd name=\"test\">\n" + inside + "\n</mbd>\n", "test.xml", overrides);
-}
-std::string message(const std::string& inside, const Overrides& overrides = {}) {
-  try {
-    check_scene(read(inside, overrides));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+using test::message;
+using test::read;
 
 // ---- units ------------------------------------------------------------------------------------
 

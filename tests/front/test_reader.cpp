@@ -6,27 +6,16 @@
 #include <cmath>
 #include <string>
 
-#include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/spelling.hpp"
+#include "tests/support/read_text.hpp"
 
 namespace mbd {
 namespace {
 
-Scene read(const std::string& inside, const Overrides& overrides = {}) {
-  return read_model_text("<mbd name=\"test\">\n" + inside + "\n</mbd>\n", "test.xml", overrides);
-}
-
-// What the reader says of a bad model; the part inside <mbd> begins on line 2.
-std::string message(const std::string& inside, const Overrides& overrides = {}) {
-  try {
-    check_scene(read(inside, overrides));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
+using test::message;
+using test::read;
 
 std::string message_of_text(const std::string& text) {
   try {
@@ -36,8 +25,6 @@ std::string message_of_text(const std::string& text) {
   }
   return "no error";
 }
-
-#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
 const std::string steel =
     "<section name=\"s\"><stiffness EA=\"1\" GA2=\"2\" GA3=\"3\" GJ=\"4\" EI2=\"5\" "

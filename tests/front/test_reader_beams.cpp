@@ -4,16 +4,13 @@
 
 #include <string>
 
-#include "libmbd/front/check_scene.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
+#include "tests/support/read_text.hpp"
 
 namespace mbd {
 namespace {
 
-Scene read(const std::string& inside) {
-  return read_model_text("<mbd name=\"test\">\n" + inside + "\n</mbd>\n", "test.xml");
-}
+using test::read;
+
 std::string message(const std::string& inside, bool compiled = false) {
   try {
     const Scene scene = read(inside);
@@ -24,8 +21,6 @@ std::string message(const std::string& inside, bool compiled = false) {
   }
   return "no error";
 }
-
-#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
 const std::string D = R"xml(<stiffness EA="1" GA2="1" GA3="1" GJ="1" EI2="1" EI3="1"/>)xml";
 const std::string M = R"xml(<mass per_length="1" inertia="1 1 1"/>)xml";

@@ -19,6 +19,7 @@ namespace {
 struct CheckArguments {
   std::vector<std::string> models;
   std::vector<std::string> set;
+  bool json = false;
 };
 
 // One message for each model that is wrong; the others are checked all the same.
@@ -33,8 +34,8 @@ int check_models(const CheckArguments& arguments) {
       const CheckReport report = check_model(scene, model);
       if (!report.redundant.empty())
         refuse_redundant(model, analyze_mechanism(*model.system, model.initial));
-      const std::string text = to_text(report);
-      fmt::print("{}{}", first ? "" : "\n", text);
+      const std::string text = arguments.json ? to_json(report) : to_text(report);
+      fmt::print("{}{}", first || arguments.json ? "" : "\n", text);
       first = false;
     } catch (const std::exception& error) {
       std::fflush(stdout);
@@ -53,6 +54,7 @@ void add_check_command(CLI::App& app, int& status) {
       "check", "Reads and compiles models and says what they are; runs and writes nothing.");
   command->add_option("MODEL", arguments->models, "model files (XML)")->required();
   add_set_option(*command, arguments->set);
+  command->add_flag("--json", arguments->json, "the same as JSON, one object for each model");
   set_examples(*command,
                "mbd check models/four_bar.xml\n"
                "mbd check models/*.xml\n"

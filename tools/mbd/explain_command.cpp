@@ -35,7 +35,9 @@ void add_explain_command(CLI::App& app, int& status) {
   command->add_option("MODEL", arguments->model, "model file (XML)")->required();
   add_set_option(*command, arguments->set);
   command->add_flag("--json", arguments->json, "the same as JSON");
-  set_examples(*command, "mbd explain models/four_bar.xml");
+  set_examples(*command,
+               "mbd explain models/four_bar.xml\n"
+               "mbd explain models/chain.xml --set N=100 --json");
   command->callback([arguments, &status] {
     explain(*arguments);
     status = 0;

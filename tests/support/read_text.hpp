@@ -1,0 +1,31 @@
+// Models written in tests as strings: what they say, or why they are refused.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "libmbd/front/check_scene.hpp"
+#include "libmbd/front/model.hpp"
+#include "libmbd/front/reader.hpp"
+
+namespace mbd::test {
+
+// The contents of a model, which begin on line 2 of "test.xml".
+inline Scene read(const std::string& inside, const Overrides& overrides = {}) {
+  return read_model_text("<mbd name=\"test\">\n" + inside + "\n</mbd>\n", "test.xml", overrides);
+}
+
+// What is said of it by the reader and by the check of the scene, or "no error".
+inline std::string message(const std::string& inside, const Overrides& overrides = {}) {
+  try {
+    check_scene(read(inside, overrides));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+}  // namespace mbd::test
