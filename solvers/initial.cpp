@@ -63,8 +63,10 @@ std::optional<OpenConstraint> find_open_constraint(const System& system, const S
   double fastest = 1.0;
   for (const Vec6& V : state.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
   if (!(worst.velocity <= tolerance * fastest))
-    return open(worst.velocity_row, "the initial velocities open the joint at", worst.velocity,
-                "/s", "give velocities that agree with the joints and drives");
+    return open(
+        worst.velocity_row, "the initial velocities open the joint at", worst.velocity, "/s",
+        "give bodies the velocity and angular_velocity that the joints and drives ask for, or let "
+        "drives start from rest");
   return std::nullopt;
 }
 

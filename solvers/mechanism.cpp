@@ -113,7 +113,9 @@ Dependence find_dependent(const Triplets& entries, Index columns, const std::vec
   for (std::size_t n = 0; n < order.size(); ++n)
     result.rank_of_first[n + 1] = result.rank_of_first[n] + is_independent[n];
 
-  const Sparse R = qr.matrixR();
+  // Its columns are not sorted; turning it over twice sorts them (so says the manual of Eigen).
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows = qr.matrixR();
+  const Sparse R = by_rows;
   const Sparse R11 = R.topLeftCorner(rank, rank);
   for (Index k = rank; k < rows; ++k) {
     VecX share = VecX(R.col(k)).head(rank);

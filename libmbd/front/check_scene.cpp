@@ -288,7 +288,10 @@ void check(const RecordScene& record) {
                                     : schema::system_quantities();
   for (const std::string& quantity : record.quantities) {
     const schema::Quantity* const found = schema::find_quantity(known, quantity);
-    item.fail_if(!found, "quantities: unknown quantity " + in_quotes(quantity) +
+    const std::string_view usual = schema::usual_word(quantity);
+    item.fail_if(!found && !usual.empty(),
+                 "quantities: unknown quantity " + in_quotes(quantity) + "; " + std::string(usual));
+    item.fail_if(!found, "quantities: unknown quantity " + in_quotes(excerpt(quantity)) +
                              suggest(quantity, schema::names(known),
                                      record.at      ? "quantities of a place"
                                      : record.joint ? "quantities of a joint"

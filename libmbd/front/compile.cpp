@@ -397,6 +397,10 @@ class Compiler {
   }
 
   void add_gravity() {
+    if (std::all_of(masses_.begin(), masses_.end(), [](const Mat6& M) { return M(0, 0) == 0.0; }))
+      throw Error(scene_.gravity->source,
+                  "gravity: nothing in the scene has a mass; give sections <mass per_length=… "
+                  "inertia=…/> or bodies a mass, or leave it out");
     auto batch = std::make_unique<ElementBatch<NodalGravity>>(
         NodalGravity::name, NodalGravity::Shared{scene_.gravity->acceleration});
     for (int n = 1; n < system_->nodes(); ++n) {

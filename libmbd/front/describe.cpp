@@ -517,6 +517,19 @@ CheckReport check_model(const Scene& scene, const Model& model) {
   report.unknowns = system.unknowns();
   report.multipliers = system.multipliers();
 
+  for (Index n = 1; n < system.nodes(); ++n) {
+    const Vec3& r = system.reference_pose(n).r;
+    report.low = n == 1 ? r : Vec3(report.low.cwiseMin(r));
+    report.high = n == 1 ? r : Vec3(report.high.cwiseMax(r));
+  }
+  if (scene.transient) {
+    State moving = model.initial;  // all at 1 m/s along i1: their momentum is the mass
+    for (std::size_t n = 0; n < moving.V.size(); ++n)
+      moving.V[n] =
+          six<double>(moving.pose[n].p.conjugate() * Vec3(Vec3::UnitX()), Vec3(Vec3::Zero()));
+    report.mass = system.momentum(moving)(0);
+  }
+
   report.energy = system.energies(model.initial);
   const ConstraintResiduals residuals = constraint_residuals(system, model.initial);
   report.position = {residuals.position, 0.0, constraint_at(system, residuals.position_row)};
@@ -537,6 +550,11 @@ std::string to_text(const CheckReport& report) {
                 fmt::format("{}{} with the ground, {}, of which {}", elements,
                             counted(report.nodes, "nodes"), counted(report.unknowns, "unknowns"),
                             counted(report.multipliers, "multipliers")));
+  const auto corner = [](const Vec3& x) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", x(0) + 0.0, x(1) + 0.0, x(2) + 0.0);
+  };
+  text += entry("size", fmt::format("from {} to {} m", corner(report.low), corner(report.high)) +
+                            (report.mass ? fmt::format("; mass {:.6g} kg", *report.mass) : ""));
   text +=
       entry("mechanism",
             fmt::format("{}{}; the joints leave {}; drives and motions "
@@ -586,6 +604,9 @@ std::string to_json(const CheckReport& report) {
                    {"nodes", report.nodes},
                    {"unknowns", report.unknowns},
                    {"multipliers", report.multipliers}};
+  all["size"] = {{"low", {report.low(0), report.low(1), report.low(2)}},
+                 {"high", {report.high(0), report.high(1), report.high(2)}},
+                 {"mass", report.mass ? Json(*report.mass) : Json()}};
   all["mechanism"] = {{"rigid_parts", report.rigid_parts},
                       {"joint_freedoms", report.joint_freedoms},
                       {"prescribed", report.prescribed},

@@ -27,6 +27,11 @@ struct CheckReport {
   Index nodes = 0;     // with the ground, as in report.json
   Index unknowns = 0, multipliers = 0;
 
+  // Of the reference configuration: what a wrong unit shows in.
+  Vec3 low = Vec3::Zero(),
+       high = Vec3::Zero();    // corners of a box around all nodes, inertial axes [m]
+  std::optional<double> mass;  // of everything that moves; of transients only [kg]
+
   // The mechanism (solvers/mechanism.hpp), with every beam as a rigid body.
   Index rigid_parts = 0;
   Index joint_freedoms = 0;            // that the joints leave

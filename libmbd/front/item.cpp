@@ -101,8 +101,12 @@ void Item::check_child(const xml::Element& child) const {
   const Source at{context_.file, child.line};
   if (here.empty())
     throw Error(at, name + " cannot stand in " + where + ", which has no elements; move it out");
-  if (!schema::find_element(child.name))
-    throw Error(at, "unknown element " + name + suggest(child.name, here, "elements in " + where));
+  if (!schema::find_element(child.name)) {
+    const std::string_view usual = schema::usual_word(child.name);
+    throw Error(at, "unknown element " + name +
+                        (usual.empty() ? suggest(child.name, here, "elements in " + where)
+                                       : "; " + std::string(usual)));
+  }
   throw Error(at, name + " cannot stand in " + where + "; the elements there are: " + list(here));
 }
 
@@ -189,6 +193,11 @@ void Item::try_attributes() const {
 
 // --- words ---
 
+std::string Item::text_of(std::string_view name) const {
+  const Given given = attribute(name);
+  return given.attribute ? given.attribute->value : std::string();
+}
+
 std::string Item::text(std::string_view name) const {
   return expand(name, raw(name, {Kind::text, Kind::name}));
 }
@@ -251,6 +260,23 @@ double Item::factor(std::string_view name, std::string_view unit, std::string_vi
   }
 }
 
+// "L mm" where L is 6000 mm already would be converted twice.
+void Item::check_one_unit(std::string_view name, std::string_view text,
+                          std::string_view unit) const {
+  const auto in_word = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  for (std::size_t i = 0; i < text.size();) {
+    std::size_t end = i;
+    while (end < text.size() && in_word(text[end])) ++end;
+    const auto it = context_.units.find(text.substr(i, end - i));
+    if (it != context_.units.end())
+      fail(name, in_quotes(it->first) + " was given in " + it->second +
+                     " and is in SI units now; leave out the unit " + in_quotes(unit) + " here");
+    i = std::max(end, i + 1);
+  }
+}
+
 // The text of one number or signal, with the unit that follows it converted to `unit`.
 Expression Item::parse(std::string_view name, std::string_view text, Variables variables,
                        std::string_view unit) const {
@@ -264,6 +290,7 @@ Expression Item::parse(std::string_view name, std::string_view text, Variables v
   const NumberAndUnit parts = split_unit(text);
   if (parts.unit.empty()) return expression(text);
   Expression number = expression(parts.number);
+  check_one_unit(name, parts.number, parts.unit);
   const double scale = factor(name, parts.unit, unit);
   if (scale == 1.0) return number;
   return expression("(" + std::string(parts.number) + ")*" + schema::shortest(scale));
@@ -311,8 +338,15 @@ std::vector<Item::Component> Item::components(std::string_view name, std::string
         allowed = text;
       else if (allowed != text)
         allowed += " or " + text;
-    fail(name, "has " + std::to_string(parts.size()) + " components, must have " + allowed +
-                   "; they are separated by blanks and contain none");
+    const bool with_unit = !parts.empty() && unit.empty() && reads_like_unit(parts.back()) &&
+                           !context_.parameters.contains(parts.back());
+    const std::size_t size = parts.size() - (with_unit ? 1 : 0);
+    fail(name,
+         "has " + std::to_string(size) + (size == 1 ? " component" : " components") +
+             (with_unit ? " and " + in_quotes(excerpt(parts.back())) : "") + ", must have " +
+             allowed +
+             "; they are separated by blanks and contain none, and a unit stands last or directly "
+             "behind its number");
   }
   std::vector<Component> result;
   for (const std::string_view part : parts) {
@@ -331,7 +365,10 @@ std::vector<double> Item::numbers(std::string_view name) const {
   std::vector<double> values;
   for (const auto& [text, unit] : components(name, all, {entry.sizes[0], entry.sizes[1]})) {
     double value = evaluate(name, text);
-    if (!unit.empty()) value *= factor(name, unit, entry.unit);
+    if (!unit.empty()) {
+      check_one_unit(name, text, unit);
+      value *= factor(name, unit, entry.unit);
+    }
     if (const std::string fault = schema::fault(entry, value); !fault.empty())
       refuse(name, "component " + std::to_string(values.size() + 1) + " " + fault);
     values.push_back(value);
@@ -399,6 +436,7 @@ std::array<FieldExpression, 3> Item::fields(std::string_view name) const {
     };
     FieldExpression field = tried(std::string(parts[i].text));
     if (parts[i].unit.empty()) return field;
+    check_one_unit(name, parts[i].text, parts[i].unit);
     const double scale = factor(name, parts[i].unit, entry_of(name).unit);
     return tried("(" + field.text + ")*" + schema::shortest(scale));
   };

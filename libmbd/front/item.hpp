@@ -28,6 +28,8 @@ struct ReadingContext {
   std::string file;
   const Parameters& parameters;
   const std::map<std::string, std::vector<DefaultValue>, std::less<>>& defaults;
+  // Parameters whose values were given with a unit, and it: no second unit may follow them.
+  const std::map<std::string, std::string, std::less<>>& units;
 };
 
 // Every getter throws Error with file, line, item, what is wrong and what to do.
@@ -52,6 +54,7 @@ class Item {
   // The same without its text, as messages about a Scene are: "beam "b": order is 9, …".
   [[noreturn]] void refuse(std::string_view name, const std::string& what) const;
 
+  std::string text_of(std::string_view name) const;  // as written
   std::string text(std::string_view name) const;
   std::string name(std::string_view attribute = "name") const;
   std::vector<std::string> names(std::string_view attribute) const;
@@ -96,6 +99,7 @@ class Item {
   Expression parse(std::string_view name, std::string_view text, Variables variables,
                    std::string_view unit) const;
   double factor(std::string_view name, std::string_view unit, std::string_view wanted) const;
+  void check_one_unit(std::string_view name, std::string_view text, std::string_view unit) const;
   struct Component {
     std::string_view text, unit;  // unit: written after it, after all of them, or empty
   };

@@ -90,7 +90,9 @@ to that one: `to="120mm 0 1m"`.
 A unit is converted to that of its attribute; one of another quantity is refused (`angle="5 mm"`),
 and so is one on a pure number. Angles are a quantity of their own: `rate="50 rpm"` is accepted and
 `rate="50 Hz"` is refused, because it could mean 50 or 314 rad/s. The values of `<parameter>` and
-`<expect>` take any unit and are converted to SI units and rad; expressions do not know units.
+`<expect>` take any unit and are converted to SI units and rad. Expressions know only numbers: a
+parameter given as `value="6000 mm"` is 6 from then on, so `to="L 0 0"` takes it, `to="L 0 0 mm"` is
+refused, and `--set L="5000 mm"` needs a unit too.
 
 Names, prefixes and products are those of UDUNITS-2:
 
@@ -210,8 +212,16 @@ constexpr Group all_groups[] = {
 </mbd>
 )xml"},
     {"Sections", "section station stiffness mass",
-     R"md(A section is constant along the beam, or a table of stations. Models without `<transient>` need no
-`<mass>`.
+     R"md(A section is constant along the beam, or a table of stations. Models without `<transient>` and
+`<gravity>` need no `<mass>`.
+
+Of a homogeneous section of area A, second moments I2 (about b2) and I3 (about b3), torsion constant
+It and shear coefficients k2, k3: `EA` = E A, `GA2` = k2 G A, `GA3` = k3 G A, `GJ` = G It, `EI2` =
+E I2, `EI3` = E I3; `per_length` = rho A, `inertia` = rho (I2 + I3), rho I2, rho I3. An I-beam along
+i1 with its web along `normal` = i3 bends about b2 under vertical loads: EI2 is the strong one.
+
+Resultants N1 Q2 Q3 M1 M2 M3 are what the part behind the section (towards the end) exerts on the
+part before it, in section axes: a beam along i1 with `normal` i3 that sags has a negative M2.
 )md",
      R"xml(<mbd name="mast">
   <!-- A mast that tapers, under its weight and a push at its top. -->
@@ -288,6 +298,19 @@ constexpr Group all_groups[] = {
     {"Joints", "",
      R"md(A joint joins the places a and b of `between`, in that order: its angle turns b relative to a,
 right-handed about its axis, and its displacement moves b along it. Both are 0 at the start.
+
+A joint has axes e1 e2 e3, in which reactions are recorded. At the start e3 is along `axis`; e1 is
+along `second_axis` or, without one, along i_k x e3, i_k being the inertial axis with the least
+component along e3 (the first of equals); e2 = e3 x e1. Joints without an axis have the inertial
+ones. They move with b. Reactions are what the joint exerts on b: with the places exchanged, they
+change their sign. For an axis along i2, e1 = i1 x i2 = i3 and e2 = i1.
+
+Usual supports of a beam `b`: clamped, `<fixed between="ground b.start" …/>`; a hinge about i2,
+`<revolute between="ground b.start" axis="0 1 0" …/>`; a roller along i1, `<point_on_line
+between="ground b.end" axis="1 0 0" …/>`, which leaves all rotations free.
+
+A drive or motion that starts at a rate needs bodies that move with it: give them `velocity` and
+`angular_velocity`, or let the drive start from rest (`rate="1 > t ? 6*t : 6"`); beams start at rest.
 )md",
      R"xml(<mbd name="swing">
   <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
@@ -324,6 +347,11 @@ recorded.
 )xml"},
     {"Loads", "load distributed gravity",
      R"md(Dead loads keep their inertial direction; follower loads turn with the section or body.
+
+A distributed load is sampled at the nodes of the elements: it should be smooth within each. Where
+it begins and ends, say so by `from` and `to`, which make ends of elements; a condition on `s`
+inside an element costs accuracy. A load that moves along a beam is best a smooth bump several nodes
+wide (`exp(-((s-v*t)/w)^2)`), with the beam divided finely enough.
 )md",
      R"xml(<mbd name="beam_in_wind">
   <section name="tube">

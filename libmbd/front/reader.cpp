@@ -28,7 +28,7 @@ class Reader {
   Scene read(const xml::Element& root) {
     check_overrides();
     files_.push_back(identity(scene_.file));
-    const ReadingContext context{scene_.file, parameters_, defaults_};
+    const ReadingContext context{scene_.file, parameters_, defaults_, units_};
     check_version(root, scene_.file);
     const Item model(root, context);
     scene_.source = model.source();
@@ -151,7 +151,7 @@ class Reader {
       item.fail("more than " + std::to_string(most_includes) +
                 " includes in one model; put files together");
     const xml::Element root = xml::parse_file(file);
-    const ReadingContext context{file.string(), parameters_, defaults_};
+    const ReadingContext context{file.string(), parameters_, defaults_, units_};
     check_version(root, context.file);
     files_.push_back(id);
     read_children(Item(root, context));
@@ -172,19 +172,40 @@ class Reader {
 
   void parameter(const Item& item) {
     const std::string name = item.text("name");
-    double value = 0.0;
     const auto set = std::find_if(overrides_.begin(), overrides_.end(),
                                   [&](const auto& entry) { return entry.first == name; });
+    const std::string written = item.text_of("value");
+    const std::string own(split_unit(written).unit);
+    double value = 0.0;
     if (set == overrides_.end()) {
       value = item.number("value");
     } else {
       // Read as if it stood in the file; messages begin with the option instead of the place.
-      xml::Element given{"parameter", 0, {{"name", name, 0}, {"value", set->second, 0}}, {}, {}, 0};
-      const ReadingContext context{"--set " + name + "=" + set->second, parameters_, defaults_};
+      const std::string option = "--set " + name + "=" + set->second;
+      const xml::Element given{"parameter", 0,  {{"name", name, 0}, {"value", set->second, 0}},
+                               {},          {}, 0};
+      const ReadingContext context{option, parameters_, defaults_, units_};
       value = Item(given, context, item).number("value");
+      check_unit_of_override(option, set->second, name, own);
     }
+    if (!own.empty()) units_.emplace(name, own);
     define(item, name, value);
     scene_.parameters.emplace_back(name, value);
+  }
+
+  // A number that the model gives with a unit is set with one, of the same quantity.
+  static void check_unit_of_override(const std::string& option, const std::string& value,
+                                     const std::string& name, const std::string& own) {
+    if (own.empty()) return;
+    const std::string_view unit = split_unit(value).unit;
+    if (unit.empty())
+      throw Error(option + ": a unit is missing: the model gives " + name + " in " + own +
+                  "; write --set " + name + "=\"" + value + " " + own + "\"");
+    try {
+      unit_factor(unit, own);
+    } catch (const Error& error) {
+      throw Error(option + ": " + error.what());
+    }
   }
 
   void define(const Item& item, const std::string& name, double value) {
@@ -543,6 +564,7 @@ class Reader {
   Scene scene_;
   Parameters parameters_;
   std::map<std::string, std::vector<DefaultValue>, std::less<>> defaults_;
+  std::map<std::string, std::string, std::less<>> units_;  // that parameters were given in
   std::vector<std::string> files_;  // being read, each included by the one before
   std::vector<Source> untimed_;     // expected values without a time
   long repetitions_ = 0;

@@ -167,13 +167,15 @@ class Run {
     if (in_statics_ && mechanism.freedoms() > 0)
       throw Error(
           scene_.statics->source,
-          fmt::format("static: no equilibrium: nothing holds the structure, which is free to "
-                      "move in {} way{}; add joints, or give a <transient> instead ({})",
-                      mechanism.freedoms(), mechanism.freedoms() == 1 ? "" : "s", failure));
+          fmt::format(
+              "static: no equilibrium was found: its parts are free to move in {} way{}, which "
+              "nothing in the scene brings to rest; hold them by joints, or give a <transient>",
+              mechanism.freedoms(), mechanism.freedoms() == 1 ? "" : "s"));
     for (const BodyScene& body : scene_.bodies)
       if (failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
-        throw Error(body.source,
-                    fmt::format("{}: {}; give it mass and inertia", label(body), failure));
+        throw Error(body.source, label(body) +
+                                     ": its acceleration at the start is not determined: it lacks "
+                                     "mass or inertia that no joint replaces; give it both");
     if (in_statics_) throw Error(scene_.statics->source, "static: " + failure);
     throw Error(scene_.transient->source, "transient: " + failure);
   }

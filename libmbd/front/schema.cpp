@@ -548,6 +548,37 @@ std::string unknown_attribute(const Element& element, std::string_view name) {
                  "attributes of <" + std::string(element.name) + ">");
 }
 
+std::string_view usual_word(std::string_view word) {
+  struct Usual {
+    std::string_view word, instead;
+  };
+  static constexpr Usual table[] = {
+      {"clamp", "write <fixed between=\"ground beam.start\" …/>"},
+      {"weld", "write <fixed …/>"},
+      {"hinge", "write <revolute axis=… …/>"},
+      {"pin", "write <revolute axis=… …/>, or <spherical …/> for a ball"},
+      {"ball", "write <spherical …/>"},
+      {"slider", "write <prismatic axis=… …/>"},
+      {"roller", "write <point_on_line axis=… …/>: free along the line, free to turn"},
+      {"rope", "write <distance …/>, which holds a length also in pressure, or a slender <beam>"},
+      {"cable", "write <distance …/>, which holds a length also in pressure, or a slender <beam>"},
+      {"spring", "this version has no springs; a slender <beam> is elastic"},
+      {"damper", "this version has no dampers; leave it out"},
+      {"contact", "this version has no contact; leave it out"},
+      {"force", "write <load at=… force=\"…\"/>"},
+      {"moment", "write <load at=… moment=\"…\"/>"},
+      {"material", "write <section> with <stiffness EA=… …/> and <mass per_length=… …/>"},
+      {"deflection", "write displacement"},
+      {"torque", "write moment (of a beam) or reaction_moment (of a joint)"},
+      {"reaction", "write reaction_force and reaction_moment"},
+      {"stress", "this version has resultants, force and moment; stress follows from the section"},
+      {"strain", "this version has resultants, force and moment; strain follows from the section"},
+  };
+  for (const Usual& usual : table)
+    if (usual.word == word) return usual.instead;
+  return {};
+}
+
 bool is_name(std::string_view text) {
   constexpr std::size_t longest = 200;
   return !text.empty() && text.size() <= longest &&

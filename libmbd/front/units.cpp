@@ -144,11 +144,12 @@ std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\
 
 // For suggestions.
 constexpr std::string_view common[] = {
-    "N.m",   "kN.m",       "m",      "mm",   "cm",     "km",     "um",     "in",       "ft",
-    "s",     "ms",         "us",     "min",  "h",      "kg",     "g",      "t",        "lb",
-    "N",     "kN",         "MN",     "lbf",  "N.m2",   "N/m",    "rad",    "deg",      "rev",
-    "rpm",   "rad/s",      "deg/s",  "m/s",  "m/s2",   "kg.m2",  "kg/m",   "kg.m",     "meter",
-    "metre", "millimeter", "second", "gram", "degree", "newton", "radian", "kilogram", "minute"};
+    "Pa",     "kPa",    "MPa",      "GPa",   "N.m",   "kN.m",       "m",      "mm",   "cm",
+    "km",     "um",     "in",       "ft",    "s",     "ms",         "us",     "min",  "h",
+    "kg",     "g",      "t",        "lb",    "N",     "kN",         "MN",     "lbf",  "N.m2",
+    "N/m",    "rad",    "deg",      "rev",   "rpm",   "rad/s",      "deg/s",  "m/s",  "m/s2",
+    "kg.m2",  "kg/m",   "kg.m",     "meter", "metre", "millimeter", "second", "gram", "degree",
+    "newton", "radian", "kilogram", "minute"};
 
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || c == '_' ||
@@ -179,6 +180,9 @@ double unit_factor(std::string_view unit, std::string_view wanted) {
   if (!given->is_number || given->zero != 0.0)
     throw Error("the unit " + quoted(unit) +
                 " has a zero of its own or is no multiple of an SI unit; convert the number");
+  if (wanted == any_unit && unit.ends_with("Hz"))
+    throw Error("the unit " + quoted(unit) +
+                " may mean 1/s or turns a second; write 1/s, rev/s, rpm or rad/s");
   if (wanted == any_unit) return given->factor;
   if (wanted == pure_number)
     throw Error("this is a pure number; leave out the unit " + quoted(unit));

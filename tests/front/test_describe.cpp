@@ -137,6 +137,15 @@ TEST(Check, CountsTheElementsThatAttachmentsAdd) {
   EXPECT_EQ(report.elements, 9);
 }
 
+TEST(Check, TellsSizeAndMass) {
+  const CheckReport bar = check_of("four_bar");
+  EXPECT_LT((bar.high - Vec3(0.24, 0.12, 0.0)).norm(), 1e-12);
+  EXPECT_EQ(bar.low, Vec3(0.0, 0.0, 0.0));
+  ASSERT_TRUE(bar.mass);
+  EXPECT_NEAR(*bar.mass, 1.9968 * 0.36 + 0.4992 * 0.12, 1e-12);  // two thick bars and a thin one
+  EXPECT_FALSE(check_of("bend45").mass);
+}
+
 TEST(Check, TellsEnergiesOfTheStart) {
   const CheckReport top = check_of("heavy_top");
   Scene scene = test::model_scene("heavy_top");

@@ -86,7 +86,7 @@ TEST(Units, InEveryKindOfNumber) {
     <parameter name="speed" value="60rpm"/>
     <section name="s"><stiffness EA="1 MN" GA2="2000 N" GA3="3" GJ="4 kN.mm2" EI2="5" EI3="6" D14="7 N.mm"/>
       <mass per_length="2 g/mm" inertia="1 2 3 kg.mm" center="1 2 mm"/></section>
-    <beam name="bar" section="s" from="0 0 0" to="0 120 L mm" normal="0 0 1"/>
+    <beam name="bar" section="s" from="0 0 0" to="0 120 3*4 mm" normal="0 0 1"/>
     <arc name="bow" section="s" from="0 1mm 2" center="1 0 0" axis="0 0 1" angle="90 deg" normal="0 0 1"/>
     <body name="b" at="1in 0 0" orientation="0 0 90 deg" mass="2 t" inertia="1 1 1 g.mm2"
           angular_velocity="0 0 60 rpm"/>
@@ -111,7 +111,7 @@ TEST(Units, InEveryKindOfNumber) {
   EXPECT_DOUBLE_EQ(M(5, 0), -2e-3);  // m c~ of the centre (0, 1, 2) mm
   const auto& line = std::get<Straight>(scene.beams[0].line);
   EXPECT_DOUBLE_EQ(line.to(1), 0.12);
-  EXPECT_DOUBLE_EQ(line.to(2), 12e-6);  // the unit is of all components: L mm
+  EXPECT_DOUBLE_EQ(line.to(2), 12e-3);  // the unit is of all components
   const auto& arc = std::get<Arc>(scene.beams[1].line);
   EXPECT_DOUBLE_EQ(arc.from(1), 1e-3);
   EXPECT_EQ(arc.from(2), 2.0);
@@ -153,12 +153,46 @@ TEST(Units, WrongOnesInAModel) {
   EXPECT_SAYS(message("<gravity acceleration=\"0 0 -9.8 m/s\"/>"), "is of another quantity");
   EXPECT_SAYS(message("<gravity acceleration=\"0 0 -9.8m/s2 m/s2\"/>"), "leave one of them out");
   EXPECT_SAYS(message("<gravity acceleration=\"0 0 m -9.8 m/s2\"/>"),
-              "has 5 components, must have 3");
+              "has 4 components and \"m/s2\", must have 3");
   EXPECT_SAYS(message("<body name=\"b\" mass=\"1\" inertia=\"1 1 1\" orientation=\"0 0 90 mm\"/>"),
               "give the number in rad");
   // a missing * is not taken for litres
   EXPECT_SAYS(message("<parameter name=\"L\" value=\"1\"/><parameter name=\"a\" value=\"2 L\"/>"),
               "\"L\" is a parameter and may be a unit: write a product with *");
+}
+
+// A parameter that has a unit is a number in SI units from then on.
+TEST(Units, OfParametersAreConvertedOnce) {
+  const std::string L = "<parameter name=\"L\" value=\"6000 mm\"/>";
+  EXPECT_EQ(read(L + "<gravity acceleration=\"L 0 2*L\"/>").gravity->acceleration, Vec3(6, 0, 12));
+  EXPECT_SAYS(message(L + "<gravity acceleration=\"0 0 2*L m/s2\"/>"),
+              "\"L\" was given in mm and is in SI units now; leave out the unit \"m/s2\" here");
+  EXPECT_SAYS(
+      message(
+          L +
+          "<parameter name=\"w\" value=\"60 rpm\"/><transient duration=\"1\" step=\"2*w ms\"/>"),
+      "\"w\" was given in rpm");
+  EXPECT_SAYS(message(L + "<load at=\"b\" force=\"0 0 t*L kN\"/>"), "\"L\" was given in mm");
+  EXPECT_SAYS(message(L + "<distributed beam=\"b\" force=\"0 0 s*L kN/m\"/>"),
+              "\"L\" was given in mm");
+  EXPECT_EQ(
+      message(L + "<parameter name=\"L2\" value=\"2\"/><gravity acceleration=\"0 0 L2 m/s2\"/>"),
+      "no error");
+  EXPECT_EQ(read(L, {{"L", "5 m"}}).parameters[0].second, 5.0);
+  EXPECT_SAYS(
+      message(L, {{"L", "5000"}}),
+      "--set L=5000: a unit is missing: the model gives L in mm; write --set L=\"5000 mm\"");
+  EXPECT_SAYS(message(L, {{"L", "5 kN"}}), "is of another quantity; give the number in mm");
+  EXPECT_SAYS(message("<parameter name=\"f\" value=\"1 Hz\"/>"), "may mean 1/s or turns a second");
+  EXPECT_SAYS(message("<gravity acceleration=\"-9.8 m/s2\"/>"),
+              "has 1 component and \"m/s2\", must have 3");
+}
+
+TEST(Reader, KnowsUsualWords) {
+  EXPECT_SAYS(message("<clamp name=\"c\"/>"), "unknown element <clamp>; write <fixed");
+  EXPECT_SAYS(message("<body name=\"b\" mass=\"1\" inertia=\"1 1 1\"/>"
+                      "<record name=\"r\" at=\"b\" quantities=\"deflection\"/>"),
+              "unknown quantity \"deflection\"; write displacement");
 }
 
 // ---- includes ---------------------------------------------------------------------------------

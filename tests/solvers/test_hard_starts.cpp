@@ -113,11 +113,10 @@ TEST(HardStart, ASystemWithoutInertiaIsNotIntegrated) {
 // ---- what fails, and says so ------------------------------------------------------------------
 
 TEST(HardStart, SingularStaticsAreReportedByName) {
-  for (const auto& [name, part] :
-       {std::pair{"pendulum", "body 'bob'"}, std::pair{"chain", "body 'rod"}}) {
+  for (const char* const name : {"pendulum", "chain"}) {
     Scene scene = model_scene(name);
     scene.statics = StaticScene{};
-    expect_words(message_of([&] { run(scene); }), {"static: ", "singular", part});
+    expect_words(message_of([&] { run(scene); }), {"static: no equilibrium", "free to move in"});
   }
 }
 
@@ -130,7 +129,8 @@ TEST(HardStart, AFreeBeamHasNoEquilibriumUnderLoad) {
       <static/>
       <record name="end" at="beam.end" quantities="displacement"/>
     </mbd>)");
-  expect_words(message_of([&] { run(scene); }), {"static: ", "beam 'beam'"});
+  expect_words(message_of([&] { run(scene); }),
+               {"static: no equilibrium", "free to move in 6 ways"});
 }
 
 TEST(HardStart, RedundantConstraintsAreReportedByName) {
