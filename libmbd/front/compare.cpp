@@ -281,8 +281,9 @@ std::string overlay_svg(const Comparison& comparison, const History& first, cons
     const auto d =
         std::find_if(comparison.columns.begin(), comparison.columns.end(),
                      [&](const ColumnDifference& c) { return c.in_first == place.column; });
-    plot::Curve thin{called[1] + ": " + d->name, {}, static_cast<int>(place.curve), false};
-    curve = {called[0] + ": " + d->name, {}, static_cast<int>(place.curve), true};
+    // One entry of the legend for both; the title says which run is which.
+    plot::Curve thin{d->name, {}, static_cast<int>(place.curve), false};
+    curve = {"", {}, static_cast<int>(place.curve), true};
     add(curve, first, d->in_first);
     add(thin, second, d->in_second);
     panel.curves.push_back(std::move(thin));

@@ -136,14 +136,31 @@ Error unknown(const History& history, const std::string& name, bool only_columns
       if (seen.insert(group).second) known.push_back(group);
   }
   seen.clear();
-  for (const Column& column : history.columns)
-    if (seen.insert(record_of(column.name)).second) listed.push_back(record_of(column.name));
+  for (std::size_t i = 1; i < history.columns.size(); ++i) {  // the first is time, no record
+    const std::string_view record = record_of(history.columns[i].name);
+    if (seen.insert(record).second) listed.push_back(record);
+  }
   if (only_columns) listed.assign(known.begin(), known.end());
   const std::string_view near = nearest(name, known);
   return Error(history.file.string() + ": \"" + excerpt(name) + "\" is not a " +
                (only_columns ? "column" : "record, quantity or column") + " of these results" +
-               (near.empty() ? "." : "; did you mean \"" + std::string(near) + "\"?") + " The " +
-               (only_columns ? "columns" : "records") + " are: " + list(listed));
+               (near.empty() ? "." : "; did you mean \"" + std::string(near) + "\"?") +
+               (listed.empty() ? " There are no records; add a <record> to the model"
+                               : std::string(" The ") + (only_columns ? "columns" : "records") +
+                                     " are: " + list(listed)));
+}
+
+// Where a table should begin, there is XML: most often the model, given in place of its results.
+Error not_a_table(const History& history, std::string text, std::istream& rest) {
+  std::string more(1 << 16, '\0');  // a model may begin with a long comment
+  rest.read(more.data(), static_cast<std::streamsize>(more.size()));
+  text += more.substr(0, static_cast<std::size_t>(rest.gcount()));
+  const std::string file = history.file.string();
+  if (text.find("<mbd") != std::string::npos)
+    return Error(file + ": is a model, not the results of a run; run it first (mbd run " + file +
+                 ") and name the directory of its results");
+  return Error(file +
+               ": is XML, not a table; name the directory that mbd run wrote, or a CSV file");
 }
 
 }  // namespace
@@ -181,6 +198,7 @@ History read_history(const fs::path& file_or_directory) {
       continue;
     }
     if (history.columns.empty()) {
+      if (trimmed(line).starts_with('<')) throw not_a_table(history, line, stream);
       history.columns = read_header(source, line);
       history.values.resize(history.columns.size());
       if (!units.empty()) add_units(history, units);

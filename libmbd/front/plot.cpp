@@ -17,7 +17,9 @@ namespace {
 // --- layout, in units of the picture ---
 constexpr double panel_width = 720.0;
 constexpr double panel_height = 420.0;
-constexpr double left = 112.0, right = 30.0;  // of the axes, from the panel's edges
+constexpr double least_left = 112.0, right = 30.0;  // of the axes, from the panel's edges
+constexpr double beside = 24.0;                     // base line of the label beside the y axis
+constexpr double tick_gap = 8.0;                    // from the axis to its labels
 constexpr double line_height = 30.0, bottom = 72.0;
 constexpr double font = 22.0;           // 11 px on a screen 360 px wide
 constexpr double letter = 0.56 * font;  // width of a letter, rather too much than too little
@@ -132,14 +134,19 @@ struct Extent {
   bool empty() const { return !(min <= max); }
 };
 
-// Never empty, never a point, never beyond what arithmetic can do.
-Extent drawable(Extent e, double margin) {
+// What changes by less than this share of its size is a constant to a picture: its labels would need more
+// than seven digits, and it is at the level of the solvers' tolerances rather than a motion.
+constexpr double constant_below = 1e-6;
+
+// Never empty, never a point, never beyond what arithmetic can do. A span below `constant` of its greatest
+// magnitude gets a range of 1 % about it.
+Extent drawable(Extent e, double margin, double constant = constant_below) {
   constexpr double huge = 1e300;
   if (e.empty()) return {0.0, 1.0};
   e = {std::clamp(e.min, -huge, huge), std::clamp(e.max, -huge, huge)};
   const double size = std::max(std::abs(e.min), std::abs(e.max));
-  if (e.max - e.min <= 1e-12 * size || e.max == e.min) {
-    const double half = size > 0.0 ? 0.5 * size : 1.0;
+  if (e.max - e.min <= constant * size || e.max == e.min) {
+    const double half = size > 0.0 ? 0.01 * size : 1.0;
     return {e.min - half, e.max + half};
   }
   const double space = margin * (e.max - e.min);
@@ -162,7 +169,7 @@ Axis make_axis(const Extent& extent, int wanted) {
   Ticks ticks = make_ticks(extent.min, extent.max, wanted);
   const double size = std::max(std::abs(extent.min), std::abs(extent.max));
   int power = 0;
-  if (size >= 1e5 || size < 1e-2) {
+  if (size >= 1e5 || size < 1e-2 || (size < 1.0 && ticks.step < 7e-6)) {
     power = 3 * static_cast<int>(std::floor(std::log10(size) / 3.0));
     axis.factor = "×10" + superscript(power);
   }
@@ -173,6 +180,32 @@ Axis make_axis(const Extent& extent, int wanted) {
     axis.labels.push_back(with_minus(fmt::format("{:.{}f}", at * scale + 0.0, decimals)));
   axis.ticks = std::move(ticks.at);
   return axis;
+}
+
+// Of a label of a tick, in the widest of usual fonts (DejaVu Sans): a viewer may have no other.
+double tick_width(const std::string& text) {
+  const bool minus = text.starts_with("−");
+  const auto dots = static_cast<double>(std::count(text.begin(), text.end(), '.'));
+  return font * (0.64 * static_cast<double>(letters(text)) - 0.32 * dots + (minus ? 0.2 : 0.0));
+}
+
+double widest_label(const Axis& axis) {
+  double widest = 0.0;
+  for (const std::string& text : axis.labels) widest = std::max(widest, tick_width(text));
+  return widest;
+}
+
+// As many ticks, five if possible, as have room for their labels beside each other.
+Axis make_x_axis(const Extent& extent) {
+  constexpr double width = panel_width - least_left - right;
+  for (int wanted = 5;; --wanted) {
+    Axis axis = make_axis(extent, wanted);
+    const auto gaps = static_cast<double>(std::max<std::size_t>(axis.ticks.size(), 2) - 1);
+    const double part = axis.ticks.empty() ? 0.0
+                                           : (axis.ticks.back() - axis.ticks.front()) /
+                                                 (extent.max - extent.min) / gaps;
+    if (wanted == 1 || widest_label(axis) + letter <= part * width) return axis;
+  }
 }
 
 // An axis of angles that begins and ends at multiples of pi/2 has ticks there: 0, π/2, π, 3π/2, 2π.
@@ -286,12 +319,42 @@ std::string stroke(const Curve& curve, const Style& style) {
       style.dashes.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", style.dashes));
 }
 
-bool has_markers(const Curve& curve, const Panel& panel) {
-  return curve.trace.points().size() <= few_points || panel.curves.size() > 1;
+const Style& style_of(const Panel& panel, std::size_t curve) {
+  const int style = panel.curves[curve].style;
+  return styles[(style < 0 ? curve : static_cast<std::size_t>(style)) % std::size(styles)];
 }
 
-void draw_curve(std::string& svg, std::size_t number, const Style& style, const Panel& panel,
-                const Axis& x, const Axis& y, double x0, double x1, double y0, double y1) {
+double greatest(const Curve& curve) {
+  double size = 0.0;
+  for (const Point& p : curve.trace.points()) size = std::max(size, std::abs(p[1]));
+  return size;
+}
+
+// Which curves of a panel have markers. A curve that is zero, or round-off beside the others, has none:
+// several of them lie on each other, and their markers would be a muddle. Nor do long curves need any where
+// one style is all there is.
+std::vector<bool> marked_curves(const Panel& panel) {
+  constexpr double round_off = 1e-12;
+  std::vector<bool> marked;
+  std::vector<double> sizes;
+  double most = 0.0;
+  bool styles_differ = false;
+  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+    sizes.push_back(greatest(panel.curves[i]));
+    most = std::max(most, sizes.back());
+    styles_differ = styles_differ || &style_of(panel, i) != &style_of(panel, 0);
+  }
+  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+    const bool nothing = styles_differ && sizes[i] <= round_off * most;
+    const bool few = panel.curves[i].trace.points().size() <= few_points;
+    marked.push_back(!nothing && (few || styles_differ));
+  }
+  return marked;
+}
+
+void draw_curve(std::string& svg, std::size_t number, const Style& style, bool marked,
+                const Panel& panel, const Axis& x, const Axis& y, double x0, double x1, double y0,
+                double y1) {
   const Curve& curve = panel.curves[number];
   const auto to_picture = [&](const Point& p) -> Point {
     constexpr double far = 1e5;  // outside the picture, inside what viewers can draw
@@ -315,7 +378,7 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, const 
   if (points.size() > 1)
     svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n", path.take(),
                        stroke(curve, style));
-  if (!has_markers(curve, panel)) return;
+  if (!marked) return;
   if (points.size() <= few_points) {
     for (const Point& p : points) svg += marker_at(to_picture(p), style);
     return;
@@ -330,11 +393,6 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, const 
   }
 }
 
-const Style& style_of(const Panel& panel, std::size_t curve) {
-  const int style = panel.curves[curve].style;
-  return styles[(style < 0 ? curve : static_cast<std::size_t>(style)) % std::size(styles)];
-}
-
 std::string legend_text(const Curve& curve) {
   return shortened(curve.label, text_width - legend_line);
 }
@@ -343,27 +401,31 @@ double legend_width(const Curve& curve) {
   return legend_line + width_of(legend_text(curve)) + legend_gap;
 }
 
-// Rows of the legend: curves from each of these to the next.
-std::vector<std::size_t> legend_rows(const Panel& panel) {
-  std::vector<std::size_t> rows = {0};
+// Rows of the legend: the curves in each. None where fewer than two have a label.
+std::vector<std::vector<std::size_t>> legend_rows(const Panel& panel) {
+  std::vector<std::vector<std::size_t>> rows;
   double width = 0.0;
+  std::size_t entries = 0;
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+    if (panel.curves[i].label.empty()) continue;
     const double item = legend_width(panel.curves[i]);
-    if (width > 0.0 && width + item - legend_gap > text_width) {
-      rows.push_back(i);
+    if (rows.empty() || width + item - legend_gap > text_width) {
+      rows.emplace_back();
       width = 0.0;
     }
+    rows.back().push_back(i);
     width += item;
+    ++entries;
   }
-  rows.push_back(panel.curves.size());
+  if (entries < 2) rows.clear();
   return rows;
 }
 
 // What stands above the axes, in this order.
 struct Head {
   std::vector<std::string> title;
-  std::vector<std::size_t> legend;   // rows; empty: none
-  std::vector<std::string> y_label;  // one that is too long to stand beside the axis
+  std::vector<std::vector<std::size_t>> legend;
+  std::vector<std::string> y_label;  // where it does not stand beside the axis
   double height = 0.0;
 };
 
@@ -373,13 +435,54 @@ std::string with_factor(const std::string& label, const std::string& factor) {
   return factor.empty() ? label : label.empty() ? factor : label + "  " + factor;
 }
 
-Head head_of(const Panel& panel, const std::string& y_label) {
+// The axes of a panel, and what is written at them.
+struct Axes {
+  Axis x, y;
+  std::string x_label, y_label;
+};
+
+Axes axes_of(const Panel& panel) {
+  Extent span_x, span_y;
+  for (const Curve& curve : panel.curves)
+    for (const Point& p : curve.trace.points())
+      if (within(panel.x_range, p[0])) {
+        span_x.add(p[0]);
+        span_y.add(p[1]);
+      }
+  if (panel.x_range) span_x = {(*panel.x_range)[0], (*panel.x_range)[1]};
+  const std::optional<Axis> angles = panel.x_range ? make_angle_axis(*panel.x_range) : std::nullopt;
+  const bool given = panel.x_range || panel.x_is_time;  // not for us to widen
+  const Extent extent_x = drawable(span_x, given ? 0.0 : 0.04, given ? 1e-12 : constant_below);
+  Axes axes{angles ? *angles : make_x_axis(extent_x), make_axis(drawable(span_y, 0.04), 6), {}, {}};
+  axes.x_label = with_factor(panel.x_label, axes.x.factor);
+  axes.y_label = with_factor(panel.y_label, axes.y.factor);
+  return axes;
+}
+
+// What all panels of a picture share, so that their axes and labels stand below each other.
+struct Frame {
+  double left = least_left;    // of the axes: leaves room for the widest label of a tick
+  bool y_label_above = false;  // because one is too long to stand beside its axis
+};
+
+Frame frame_of(std::span<const Axes> all) {
+  Frame frame;
+  for (const Axes& axes : all) {
+    constexpr double descent = 0.3 * font;
+    frame.left =
+        std::max(frame.left, beside + descent + tick_gap + widest_label(axes.y) + tick_gap);
+    frame.y_label_above = frame.y_label_above || width_of(axes.y_label) > axes_height;
+  }
+  return frame;
+}
+
+Head head_of(const Panel& panel, const std::string& y_label, bool y_label_above) {
   Head head;
   head.title = wrapped(panel.title, text_width / 1.1);  // bold letters are wider
-  if (panel.curves.size() > 1) head.legend = legend_rows(panel);
-  if (width_of(y_label) > axes_height) head.y_label = wrapped("↑ " + y_label, text_width);
-  const std::size_t rows = head.legend.empty() ? 0 : head.legend.size() - 1;
-  head.height = line_height * static_cast<double>(head.title.size() + rows + head.y_label.size()) +
+  head.legend = legend_rows(panel);
+  if (y_label_above && !y_label.empty()) head.y_label = wrapped("↑ " + y_label, text_width);
+  head.height = line_height * static_cast<double>(head.title.size() + head.legend.size() +
+                                                  head.y_label.size()) +
                 (head.title.empty() ? 0.0 : 10.0);
   return head;
 }
@@ -391,29 +494,17 @@ std::string text_at(double x, double y, std::string_view anchor, std::string_vie
 }
 
 // Draws it and returns its height.
-double draw_panel(std::string& svg, const Panel& panel, std::size_t number, double at_x,
-                  double at_y) {
-  Extent span_x, span_y;
-  for (const Curve& curve : panel.curves)
-    for (const Point& p : curve.trace.points())
-      if (within(panel.x_range, p[0])) {
-        span_x.add(p[0]);
-        span_y.add(p[1]);
-      }
-  if (panel.x_range) span_x = {(*panel.x_range)[0], (*panel.x_range)[1]};
-  const std::optional<Axis> angles = panel.x_range ? make_angle_axis(*panel.x_range) : std::nullopt;
-  const double margin = panel.x_range || panel.x_is_time ? 0.0 : 0.04;
-  const Axis x = angles ? *angles : make_axis(drawable(span_x, margin), 5);
-  const Axis y = make_axis(drawable(span_y, 0.04), 6);
-
-  const std::string y_label = with_factor(panel.y_label, y.factor);
-  const Head head = head_of(panel, y_label);
-  const std::vector<std::string> x_label =
-      wrapped(with_factor(panel.x_label, x.factor), text_width);
+double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const Frame& frame,
+                  std::size_t number, double at_x, double at_y) {
+  const Axis& x = axes.x;
+  const Axis& y = axes.y;
+  const Head head = head_of(panel, axes.y_label, frame.y_label_above);
+  const std::vector<bool> marked = marked_curves(panel);
+  const std::vector<std::string> x_label = wrapped(axes.x_label, text_width);
   const double more_below =
       line_height * static_cast<double>(std::max<std::size_t>(x_label.size(), 1) - 1);
   const double height = panel_height + head.height + more_below;
-  const double x0 = at_x + left, x1 = at_x + panel_width - right;
+  const double x0 = at_x + frame.left, x1 = at_x + panel_width - right;
   const double y0 = at_y + height - bottom - more_below;  // bottom of the axes; y points down
   double top = at_y + 22.0;
 
@@ -423,22 +514,27 @@ double draw_panel(std::string& svg, const Panel& panel, std::size_t number, doub
   }
   if (!head.title.empty()) top += 10.0;
   double legend_x = x0;  // of all rows: above the axes, or as far left as the widest needs
-  for (std::size_t row = 0; row + 1 < head.legend.size(); ++row) {
+  for (const std::vector<std::size_t>& row : head.legend) {
     double width = -legend_gap;
-    for (std::size_t i = head.legend[row]; i < head.legend[row + 1]; ++i)
-      width += legend_width(panel.curves[i]);
+    for (const std::size_t i : row) width += legend_width(panel.curves[i]);
     legend_x = std::max(at_x + 24.0, std::min(legend_x, at_x + panel_width - 24.0 - width));
   }
-  for (std::size_t row = 0; row + 1 < head.legend.size(); ++row) {
+  for (const std::vector<std::size_t>& row : head.legend) {
     double item = legend_x;
-    for (std::size_t i = head.legend[row]; i < head.legend[row + 1]; ++i) {
+    for (const std::size_t i : row) {
       const Curve& curve = panel.curves[i];
       const Style& style = style_of(panel, i);
-      svg +=
-          fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", item,
-                      top - 4.0, item + legend_line - 8.0, top - 4.0, stroke(curve, style));
-      if (has_markers(curve, panel))
-        svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
+      const auto sample = [&](const Curve& drawn) {
+        svg +=
+            fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n",
+                        item, top - 4.0, item + legend_line - 8.0, top - 4.0, stroke(drawn, style));
+      };
+      for (std::size_t other = 0; other < panel.curves.size(); ++other)  // the broad one below it
+        if (other != i && panel.curves[other].wide && panel.curves[other].label.empty() &&
+            &style_of(panel, other) == &style)
+          sample(panel.curves[other]);
+      sample(curve);
+      if (marked[i]) svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
       svg += text_at(item + legend_line, top + 4.0, "start", legend_text(curve));
       item += legend_width(curve);
     }
@@ -453,14 +549,16 @@ double draw_panel(std::string& svg, const Panel& panel, std::size_t number, doub
     const double at = x.place(x.ticks[i], x0, x1);
     svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#dddddd\"/>\n", at,
                        y0, top);
-    svg += text_at(at, y0 + 26.0, "middle", x.labels[i]);
+    const double last =
+        at_x + panel_width - 4.0 - tick_width(x.labels[i]) / 2;  // inside the picture
+    svg += text_at(std::min(at, last), y0 + 26.0, "middle", x.labels[i]);
   }
   for (std::size_t i = 0; i < y.ticks.size(); ++i) {
     const double at = y.place(y.ticks[i], y0, top);
     const bool zero = y.ticks[i] == 0.0;
     svg += fmt::format("<path d=\"M{:.1f},{:.1f} {:.1f},{:.1f}\" stroke=\"{}\"/>\n", x0, at, x1, at,
                        zero ? "#888888" : "#dddddd");
-    svg += text_at(x0 - 8.0, at + 7.0, "end", y.labels[i]);
+    svg += text_at(x0 - tick_gap, at + 7.0, "end", y.labels[i]);
   }
   svg += fmt::format(
       "<clipPath id=\"c{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
@@ -470,7 +568,7 @@ double draw_panel(std::string& svg, const Panel& panel, std::size_t number, doub
   for (const bool wide : {true, false})
     for (std::size_t i = 0; i < panel.curves.size(); ++i)
       if (panel.curves[i].wide == wide)
-        draw_curve(svg, i, style_of(panel, i), panel, x, y, x0, x1, y0, top);
+        draw_curve(svg, i, style_of(panel, i), marked[i], panel, x, y, x0, x1, y0, top);
   svg += "</g>\n";
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
@@ -486,8 +584,8 @@ double draw_panel(std::string& svg, const Panel& panel, std::size_t number, doub
   }
   if (head.y_label.empty()) {
     const double middle = (y0 + top) / 2;
-    svg += text_at(at_x + 24.0, middle, "middle", y_label,
-                   fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at_x + 24.0, middle));
+    svg += text_at(at_x + beside, middle, "middle", axes.y_label,
+                   fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at_x + beside, middle));
   }
   return height;
 }
@@ -540,11 +638,14 @@ std::string to_svg(std::span<const Panel> panels, const Layout& layout) {
     body += text_at(width / 2, y, "middle", line, " font-weight=\"bold\"");
   }
   if (y > 0.0) y += 12.0;
+  std::vector<Axes> axes;
+  for (const Panel& panel : panels) axes.push_back(axes_of(panel));
+  const Frame frame = frame_of(axes);
   for (std::size_t begin = 0; begin < panels.size(); begin += columns) {
     double height = 0.0;
     for (std::size_t i = begin; i < std::min(begin + columns, panels.size()); ++i)
-      height = std::max(
-          height, draw_panel(body, panels[i], i, panel_width * static_cast<double>(i - begin), y));
+      height = std::max(height, draw_panel(body, panels[i], axes[i], frame, i,
+                                           panel_width * static_cast<double>(i - begin), y));
     y += height;
   }
   const std::vector<std::string> note = wrapped(layout.note, width - 48.0);

@@ -34,15 +34,16 @@ class Trace {
   std::vector<Point> points_;
 };
 
-// A curve of 30 points or less has a marker at each of them; where there are several curves, longer ones
-// have a few.
+// A curve of 30 points or less has a marker at each of them; where there are several styles, longer ones
+// have a few, and those that are zero, or round-off beside the others, have none.
 struct Curve {
-  std::string label;
+  std::string label;  // in the legend, which there is for two and more; empty: not there
   Trace trace;
   int style = -1;     // dashes, marker and colour; default: the number of the curve in its panel
   bool wide = false;  // a broad pale line without dashes, under those that are not
 };
 
+// What changes by less than 1e-6 of its size is drawn as a constant, in a range of 1 % about it.
 struct Panel {
   std::string title = {}, x_label = {}, y_label = {};
   std::optional<std::array<double, 2>> x_range = {};  // default: what the curves span
@@ -56,7 +57,9 @@ struct Layout {
   std::string title = {};
 };
 
-// Long titles and notes are broken into lines, long entries of a legend lose their middle.
+// Long titles and notes are broken into lines, long entries of a legend lose their middle. The axes of all
+// panels begin at the same place, right of the widest label of a tick; the labels of y stand beside the
+// axes or, when one is too long for that, all above.
 std::string to_svg(std::span<const Panel> panels, const Layout& layout = {});
 
 // One panel for each quantity of the chosen columns, its components next to each other, 24 at most.

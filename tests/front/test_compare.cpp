@@ -192,6 +192,7 @@ TEST_F(ResultsCommands, WrongPlotsAreErrorsAndWriteNothing) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
       {{"plot", at("none")}, "no such file or directory"},
       {{"plot", at("a"), "C.dispalcement"}, "did you mean \"C.displacement\"?"},
+      {{"plot", at("a"), "tipp"}, "The records are: C\n"},
       {{"plot", at("a"), "--x", "tme"}, "did you mean \"time\"?"},
       {{"plot", at("a"), "--out", at("a/history.csv")}, "ends in .svg"},
       {{"plot", at("a"), "--out", at("none/a.svg")}, "there is no directory"},
@@ -216,12 +217,28 @@ TEST_F(ResultsCommands, CompareSaysHowAndExitsByTolerance) {
   EXPECT_TRUE(contains(ended.out, "component of the quantity in all of a"));
   EXPECT_TRUE(contains(ended.out, "5.77e-03  1.00e-02")) << ended.out;  // 0.04/√3/4, 0.04/4
   const std::string svg = contents(at("b/compare.svg"));
-  EXPECT_TRUE(contains(svg, ">a: C.displacement.1<") && contains(svg, ">b: C.displacement.1<"));
+  EXPECT_TRUE(contains(svg, ">a (broad) and b (thin)<")) << svg;
   EXPECT_TRUE(contains(svg, "stroke-opacity"));  // the first run, told from the second in grey
 
   EXPECT_EQ(run({"compare", at("a"), at("b"), "--tolerance", "6e-3"}).status, 0);
   EXPECT_EQ(run({"compare", at("a"), at("b"), "--tolerance", "5e-3"}).status, 2);
   EXPECT_EQ(run({"compare", at("a"), at("b"), "C.force", "--tolerance", "0"}).status, 0);
+}
+
+// Of two runs with two components: a legend of two entries, one row above the axes.
+TEST(Compare, LegendNamesEachComponentOnce) {
+  History a = sampled("a", 100, 0.0, 0.1, [](double t) { return std::sin(t); });
+  a.columns.push_back({"C.u.2", "m"});
+  a.values.push_back(a.values[1]);
+  History b = a;
+  b.file = "b/history.csv";
+  const std::string svg = overlay_svg(compare(a, b), a, b);
+  for (const std::string name : {">C.u.1<", ">C.u.2<"}) {
+    const std::size_t first = svg.find(name);
+    ASSERT_NE(first, std::string::npos) << name;
+    EXPECT_EQ(svg.find(name, first + 1), std::string::npos) << name;
+  }
+  EXPECT_TRUE(contains(svg, ">a (broad) and b (thin)<"));
 }
 
 TEST_F(ResultsCommands, HelpHasExamples) {

@@ -99,6 +99,9 @@ TEST_F(ReadHistory, RefusesWhatIsNoTable) {
   refused("time,a\n0,1\n1,x\n", ":3: ", "column \"a\" holds \"x\", not a finite number");
   for (const char* const cell : {"nan", "inf", "1e999", "", "1 2", "0x1p"})
     refused(std::string("time,a\n0,") + cell + "\n", ":2: ", "not a finite number");
+  refused("<mbd name=\"m\">\n", ": ", "is a model, not the results of a run; run it first");
+  refused("\n<!--\n" + std::string(5000, 'a') + "\n-->\n<mbd>\n", ": ", "is a model");
+  refused("<svg xmlns=\"a\">\n", ": ", "is XML, not a table");
   EXPECT_NE(message(directory_ / "none").find("no such file"), std::string::npos);
   EXPECT_NE(message("/dev/null").find("neither a file nor a directory"), std::string::npos);
   fs::remove(directory_ / "history.csv");
@@ -126,11 +129,12 @@ TEST_F(ReadHistory, ColumnsAreChosenByRecordQuantityOrName) {
     FAIL();
   } catch (const Error& error) {
     const std::string got = error.what();
-    EXPECT_NE(got.find("did you mean \"C.velocity\"? The records are: time, C, D"),
-              std::string::npos)
+    EXPECT_NE(got.find("did you mean \"C.velocity\"? The records are: C, D"), std::string::npos)
         << got;
   }
   EXPECT_THROW(choose_column(h, "C.velocity"), Error);
+  const History only_time = read_history(file("time\n0\n"));
+  EXPECT_THROW(choose_columns(only_time, std::vector<std::string>{"C"}), Error);
 }
 
 }  // namespace

@@ -165,6 +165,95 @@ TEST(Plot, LongTextsAreBrokenOrShortened) {
   EXPECT_EQ(count(svg, ">↑ yyyy"), 1u);
 }
 
+// Texts that end at an axis, the labels of y: the greatest number of letters and where they end.
+std::pair<std::size_t, std::set<std::string>> y_labels(const std::string& svg) {
+  std::size_t most = 0;
+  std::set<std::string> ends;
+  for (std::size_t at = svg.find("text-anchor=\"end\">"); at != std::string::npos;
+       at = svg.find("text-anchor=\"end\">", at + 1)) {
+    std::string text = svg.substr(at + 18, svg.find('<', at) - at - 18);
+    if (text.starts_with("−")) text.replace(0, std::string("−").size(), "-");
+    most = std::max(most, text.size());
+    const std::size_t x = svg.rfind("<text x=\"", at) + 9;
+    ends.insert(svg.substr(x, svg.find('"', x) - x));
+  }
+  return {most, ends};
+}
+
+Panel line(double from, double to) {
+  Panel panel{.y_label = "u [m]", .x_is_time = true};
+  panel.curves.push_back({"a", {}});
+  for (int i = 0; i <= 100; ++i) panel.curves[0].trace.add({0.01 * i, i % 2 == 0 ? from : to});
+  return panel;
+}
+
+// Heights of the points on the paths of curves.
+std::set<std::string> heights(const std::string& svg) {
+  std::set<std::string> found;
+  const std::size_t begin = svg.find("<path", svg.find("<g clip-path"));
+  const std::size_t from = svg.find("d=\"", begin) + 3;
+  const std::string path = svg.substr(from, svg.find('"', from) - from);
+  for (std::size_t at = path.find(','); at != std::string::npos; at = path.find(',', at + 1))
+    found.insert(path.substr(at + 1, path.find_first_of(" M", at) - at - 1));
+  return found;
+}
+
+TEST(Plot, ConstantsAreFlatLinesWithShortLabels) {
+  for (const double value : {6.2831853072, -6.2831853072, 1e-3, 123456.0, 20000.0, 1e-20}) {
+    for (const double noise : {1e-15, 1e-11, 9e-7}) {
+      const std::string svg = to_svg(std::vector<Panel>{line(value, value * (1.0 + noise))}, {});
+      EXPECT_EQ(heights(svg).size(), 1u) << value << " " << noise;
+      EXPECT_LE(y_labels(svg).first, 6u) << value << " " << noise;
+    }
+    const std::string svg = to_svg(std::vector<Panel>{line(value, value * (1.0 + 2e-6))}, {});
+    EXPECT_EQ(heights(svg).size(), 2u) << value;  // a motion, if a small one
+    EXPECT_LE(y_labels(svg).first, 10u) << value;
+  }
+}
+
+TEST(Plot, AxesOfAllPanelsBeginRightOfTheWidestLabel) {
+  const std::vector<Panel> panels = {line(0.0, 1.0), line(-40000.0, 10000.0)};
+  const auto [most, ends] = y_labels(to_svg(panels, {}));
+  ASSERT_EQ(most, 6u);
+  ASSERT_EQ(ends.size(), 1u);
+  const double width = (5.0 * 0.636 + 0.838) * 22.0;        // of -40000 in DejaVu Sans
+  EXPECT_GT(std::stod(*ends.begin()) - width, 24.0 + 5.0);  // below the base line of "u [m]"
+  const auto alone = y_labels(to_svg(std::vector<Panel>{panels[0]}, {}));
+  EXPECT_LT(std::stod(*alone.second.begin()), std::stod(*ends.begin()));
+}
+
+TEST(Plot, LabelsOfYStandAllBesideOrAllAbove) {
+  std::vector<Panel> panels = {line(0.0, 1.0), line(0.0, 1.0)};
+  EXPECT_EQ(count(to_svg(panels, {}), "rotate"), 2u);
+  panels[1].y_label = std::string(40, 'y');
+  const std::string svg = to_svg(panels, {});
+  EXPECT_EQ(count(svg, "rotate"), 0u);
+  EXPECT_EQ(count(svg, ">↑ "), 2u);
+}
+
+TEST(Plot, ZeroComponentsHaveNoMarkers) {
+  Panel panel = sine(100, "a");
+  for (const double value : {0.0, 1e-13, 1e-11}) {  // nothing, round-off, something
+    panel.curves.push_back({"b", {}});
+    panel.curves.back().trace.add({0.0, value});
+    panel.curves.back().trace.add({10.0, value});
+  }
+  const std::string svg = to_svg(std::vector<Panel>{panel}, {});
+  EXPECT_EQ(count(svg, "class=\"m\""), (7u + 1u) + (2u + 1u));
+  EXPECT_EQ(count(svg, ">b</text>"), 3u);
+}
+
+TEST(Plot, CurvesWithoutALabelAreNotInTheLegend) {
+  Panel panel = sine(100, "a");
+  panel.curves.push_back({"", panel.curves[0].trace, 0, true});
+  std::string svg = to_svg(std::vector<Panel>{panel}, {});
+  EXPECT_EQ(count(svg, "<line "), 0u);       // one label is no legend
+  EXPECT_EQ(count(svg, "class=\"m\""), 0u);  // broad and thin tell them apart
+  panel.curves.push_back({"b", panel.curves[0].trace, 1});
+  svg = to_svg(std::vector<Panel>{panel}, {});
+  EXPECT_EQ(count(svg, "<line "), 3u);  // "a" shows its broad curve as well
+}
+
 TEST(Plot, QuantitiesHavePanelsWithUnits) {
   const std::vector<Column> columns = {
       {"time", "s"}, {"C.u.1", "m"}, {"D.angle", "rad"}, {"C.u.2", "m"}};
