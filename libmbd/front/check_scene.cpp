@@ -209,6 +209,15 @@ void check(const DriveScene& drive) {
                "coordinate has a drive of its own");
 }
 
+// At the start; later ones end the run that comes to them.
+void check_finite(const Checked& item, std::string_view attribute, std::size_t component,
+                  const Expression& e) {
+  const double value = e(0.0).v;
+  item.fail_if(!std::isfinite(value),
+               std::string(attribute) + " component " + std::to_string(component + 1) + " is " +
+                   schema::shortest(value) + " at t = 0, must be a finite number");
+}
+
 // Of both kinds of loads.
 template <class Load>
 void check_some(const Checked& item, const Load& load) {
@@ -219,6 +228,14 @@ void check_some(const Checked& item, const Load& load) {
 void check(const LoadScene& load) {
   const Checked item("load", load.name, load.source);
   check_some(item, load);
+  const auto finite = [&](std::string_view name,
+                          const std::optional<std::array<Expression, 3>>& value) {
+    for (std::size_t i = 0; value && i < 3; ++i) check_finite(item, name, i, (*value)[i]);
+  };
+  finite("force", load.force);
+  finite("moment", load.moment);
+  finite("follower_force", load.follower_force);
+  finite("follower_moment", load.follower_moment);
   item.place("at", load.at);
   item.vector("offset", load.offset);
   item.fail_if(!load.force && !load.follower_force && !load.offset.isZero(0.0),
@@ -238,12 +255,14 @@ void check(const DistributedLoadScene& load) {
                           const std::optional<std::array<FieldExpression, 3>>& value) {
     for (std::size_t i = 0; value && i < 3; ++i)
       for (const double s : {load.from, load.to}) {
+        std::optional<Expression> here;
         try {
-          (*value)[i].at(s);
+          here = (*value)[i].at(s);
         } catch (const Error& error) {
           item.fail(std::string(name) + " component " + std::to_string(i + 1) +
                     ", at s = " + schema::shortest(s) + ": " + error.what());
         }
+        check_finite(item, name, i, *here);
       }
   };
   fields("force", load.force);

@@ -154,28 +154,6 @@ const ConstraintInfo& maker(const System& system, Index row) {
   });
 }
 
-// One note for each joint, drive or motion that holds what others hold already.
-void add_redundancy_notes(const System& system, const Mechanism& mechanism,
-                          std::vector<std::string>& notes) {
-  for (const ConstraintInfo& blamed : system.constraints()) {
-    Names rows, others;
-    for (const RedundantRow& redundant : mechanism.redundant) {
-      if (&maker(system, redundant.row) != &blamed) continue;
-      rows.push_back(blamed.row_names[static_cast<std::size_t>(redundant.row - blamed.first_row)]);
-      for (const Index row : redundant.repeats)
-        if (const std::string& name = maker(system, row).name;
-            name != blamed.name && std::find(others.begin(), others.end(), name) == others.end())
-          others.push_back(name);
-    }
-    if (rows.empty()) continue;
-    notes.push_back(fmt::format(
-        "{} is redundant: its {} {} held already by {}; nothing determines the forces, and a run "
-        "is refused or fails. Leave one of them out, or take a joint that holds less",
-        blamed.name, joined(rows), rows.size() == 1 ? "is" : "are",
-        others.empty() ? "the ground" : joined(some(others))));
-  }
-}
-
 void add_mechanism(const System& system, const State& state, const Scene& scene,
                    CheckReport& report) {
   const Mechanism mechanism = analyze_mechanism(system, state);
@@ -185,7 +163,6 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
   report.freedoms = mechanism.freedoms();
   for (const RedundantRow& row : mechanism.redundant)
     report.redundant.push_back(to_text(system, row));
-  add_redundancy_notes(system, mechanism, report.notes);
   const auto always = [&mechanism](const RedundantRow& rigid) {
     return std::any_of(mechanism.redundant.begin(), mechanism.redundant.end(),
                        [&rigid](const RedundantRow& row) { return row.row == rigid.row; });
@@ -209,7 +186,7 @@ std::string plan(const CheckReport& report) {
   std::vector<std::string> parts;
   if (report.statics)
     parts.push_back(
-        fmt::format("static equilibrium in {}", counted(report.statics->steps, "load steps")));
+        fmt::format("static equilibrium in load steps, the first of 1/{}", report.statics->steps));
   if (report.transient)
     parts.push_back(fmt::format("transient of {} s in {} of {} s",
                                 shortest(report.transient->duration),
@@ -419,8 +396,8 @@ class Explainer {
 
   void analyses() {
     if (scene_.statics)
-      present(fmt::format("equilibrium at t = 0, loads raised in {}",
-                          counted(scene_.statics->steps, "steps")),
+      present(fmt::format("equilibrium at t = 0, loads raised in steps, the first of 1/{}",
+                          scene_.statics->steps),
               {at("<static>", scene_.statics->source)});
     else
       absent("equilibrium before the first step",

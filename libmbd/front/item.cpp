@@ -118,6 +118,8 @@ void Item::check(bool is_default) const {
                   label() + ": " + schema::unknown_attribute(*element_, a.name));
     if (is_default && known->kind == Kind::name && known->name == "name")
       fail(a.name, "in <defaults> there is no name; each element has its own");
+    if (is_default && known->fallback == schema::required && schema::is_of_one_item(*known))
+      refuse(a.name, "does not belong in <defaults>; each element has its own");
   }
   if (is_default) {
     if (!xml_.children.empty() || xml_.text_line > 0)
@@ -263,18 +265,24 @@ double Item::factor(std::string_view name, std::string_view unit, std::string_vi
 // "L mm" where L is 6000 mm already would be converted twice.
 void Item::check_one_unit(std::string_view name, std::string_view text,
                           std::string_view unit) const {
+  for (const std::string_view word : words_of(text))
+    if (const auto it = context_.units.find(word); it != context_.units.end())
+      fail(name, in_quotes(it->first) + " was given in " + it->second +
+                     " and is in SI units now; leave out the unit " + in_quotes(unit) + " here");
+}
+
+std::vector<std::string_view> Item::words_of(std::string_view expression) {
   const auto in_word = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   };
-  for (std::size_t i = 0; i < text.size();) {
+  std::vector<std::string_view> result;
+  for (std::size_t i = 0; i < expression.size();) {
     std::size_t end = i;
-    while (end < text.size() && in_word(text[end])) ++end;
-    const auto it = context_.units.find(text.substr(i, end - i));
-    if (it != context_.units.end())
-      fail(name, in_quotes(it->first) + " was given in " + it->second +
-                     " and is in SI units now; leave out the unit " + in_quotes(unit) + " here");
+    while (end < expression.size() && in_word(expression[end])) ++end;
+    if (end > i) result.push_back(expression.substr(i, end - i));
     i = std::max(end, i + 1);
   }
+  return result;
 }
 
 // The text of one number or signal, with the unit that follows it converted to `unit`.

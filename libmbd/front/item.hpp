@@ -75,6 +75,9 @@ class Item {
     return static_cast<Enum>(chosen(name));
   }
 
+  // The names in an expression: runs of letters, digits and _.
+  static std::vector<std::string_view> words_of(std::string_view expression);
+
   // Reads every attribute given here and throws away what it says.
   void try_attributes() const;
 

@@ -90,7 +90,7 @@ to that one: `to="120mm 0 1m"`.
 A unit is converted to that of its attribute; one of another quantity is refused (`angle="5 mm"`),
 and so is one on a pure number. Angles are a quantity of their own: `rate="50 rpm"` is accepted and
 `rate="50 Hz"` is refused, because it could mean 50 or 314 rad/s. The values of `<parameter>` and
-`<expect>` take any unit and are converted to SI units and rad. Expressions know only numbers: a
+`<expect>` take all usual units and are converted to SI units and rad. Expressions know only numbers: a
 parameter given as `value="6000 mm"` is 6 from then on, so `to="L 0 0"` takes it, `to="L 0 0 mm"` is
 refused, and `--set L="5000 mm"` needs a unit too.
 
@@ -135,7 +135,10 @@ with its own index.
 )md"},
     {"Defaults",
      R"md(`<defaults>` gives attributes that later elements of a kind have when they do not say otherwise.
-Later defaults replace earlier ones, attribute by attribute.
+Later defaults replace earlier ones, attribute by attribute. Names, and places and positions that an
+element must have, are its own and do not belong there. A default holds for every later element of
+its kind: one that excludes another attribute (`velocity` of a body with `attached_to`) is refused
+there.
 
 ```xml
 <mbd name="portal">

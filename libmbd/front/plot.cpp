@@ -39,7 +39,14 @@ constexpr Style styles[] = {
 
 std::string escaped(std::string_view text) {
   std::string result;
-  for (const char c : text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t size = utf8_size(text, i);
+    if (size != 1) {  // a letter, or a byte that is none
+      result += size == 0 ? std::string_view("\xEF\xBF\xBD") : text.substr(i, size);
+      i += std::max<std::size_t>(1, size);
+      continue;
+    }
+    const char c = text[i++];
     switch (c) {
       case '&':
         result += "&amp;";

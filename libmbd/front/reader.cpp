@@ -118,7 +118,10 @@ class Reader {
   template <class T>
   static void set_once(std::optional<T>& slot, const Item& item, T value) {
     if (slot)
-      item.fail("there may be one; another is on line " + std::to_string(slot->source.line));
+      item.fail("there may be one; another is " +
+                (slot->source.file == item.source().file
+                     ? "on line " + std::to_string(slot->source.line)
+                     : "in " + slot->source.file + ", line " + std::to_string(slot->source.line)));
     slot = std::move(value);
   }
 
@@ -144,6 +147,8 @@ class Reader {
     std::error_code code;
     if (std::filesystem::is_directory(file, code))
       item.fail("file", "is a directory, not a model; give an XML file");
+    if (std::filesystem::exists(file, code) && !std::filesystem::is_regular_file(file, code))
+      item.fail("file", "is a device or a pipe, not a model; give an XML file");
     if (!std::filesystem::exists(file, code))
       item.fail("file", "no such file: " + excerpt(file.string()) +
                             "; give its name relative to the file that includes it");
@@ -188,9 +193,19 @@ class Reader {
       value = Item(given, context, item).number("value");
       check_unit_of_override(option, set->second, name, own);
     }
-    if (!own.empty()) units_.emplace(name, own);
+    const std::string& text = set == overrides_.end() ? written : set->second;
+    if (std::string unit = unit_within(text); !unit.empty()) units_.emplace(name, std::move(unit));
     define(item, name, value);
     scene_.parameters.emplace_back(name, value);
+  }
+
+  // The unit that follows a number, or that was given to a parameter in it; else empty.
+  std::string unit_within(std::string_view text) const {
+    const NumberAndUnit parts = split_unit(text);
+    if (!parts.unit.empty()) return std::string(parts.unit);
+    for (const std::string_view word : Item::words_of(parts.number))
+      if (const auto it = units_.find(word); it != units_.end()) return it->second;
+    return {};
   }
 
   // A number that the model gives with a unit is set with one, of the same quantity.
@@ -530,8 +545,10 @@ class Reader {
       if (equals == std::string::npos || known == parameters_.end())
         item.fail("when", in_quotes(condition) +
                               " must be of the form parameter=value, of a parameter of the model");
-      all = all &&
-            known->second == item.evaluate("when", std::string_view(condition).substr(equals + 1));
+      const double wanted =
+          item.evaluate("when", std::string_view(condition).substr(equals + 1), any_unit);
+      constexpr double round_off = 1e-12;  // "9 mm" is not 0.009 to the last bit
+      all = all && std::abs(known->second - wanted) <= round_off * std::abs(wanted);
     }
     return all;
   }

@@ -162,7 +162,10 @@ class Run {
   // a part without inertia; else the failure is told as it is.
   [[noreturn]] void fail_to_start(const std::string& failure) {
     const System& system = *model_.system;
-    const Mechanism mechanism = analyze_mechanism(system, model_.initial);
+    constexpr Index most_analysed = 1500;  // rows: a few seconds
+    const Mechanism mechanism = system.multipliers() <= most_analysed
+                                    ? analyze_mechanism(system, model_.initial)
+                                    : Mechanism{};
     refuse_redundant(model_, mechanism);
     if (in_statics_ && mechanism.freedoms() > 0)
       throw Error(
@@ -172,7 +175,8 @@ class Run {
               "nothing in the scene brings to rest; hold them by joints, or give a <transient>",
               mechanism.freedoms(), mechanism.freedoms() == 1 ? "" : "s"));
     for (const BodyScene& body : scene_.bodies)
-      if (failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
+      if (!(body.mass > 0.0 && body.inertia.determinant() > 0.0) &&
+          failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
         throw Error(body.source, label(body) +
                                      ": its acceleration at the start is not determined: it lacks "
                                      "mass or inertia that no joint replaces; give it both");
@@ -293,6 +297,12 @@ class Run {
     }
     ++report_.rows;
     if (monitored) monitor(state);
+    if (monitored &&
+        !std::isfinite(report_.energy_end.total() + report_.work.loads + report_.work.drives)) {
+      report_.failure = fmt::format(
+          "the energy is not finite at t = {:.9g} s; look at the loads and drives", state.t);
+      return false;
+    }
     return true;
   }
 

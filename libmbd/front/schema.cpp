@@ -313,7 +313,7 @@ constexpr Attribute expect_attributes[] = {
     {"tolerance", Kind::number, any_unit, required, "by how much it may differ", positive},
     {"source", Kind::text, "", required, "where the number comes from"},
     {"when", Kind::names, "", optional,
-     "parameter=value: checked only when the parameters have these values"},
+     "parameter=value: checked only when the parameters have these values, to 12 digits"},
 };
 
 constexpr Attribute repeat_attributes[] = {
@@ -540,6 +540,11 @@ std::string missing(const Attribute& attribute) {
   return "attribute \"" + std::string(attribute.name) +
          "\" is missing: " + std::string(attribute.doc) +
          (has_unit ? " [" + std::string(attribute.unit) + "]" : "");
+}
+
+bool is_of_one_item(const Attribute& a) {
+  return a.kind == Kind::name || a.kind == Kind::place || a.kind == Kind::places ||
+         (a.kind == Kind::numbers && a.unit == "m");
 }
 
 std::string unknown_attribute(const Element& element, std::string_view name) {

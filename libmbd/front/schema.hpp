@@ -112,6 +112,9 @@ std::string fault(const Attribute& attribute, double value);
 // What a message says when the attribute is not given: its name, meaning and unit.
 std::string missing(const Attribute& attribute);
 
+// Names, places and positions: what <defaults> cannot give where it is required.
+bool is_of_one_item(const Attribute& attribute);
+
 // What a message says of an attribute that the element does not have, with the nearest that it has.
 std::string unknown_attribute(const Element& element, std::string_view name);
 

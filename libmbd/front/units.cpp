@@ -163,6 +163,28 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
+// Where any quantity will do, a slip of the pen must not become one: 1.5d3 is not cubic days, 2 e no electrons.
+void check_usual(std::string_view unit) {
+  constexpr std::string_view more[] = {
+      "cm2",    "dm",     "nm",      "µm",      "mg",     "kgf",    "kN",         "J",       "kJ",
+      "MJ",     "W",      "kW",      "MW",      "mrad",   "°",      "degree",     "degrees", "turn",
+      "arcmin", "arcsec", "gravity", "seconds", "meters", "metres", "millimetre", "inch",    "foot",
+      "pound",  "hour",   "day",     "days",    "hours",  "minutes"};
+  for (std::size_t at = 0; at < unit.size();) {
+    const std::size_t end = std::min(unit.find_first_of("./*^-0123456789", at), unit.size());
+    const std::string_view word = unit.substr(at, end - at);
+    at = end + 1;
+    if (word.empty()) continue;
+    if (std::find(std::begin(common), std::end(common), word) == std::end(common) &&
+        std::find(std::begin(more), std::end(more), word) == std::end(more))
+      throw Error("the unit " + quoted(unit) +
+                  " is not taken here, where any quantity may stand: " + quoted(word) +
+                  " is none of the usual ones (mm, s, kg, N, Pa, J, W, deg, rev, rpm, … and their "
+                  "products); "
+                  "write it in those");
+  }
+}
+
 }  // namespace
 
 double unit_factor(std::string_view unit, std::string_view wanted) {
@@ -180,9 +202,7 @@ double unit_factor(std::string_view unit, std::string_view wanted) {
   if (!given->is_number || given->zero != 0.0)
     throw Error("the unit " + quoted(unit) +
                 " has a zero of its own or is no multiple of an SI unit; convert the number");
-  if (wanted == any_unit && unit.ends_with("Hz"))
-    throw Error("the unit " + quoted(unit) +
-                " may mean 1/s or turns a second; write 1/s, rev/s, rpm or rad/s");
+  if (wanted == any_unit) check_usual(unit);
   if (wanted == any_unit) return given->factor;
   if (wanted == pure_number)
     throw Error("this is a pure number; leave out the unit " + quoted(unit));

@@ -173,16 +173,8 @@ int line_of(std::string_view text, std::size_t at) {
 // Bytes that are no UTF-8 would make the results unreadable, which quote names and titles.
 void check_utf8(std::string_view text, const std::string& file) {
   for (std::size_t i = 0; i < text.size();) {
-    const auto first = static_cast<unsigned char>(text[i]);
-    const std::size_t size = first < 0x80                    ? 1
-                             : first >= 0xC2 && first < 0xE0 ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-    bool good = size > 0 && i + size <= text.size();
-    for (std::size_t k = 1; good && k < size; ++k)
-      good = (static_cast<unsigned char>(text[i + k]) & 0xC0U) == 0x80U;
-    if (!good)
+    const std::size_t size = utf8_size(text, i);
+    if (size == 0)
       throw Error(Source{file, line_of(text, i)},
                   "a character is not in UTF-8; save the file in UTF-8");
     i += size;

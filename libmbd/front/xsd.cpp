@@ -130,12 +130,6 @@ std::string declaration(const Attribute& a, bool required) {
 
 bool is_item_name(const Attribute& a) { return a.name == "name" && a.kind == Kind::name; }
 
-// Names, places and positions.
-bool is_of_one_item(const Attribute& a) {
-  return a.kind == Kind::name || a.kind == Kind::place || a.kind == Kind::places ||
-         (a.kind == Kind::numbers && a.unit == "m");
-}
-
 class Grammar {
  public:
   explicit Grammar(std::span<const Element> elements) : elements_(elements) {}

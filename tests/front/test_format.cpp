@@ -178,12 +178,30 @@ TEST(Units, OfParametersAreConvertedOnce) {
   EXPECT_EQ(
       message(L + "<parameter name=\"L2\" value=\"2\"/><gravity acceleration=\"0 0 L2 m/s2\"/>"),
       "no error");
+  const std::string derived = L + "<parameter name=\"M\" value=\"2*L\"/>";
+  EXPECT_SAYS(message(derived + "<gravity acceleration=\"0 0 M m/s2\"/>"), "\"M\" was given in mm");
+  EXPECT_SAYS(message("<parameter name=\"a\" value=\"6\"/><gravity acceleration=\"0 0 a m/s2\"/>",
+                      {{"a", "6 m/s2"}}),
+              "\"a\" was given in m/s2");
+  for (const char* const slip : {"1.5d3", "1.5d", "2 e", "3 a", "2 L", "50 hertz", "50 Bq"})
+    EXPECT_SAYS(message("<parameter name=\"x\" value=\"" + std::string(slip) + "\"/>"),
+                "is none of the usual ones");
+  for (const char* const usual :
+       {"5 mm", "5 N.mm2", "5 kg/m3", "5 s-1", "5 rev/min", "5 m/s^2", "5 GPa"})
+    EXPECT_EQ(message("<parameter name=\"x\" value=\"" + std::string(usual) + "\"/>"), "no error");
+  EXPECT_EQ(
+      read(
+          "<parameter name=\"h\" value=\"9 mm\"/><expect quantity=\"q\" of=\"minimum\" value=\"1\" "
+          "tolerance=\"1\" source=\"s\" when=\"h=9mm\"/><expect quantity=\"q\" of=\"minimum\" "
+          "value=\"1\" tolerance=\"1\" source=\"s\" when=\"h=0.009\"/>")
+          .expects.size(),
+      2u);
   EXPECT_EQ(read(L, {{"L", "5 m"}}).parameters[0].second, 5.0);
   EXPECT_SAYS(
       message(L, {{"L", "5000"}}),
       "--set L=5000: a unit is missing: the model gives L in mm; write --set L=\"5000 mm\"");
   EXPECT_SAYS(message(L, {{"L", "5 kN"}}), "is of another quantity; give the number in mm");
-  EXPECT_SAYS(message("<parameter name=\"f\" value=\"1 Hz\"/>"), "may mean 1/s or turns a second");
+  EXPECT_SAYS(message("<parameter name=\"f\" value=\"1 Hz\"/>"), "is none of the usual ones");
   EXPECT_SAYS(message("<gravity acceleration=\"-9.8 m/s2\"/>"),
               "has 1 component and \"m/s2\", must have 3");
 }
@@ -299,6 +317,8 @@ TEST(Defaults, Refusals) {
   EXPECT_SAYS(message("<defaults><beam name=\"b\"/></defaults>"), "in <defaults> there is no name");
   EXPECT_SAYS(message("<defaults><curve><point at=\"0 0 0\"/></curve></defaults>"),
               "an element has attributes only");
+  EXPECT_SAYS(message("<defaults><beam from=\"0 0 0\"/></defaults>"),
+              "beam: from does not belong in <defaults>");
   EXPECT_SAYS(message("<defaults><parameter value=\"1\"/></defaults>"),
               "<parameter> cannot stand in <defaults>");
   EXPECT_SAYS(message("<defaults><repeat count=\"1\"/></defaults>"),

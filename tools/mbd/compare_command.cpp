@@ -35,16 +35,33 @@ int compare_results(const CompareArguments& arguments) {
                                          ? second.file.parent_path() / "compare.svg"
                                          : std::filesystem::path(arguments.output);
   plot::check_picture(file);
-  write_file(file, overlay_svg(comparison, first, second));
   for (const History* const history : {&first, &second})
     for (const std::string& note : history->notes) fmt::print("note: {}\n", note);
-  fmt::print("{}wrote {}\n", to_text(comparison, first, second), file.string());
+  fmt::print("{}", to_text(comparison, first, second));
+  std::fflush(stdout);
+  write_file(file, overlay_svg(comparison, first, second));
+  fmt::print("wrote {}\n", file.string());
   if (!arguments.tolerance) return 0;
   std::size_t above = 0;
   for (const ColumnDifference& d : comparison.columns) above += d.above(*arguments.tolerance);
   fmt::print("{} of {} columns have a relative rms above {}\n", above, comparison.columns.size(),
              *arguments.tolerance);
-  return above > 0 ? 2 : 0;
+  // What one run has and the other lacks is a difference too, unless the records were chosen.
+  const std::size_t lacking =
+      arguments.names.empty() ? comparison.only_first.size() + comparison.only_second.size() : 0;
+  if (lacking > 0) fmt::print("{} columns are in one run only\n", lacking);
+  const auto range = [](const History& h) {
+    return std::pair(h.values[0].front(), h.values[0].back());
+  };
+  const auto [from1, to1] = range(first);
+  const auto [from2, to2] = range(second);
+  const double near =
+      1e-9 * std::max({std::abs(from1), std::abs(to1), std::abs(from2), std::abs(to2)});
+  const bool shorter = std::abs(from1 - from2) > near || std::abs(to1 - to2) > near;
+  if (shorter)
+    fmt::print("the runs differ in length: {:.6g} to {:.6g}, and {:.6g} to {:.6g}\n", from1, to1,
+               from2, to2);
+  return above > 0 || lacking > 0 || shorter ? 2 : 0;
 }
 
 }  // namespace
@@ -68,11 +85,12 @@ void add_compare_command(CLI::App& app, int& status) {
           "exit with status 2 if the rms of a column's difference is above this part of the "
           "largest magnitude of its quantity in DIR1")
       ->type_name("T");
-  set_examples(*command,
-               "mbd compare results/four_bar results/four_bar_fine\n"
-               "mbd compare results/four_bar results/four_bar_fine C.displacement --tolerance 1e-3",
-               "Exit status: 0 all went well; 1 an error; 2 a column is above --tolerance;\n"
-               "100 and more: wrong use of the command.");
+  set_examples(
+      *command,
+      "mbd compare results/four_bar results/four_bar_fine\n"
+      "mbd compare results/four_bar results/four_bar_fine C.displacement --tolerance 1e-3",
+      "Exit status: 0 all went well; 1 an error; 2 a column is above --tolerance, or missing;\n"
+      "100 and more: wrong use of the command.");
   command->callback([arguments, &status] { status = compare_results(*arguments); });
 }
 

@@ -96,6 +96,11 @@ void add_run_command(CLI::App& app, int& status) {
           "-o,--out", arguments->output,
           "directory for history.csv, history.svg and report.json; default: results/ and the "
           "model file's name without .xml")
+      ->check(
+          [](const std::string& d) {
+            return d.empty() ? std::string("is empty; name a directory") : std::string();
+          },
+          "", "")
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
