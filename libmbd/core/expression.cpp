@@ -662,7 +662,8 @@ class Expression::Parser {
     const bool is_less = op.text.front() == '<';
     if (left.kind == Operand::general || right.kind == Operand::general) {
       fail(op.position, "a comparison of a general function of t", "terms of the form a*t + b",
-           "solve for the switching time and compare t with it; write abs(x) < a as -a < x && x < a");
+           "solve for the switching time and compare t with it; write abs(x) < a as -a < x && x < "
+           "a");
     }
     const double slope = left.slope - right.slope;
     if (slope == 0.0) {
