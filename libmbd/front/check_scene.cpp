@@ -14,8 +14,6 @@
 namespace mbd {
 namespace {
 
-std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
 // An item of the scene and the element of the schema it is an instance of.
 class Checked {
  public:

@@ -199,9 +199,10 @@ class Compiler {
   // the line. The range is that of the metric.
   static void check_turns(const CompiledBeam& compiled, const ReferenceLine& line) {
     constexpr int pieces = 16;
-    constexpr double range = 0.9;
     const BeamScene& beam = *compiled.scene;
-    const double most = range * std::numbers::pi * (beam.metric == Metric::matrix ? 0.5 : 1.0);
+    const double most = beam.metric == Metric::matrix       ? MatrixMetric::max_angle
+                        : beam.metric == Metric::quaternion ? QuaternionMetric::max_angle
+                                                            : GeodesicMetric::max_angle;
     for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
       const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
       double turn = 0.0;
@@ -211,7 +212,7 @@ class Compiler {
         turn += log_so3<double>(before.conjugate() * here).norm();
         before = here;
       }
-      if (turn > most)
+      if (!(turn < most))
         throw Error(
             beam.source,
             fmt::format("{}: element {} of {} turns by {:.0f} degrees, beyond the {:.0f} of its "
@@ -429,14 +430,6 @@ class Compiler {
   // --- checks ---
 
   void check(const State& initial) const {
-    if (const std::string element = system_->out_of_range(initial); !element.empty()) {
-      for (const BeamScene& b : scene_.beams)
-        if (element.starts_with(fmt::format("beam '{}' ", b.name)))
-          throw Error(b.source,
-                      fmt::format("{}: {} turns beyond the range of its metric in the reference "
-                                  "configuration; give the beam more elements",
-                                  label(b), element));
-    }
     if (const std::optional<OpenConstraint> open = find_open_constraint(*system_, initial)) {
       const Model::Maker& maker = joints_->makers()[static_cast<std::size_t>(open->multiplier)];
       throw Error(maker.source, fmt::format("{}: {}: {}", maker.label, open->row, open->what));

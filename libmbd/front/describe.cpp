@@ -25,39 +25,9 @@ using Names = std::vector<std::string>;
 
 // ---- words -------------------------------------------------------------------------------------
 
-constexpr std::size_t line_width = 80;
-
-// Letters, not bytes: those that continue a UTF-8 character are not counted.
-std::size_t letters(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-  }));
-}
-
-// A paragraph that starts with `head` and goes on `indent` letters from the left. Words are kept whole.
-std::string paragraph(const std::string& head, std::string_view text, std::size_t indent) {
-  std::string result = head;
-  std::size_t at = letters(head);
-  bool first = true;
-  for (const std::string_view word : schema::words(text)) {
-    const std::size_t size = letters(word);
-    if (!first && at + 1 + size > line_width) {
-      result += "\n" + std::string(indent, ' ');
-      at = indent;
-    } else if (!first) {
-      result += ' ';
-      ++at;
-    }
-    result += word;
-    at += size;
-    first = false;
-  }
-  return result + "\n";
-}
-
 std::string entry(std::string_view name, const std::string& text) {
   constexpr std::size_t indent = 15;
-  return paragraph(fmt::format("  {:<{}}", name, indent - 2), text, indent);
+  return wrapped(fmt::format("  {:<{}}", name, indent - 2), text, indent);
 }
 
 // "1 body", "2 bodies".
@@ -156,11 +126,8 @@ const ConstraintInfo& maker(const System& system, Index row) {
 
 void add_mechanism(const System& system, const State& state, const Scene& scene,
                    CheckReport& report) {
-  const Mechanism mechanism = analyze_mechanism(system, state);
-  report.rigid_parts = mechanism.rigid_parts;
-  report.joint_freedoms = mechanism.joint_freedoms;
-  report.prescribed = mechanism.prescribed;
-  report.freedoms = mechanism.freedoms();
+  report.mechanism = analyze_mechanism(system, state);
+  const Mechanism& mechanism = report.mechanism;
   for (const RedundantRow& row : mechanism.redundant)
     report.redundant.push_back(to_text(system, row));
   const auto always = [&mechanism](const RedundantRow& rigid) {
@@ -532,27 +499,28 @@ std::string to_text(const CheckReport& report) {
   };
   text += entry("size", fmt::format("from {} to {} m", corner(report.low), corner(report.high)) +
                             (report.mass ? fmt::format("; mass {:.6g} kg", *report.mass) : ""));
-  text +=
-      entry("mechanism",
-            fmt::format("{}{}; the joints leave {}; drives and motions "
-                        "prescribe {}; {} left",
-                        report.elements > 0 ? "with rigid beams: " : "",
-                        counted(report.rigid_parts, "parts"),
-                        counted(report.joint_freedoms, "freedoms"), report.prescribed,
-                        report.freedoms == 0 ? "none is"
-                                             : fmt::format("{} {}", report.freedoms,
-                                                           report.freedoms == 1 ? "is" : "are")));
+  text += entry(
+      "mechanism",
+      fmt::format("{}{}; the joints leave {}; drives and motions "
+                  "prescribe {}; {} left",
+                  report.elements > 0 ? "with rigid beams: " : "",
+                  counted(report.mechanism.rigid_parts, "parts"),
+                  counted(report.mechanism.joint_freedoms, "freedoms"), report.mechanism.prescribed,
+                  report.mechanism.freedoms() == 0
+                      ? "none is"
+                      : fmt::format("{} {}", report.mechanism.freedoms(),
+                                    report.mechanism.freedoms() == 1 ? "is" : "are")));
   text += entry("redundant",
                 report.redundant.empty()
                     ? "no constraint"
                     : counted(static_cast<Index>(report.redundant.size()), "constraints") + ":");
-  for (const std::string& sentence : report.redundant) text += paragraph("    ", sentence, 6);
+  for (const std::string& sentence : report.redundant) text += wrapped("    ", sentence, 6);
   if (!report.redundant_if_rigid.empty()) {
     text += entry("", counted(report.rows_redundant_if_rigid, "more") +
                           " would be, were the beams rigid; as they deform, each has a force of "
                           "its own:");
     for (const std::string& sentence : report.redundant_if_rigid)
-      text += paragraph("    ", sentence, 6);
+      text += wrapped("    ", sentence, 6);
   }
   text += entry("start",
                 fmt::format("energy: {:.6g} J kinetic, {:.6g} J potential, {:.6g} J strain",
@@ -566,7 +534,7 @@ std::string to_text(const CheckReport& report) {
   text += entry("results",
                 fmt::format("{} in history.csv, {} to be met", counted(report.columns, "columns"),
                             counted(stated(report, "expectations"), "expectations")));
-  for (const std::string& note : report.notes) text += paragraph("note: ", note, 6);
+  for (const std::string& note : report.notes) text += wrapped("note: ", note, 6);
   return text;
 }
 
@@ -584,10 +552,10 @@ std::string to_json(const CheckReport& report) {
   all["size"] = {{"low", {report.low(0), report.low(1), report.low(2)}},
                  {"high", {report.high(0), report.high(1), report.high(2)}},
                  {"mass", report.mass ? Json(*report.mass) : Json()}};
-  all["mechanism"] = {{"rigid_parts", report.rigid_parts},
-                      {"joint_freedoms", report.joint_freedoms},
-                      {"prescribed", report.prescribed},
-                      {"freedoms", report.freedoms},
+  all["mechanism"] = {{"rigid_parts", report.mechanism.rigid_parts},
+                      {"joint_freedoms", report.mechanism.joint_freedoms},
+                      {"prescribed", report.mechanism.prescribed},
+                      {"freedoms", report.mechanism.freedoms()},
                       {"redundant", report.redundant},
                       {"redundant_if_beams_were_rigid", report.redundant_if_rigid}};
   all["start"] = {{"energy",
@@ -642,22 +610,22 @@ std::string to_text(const Explanation& e) {
   row("all terms", "", contributions, e.batch_bytes);
   row("the matrix", "", e.nonzeros, "");
   text += "\n";
-  text += paragraph(
+  text += wrapped(
       "  ",
       fmt::format("{} with the ground, {}, of which {}; a state has {}.", counted(e.nodes, "nodes"),
                   counted(e.unknowns, "unknowns"), counted(e.multipliers, "multipliers"),
                   counted(static_cast<Index>(e.state_bytes), "bytes")),
       2);
-  text += paragraph("  ",
-                    "Nonzeros of a term are numbers that it adds to the matrix; several terms may "
-                    "add to the same place.",
-                    2);
+  text += wrapped("  ",
+                  "Nonzeros of a term are numbers that it adds to the matrix; several terms may "
+                  "add to the same place.",
+                  2);
   text += "\nSimulated, and where it is stated\n";
   for (const Effect& effect : e.effects)
-    text += paragraph("  ", effect.what + ": " + joined(some(effect.from), "; "), 6);
+    text += wrapped("  ", effect.what + ": " + joined(some(effect.from), "; "), 6);
   text += "\nAbsent, and why\n";
   for (const Absence& absence : e.absent)
-    text += paragraph("  ", absence.what + ": " + absence.why, 6);
+    text += wrapped("  ", absence.what + ": " + absence.why, 6);
   return text;
 }
 

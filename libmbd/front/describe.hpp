@@ -9,6 +9,7 @@
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/report.hpp"
 #include "libmbd/front/scene.hpp"
+#include "solvers/mechanism.hpp"
 
 namespace mbd {
 
@@ -32,11 +33,7 @@ struct CheckReport {
        high = Vec3::Zero();    // corners of a box around all nodes, inertial axes [m]
   std::optional<double> mass;  // of everything that moves; of transients only [kg]
 
-  // The mechanism (solvers/mechanism.hpp), with every beam as a rigid body.
-  Index rigid_parts = 0;
-  Index joint_freedoms = 0;            // that the joints leave
-  Index prescribed = 0;                // of these, by drives and motions
-  Index freedoms = 0;                  // left free
+  Mechanism mechanism;
   std::vector<std::string> redundant;  // sentences, of the constraints that others imply
   // What they would imply if the beams were rigid, by joint ("revolute 'D': position 3"), and how many rows.
   std::vector<std::string> redundant_if_rigid;

@@ -102,20 +102,4 @@ void check_outputs(const Scene& scene, const Model& model) {
   }
 }
 
-std::string to_text(std::span<const ExpectResult> results) {
-  std::size_t width = 8;
-  for (const ExpectResult& result : results) width = std::max(width, result.what.size());
-  std::string text = fmt::format("      {:<{}}  {:>18}  {:>18}  {:>10}  {:>10}\n", "expected",
-                                 width, "value", "got", "difference", "tolerance");
-  for (const ExpectResult& result : results) {
-    const std::string got = result.got ? fmt::format("{:.12g}", *result.got) : "not reached";
-    const std::string difference =
-        result.got ? fmt::format("{:.2e}", *result.got - result.expected) : "";
-    text += fmt::format("{:<4}  {:<{}}  {:>18.12g}  {:>18}  {:>10}  {:>10.2e}\n",
-                        result.pass() ? "ok" : "FAIL", result.what, width, result.expected, got,
-                        difference, result.tolerance);
-  }
-  return text;
-}
-
 }  // namespace mbd

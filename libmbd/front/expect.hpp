@@ -40,7 +40,4 @@ std::size_t find_column(std::span<const Column> columns, const std::string& name
 // Throws Error as Expectations and HistoryPlot do.
 void check_outputs(const Scene& scene, const Model& model);
 
-// A table of expected and computed numbers, one line each, for people.
-std::string to_text(std::span<const ExpectResult> results);
-
 }  // namespace mbd

@@ -21,13 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view units_line = "# units:", written_by_mbd = "# mbd ";
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r";
-  const std::size_t begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-}
-
 std::string_view unquoted(std::string_view text) {
   return text.size() >= 2 && text.front() == '"' && text.back() == '"'
              ? text.substr(1, text.size() - 2)

@@ -17,8 +17,6 @@ constexpr double largest_count = 1e9;
 constexpr std::string_view places_are =
     "write ground, the name of a body, or beam.start, beam.end, beam@0.5";
 
-std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
 const schema::Element* model_entry(const xml::Element& xml, const std::string& file) {
   const schema::Element* const found = schema::find_element(xml.name);
   if (!found || !found->parents.empty())

@@ -5,14 +5,9 @@
 #include <string_view>
 
 #include "libmbd/front/scene.hpp"
+#include "libmbd/front/text.hpp"
 
 namespace mbd {
-
-// For messages: the first letters of a text that may be long or hold anything, on one line.
-std::string excerpt(std::string_view text);
-
-// Bytes of the UTF-8 character at `at`; 0 if there is none.
-std::size_t utf8_size(std::string_view text, std::size_t at);
 
 // `beam "b1"`, or `gravity` of what has no name.
 std::string label(std::string_view element, std::string_view name = {});

@@ -67,13 +67,6 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-// Letters, not bytes: those that continue a UTF-8 character are not counted.
-std::size_t letters(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  }));
-}
-
 // The first `count` letters, and where the rest begins.
 std::size_t bytes_of(std::string_view text, std::size_t count) {
   std::size_t at = 0;

@@ -17,8 +17,6 @@ namespace {
 constexpr long most_repetitions = 1'000'000;  // of all <repeat> together
 constexpr int most_includes = 1000;
 
-std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
 class Reader {
  public:
   Reader(std::string file, const Overrides& overrides) : overrides_(overrides) {

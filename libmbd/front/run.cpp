@@ -8,7 +8,6 @@
 #include <ctime>
 #include <memory>
 
-#include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/plot.hpp"
@@ -117,18 +116,17 @@ void check_directory(const std::filesystem::path& directory) {
 class Run {
  public:
   Run(const Scene& scene, const RunOptions& options) : scene_(scene), options_(options) {
-    check_scene(scene);
     report_.model = scene.name;
     report_.file = scene.file;
     report_.date = now();
     report_.parameters = scene.parameters;
     report_.statics = scene.statics;
     report_.transient = scene.transient;
-    if (scene.transient) steps_ = number_of_steps(*scene.transient);
     if (scene.transient && scene.transient->tolerance)
       report_.newton.tolerance = *scene.transient->tolerance;
 
-    model_ = compile(scene);
+    model_ = compile(scene);  // which checks the scene first
+    if (scene.transient) steps_ = number_of_steps(*scene.transient);
     columns_ = columns(model_);
     row_.resize(columns_.size());
     expectations_ = std::make_unique<Expectations>(scene, model_);

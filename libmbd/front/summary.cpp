@@ -14,46 +14,14 @@
 namespace mbd {
 namespace {
 
-constexpr std::size_t width = 80;
 constexpr std::size_t margin = 15;  // of what stands right of the names of lines
 constexpr char glue = '\t';         // a blank at which no line is broken
 
-// Columns of UTF-8 text.
-std::size_t letters(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  }));
-}
-
-// Appends a line that begins with `name`, broken at blanks; further lines are indented.
+// Appends a line that begins with `name`, broken at blanks; what stands right of it is indented.
 void line(std::string& text, std::string_view name, std::string_view words, std::size_t indent) {
-  text += name;
-  std::size_t column = letters(name);
-  if (!name.empty() && column < indent) {
-    text.append(indent - column, ' ');
-    column = indent;
-  }
-  bool first = true;
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find_first_of(" \n", at), words.size());
-    const std::string_view word = words.substr(at, end - at);
-    at = end + 1;
-    if (word.empty()) continue;
-    if (!first && column + 1 + letters(word) > width) {
-      text.append("\n").append(indent, ' ');
-      column = indent;
-      first = true;
-    }
-    if (!first) {
-      text += ' ';
-      ++column;
-    }
-    text += word;
-    std::replace(text.end() - std::ssize(word), text.end(), glue, ' ');
-    column += letters(word);
-    first = false;
-  }
-  text += '\n';
+  std::string head(name);
+  if (!name.empty() && letters(name) < indent) head.append(indent - letters(name), ' ');
+  text += wrapped(std::move(head), words, indent);
 }
 
 void item(std::string& text, std::string_view name, std::string_view words) {
@@ -192,9 +160,9 @@ void expectations(std::string& text, const RunReport& report) {
     for (std::size_t i = 0; i < row.size(); ++i) size[i] = std::max(size[i], letters(row[i]));
   std::size_t total = size[0];
   for (std::size_t i = quantity; i < size.size(); ++i) total += gap + size[i];
-  const bool all = total <= width;
+  const bool all = total <= line_width;
   if (!all) total -= gap + size[expected];
-  if (total > width) size[quantity] -= std::min(size[quantity], total - width);
+  if (total > line_width) size[quantity] -= std::min(size[quantity], total - line_width);
 
   line(text, "",
        fmt::format("{} of {} met", met, plural(std::ssize(report.expects), "expectation")), 0);

@@ -15,6 +15,7 @@
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/front/spelling.hpp"
+#include "libmbd/front/text.hpp"
 
 namespace mbd {
 namespace {
@@ -140,8 +141,6 @@ class Database {
   ut_system* system_ = nullptr;
 };
 
-std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
 // For suggestions.
 constexpr std::string_view common[] = {
     "Pa",     "kPa",    "MPa",      "GPa",   "N.m",   "kN.m",       "m",      "mm",   "cm",
@@ -154,13 +153,6 @@ constexpr std::string_view common[] = {
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || c == '_' ||
          static_cast<unsigned char>(c) >= 0x80;  // °, µ
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\n\f\v";
-  const std::size_t first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
 // Where any quantity will do, a slip of the pen must not become one: 1.5d3 is not cubic days, 2 e no electrons.
@@ -177,8 +169,8 @@ void check_usual(std::string_view unit) {
     if (word.empty()) continue;
     if (std::find(std::begin(common), std::end(common), word) == std::end(common) &&
         std::find(std::begin(more), std::end(more), word) == std::end(more))
-      throw Error("the unit " + quoted(unit) +
-                  " is not taken here, where any quantity may stand: " + quoted(word) +
+      throw Error("the unit " + in_quotes(unit) +
+                  " is not taken here, where any quantity may stand: " + in_quotes(word) +
                   " is none of the usual ones (mm, s, kg, N, Pa, J, W, deg, rev, rpm, … and their "
                   "products); "
                   "write it in those");
@@ -195,20 +187,20 @@ double unit_factor(std::string_view unit, std::string_view wanted) {
   const std::optional<Meaning> given = database.look_up(std::string(unit));
   if (!given) {
     const std::string_view near = nearest(unit, common);
-    throw Error("there is no unit " + quoted(unit) +
-                (near.empty() ? "; units" : "; did you mean " + quoted(near) + "? Units") +
+    throw Error("there is no unit " + in_quotes(unit) +
+                (near.empty() ? "; units" : "; did you mean " + in_quotes(near) + "? Units") +
                 " are written like mm, ms, kN, N.m2, kg/m, deg, rpm");
   }
   if (!given->is_number || given->zero != 0.0)
-    throw Error("the unit " + quoted(unit) +
+    throw Error("the unit " + in_quotes(unit) +
                 " has a zero of its own or is no multiple of an SI unit; convert the number");
   if (wanted == any_unit) check_usual(unit);
   if (wanted == any_unit) return given->factor;
   if (wanted == pure_number)
-    throw Error("this is a pure number; leave out the unit " + quoted(unit));
+    throw Error("this is a pure number; leave out the unit " + in_quotes(unit));
   const std::optional<Meaning> si = database.look_up(std::string(wanted));
   if (!si || si->powers != given->powers)
-    throw Error("the unit " + quoted(unit) + " is of another quantity; give the number in " +
+    throw Error("the unit " + in_quotes(unit) + " is of another quantity; give the number in " +
                 std::string(wanted) + " or a multiple of it");
   return given->factor / si->factor;
 }

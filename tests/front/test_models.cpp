@@ -15,6 +15,7 @@
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
+#include "libmbd/front/summary.hpp"
 
 namespace mbd {
 namespace {
@@ -39,7 +40,7 @@ TEST_P(Models, GiveWhatTheyExpect) {
   ASSERT_FALSE(scene.expects.empty()) << "a model is a test: give it <expect> rows";
   const RunReport report = run(scene);
   EXPECT_TRUE(report.complete()) << report.failure;
-  EXPECT_TRUE(report.as_expected()) << to_text(report.expects);
+  EXPECT_TRUE(report.as_expected()) << summary(report);
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Models, testing::ValuesIn(all_models()),

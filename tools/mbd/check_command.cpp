@@ -32,8 +32,7 @@ int check_models(const CheckArguments& arguments) {
       const Scene scene = read_model(file, overrides);
       const Model model = compile(scene);
       const CheckReport report = check_model(scene, model);
-      if (!report.redundant.empty())
-        refuse_redundant(model, analyze_mechanism(*model.system, model.initial));
+      refuse_redundant(model, report.mechanism);
       const std::string text = arguments.json ? to_json(report) : to_text(report);
       fmt::print("{}{}", first || arguments.json ? "" : "\n", text);
       first = false;
