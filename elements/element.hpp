@@ -56,6 +56,7 @@ struct ElementOutput {
 //   evaluate<want>(shared, data, node states, environment, weights, out) -> margin: how far the element
 //       is from the limit of its validity; not positive is out of range (1 where there is no limit)
 //   energies(shared, data, node states, environment)                      where it stores any
+//   scales_with_load        that the residual is linear in the load factor, not constant
 //   load_power(shared, data, node states with V, environment) -> power [W] of a load on its nodes
 template <class E>
 concept Element = requires(const typename E::Shared& shared, const typename E::Data& data,

@@ -50,6 +50,28 @@ class ElementBatch : public Base {
     return run<Want::tangent>(state, weights, r, slots);
   }
 
+  // Loads are linear in the load factor.
+  void load_rate(const State& state, VecX& r) const override {
+    if constexpr (requires { E::scales_with_load; }) {
+      Environment whole = environment(state), none = whole;
+      whole.load_factor = 1.0;
+      none.load_factor = 0.0;
+      typename E::template Output<double> out, rest;
+      NodeStates x;
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        gather(state, e, x);
+        E::template evaluate<Want::residual>(shared_, data_[e], x.data(), whole, RateWeights{},
+                                             out);
+        E::template evaluate<Want::residual>(shared_, data_[e], x.data(), none, RateWeights{},
+                                             rest);
+        const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+        for (int a = 0; a < count(); ++a)
+          r.segment<6>(6 * node[a]) +=
+              out.r.template segment<6>(6 * a) - rest.r.template segment<6>(6 * a);
+      }
+    }
+  }
+
   std::string out_of_range(const State& state) const override {
     const Environment env = environment(state);
     typename E::template Output<double> out;

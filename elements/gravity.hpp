@@ -16,6 +16,7 @@ struct NodalGravity {
   static constexpr bool has_K = true;
   static constexpr bool has_D = false;
   static constexpr bool needs_rates = false;
+  static constexpr bool scales_with_load = true;
 
   struct Shared {
     Vec3 g;  // [m/s2], inertial

@@ -48,6 +48,7 @@ struct PointLoad {
   static constexpr bool has_K = true;
   static constexpr bool has_D = false;
   static constexpr bool needs_rates = false;
+  static constexpr bool scales_with_load = true;
 
   struct Shared {};
   struct Data {
@@ -96,6 +97,7 @@ struct FollowerLoad {
   static constexpr bool has_K = false;
   static constexpr bool has_D = false;
   static constexpr bool needs_rates = false;
+  static constexpr bool scales_with_load = true;
 
   struct Shared {};
   struct Data {
@@ -133,6 +135,7 @@ struct DeadForceArm {
   static constexpr bool has_K = true;
   static constexpr bool has_D = false;
   static constexpr bool needs_rates = false;
+  static constexpr bool scales_with_load = true;
 
   struct Shared {};
   struct Data {

@@ -122,6 +122,16 @@ class KluSolver : public LinearSolver {
     return common_.condest > 0.0 ? 1.0 / common_.condest : 0.0;
   }
 
+  // P S Q = L U with unit L and positive row scales.
+  int determinant_sign() const override {
+    if (n_ == 0) return 1;
+    if (numeric_ == nullptr) return 0;
+    const auto* U = static_cast<const double*>(numeric_->Udiag);
+    bool negative = is_odd(numeric_->Pnum) != is_odd(symbolic_->Q);
+    for (int i = 0; i < n_; ++i) negative = negative != (U[i] < 0.0);
+    return negative ? -1 : 1;
+  }
+
   Index nonzeros() const override { return static_cast<Index>(Ai_.size()); }
 
   std::unique_ptr<LinearSolver> another() const override { return make_klu_solver(); }
@@ -141,6 +151,19 @@ class KluSolver : public LinearSolver {
       if (!(std::abs(U[i]) >= shrunk * std::abs(pivots_[i]))) return false;
     }
     return true;
+  }
+
+  // Of a permutation of n_.
+  bool is_odd(const int* permutation) const {
+    std::vector<bool> seen(static_cast<std::size_t>(n_), false);
+    bool odd = false;
+    for (int i = 0; i < n_; ++i) {
+      int length = 0;  // of the cycle through i; it takes length - 1 exchanges
+      for (int k = i; !seen[static_cast<std::size_t>(k)]; k = permutation[k], ++length)
+        seen[static_cast<std::size_t>(k)] = true;
+      if (length > 0 && length % 2 == 0) odd = !odd;
+    }
+    return odd;
   }
 
   std::vector<double> pivots_;   // of the last full factorisation

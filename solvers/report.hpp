@@ -11,7 +11,16 @@ struct NewtonOptions {
   double multiplier_tolerance = 1e-7;  // on increments of multipliers, of the largest met
   int max_iterations = 20;
   enum class Tangent { kept, every_iteration } tangent = Tangent::kept;
+  bool line_search = true;  // of equilibrium.hpp; steps in time have none
 };
+
+// What finds an equilibrium: our Newton iterations, or KINSOL of SUNDIALS (equilibrium.hpp).
+enum class StaticSolver { newton, kinsol };
+
+// How a path of equilibria is followed, and which way of the load factor it starts (path.hpp).
+enum class PathMethod { bordered, crisfield };
+enum class PathDirection { forward, backward, both };
+enum class PathEvent { none, limit, bifurcation, crossing };
 
 // How a time stepper balances inertia: by accelerations in body axes, or by momenta in inertial axes
 // (generalized_alpha.hpp).

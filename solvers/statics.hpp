@@ -12,6 +12,7 @@ namespace mbd {
 struct StaticOptions {
   int steps = 1;  // first load increment is 1/steps; halved on failure, grown when easy
   NewtonOptions newton;
+  StaticSolver solver = StaticSolver::newton;
   // Shown each equilibrium found, in order of its load factor, the last at 1. False ends the solution
   // there.
   std::function<bool(const State&)> accepted = {};
@@ -22,6 +23,7 @@ struct StaticReport {
   double load_factor = 0.0;  // reached
   Counters counters;
   int most_iterations = 0;  // in one accepted load step
+  int searched = 0;         // load steps that the line search saved
   std::string failure;      // when not converged; empty if `accepted` ended it
 };
 

@@ -50,6 +50,9 @@ class Batch {
   virtual bool linearize(const State& state, const TangentWeights& weights, VecX& r,
                          std::span<const Slot> slots) const = 0;
 
+  // Adds dr/d(load factor) at fixed motion and multipliers: what loads and prescribed motions contribute.
+  virtual void load_rate(const State& /*state*/, VecX& /*r*/) const {}
+
   // The first element out of range, or an empty string.
   virtual std::string out_of_range(const State& /*state*/) const { return {}; }
 

@@ -58,6 +58,9 @@ class LinearSolver {
   // Estimate of 1 / (|S| |S^-1|) of the last factorisation.
   virtual double reciprocal_condition() const = 0;
 
+  // Sign of the determinant of the last factorisation: 1 or -1; 0 if not known.
+  virtual int determinant_sign() const { return 0; }
+
   virtual Index nonzeros() const = 0;
 
   // A new, empty solver of the same kind; nullptr if there is no other.

@@ -18,8 +18,10 @@ struct Work {
 // Arrays by node; node 0 is the ground, whose pose is the identity and never changes.
 // A State of a static System has no rates: V and Vdot are empty.
 struct State {
-  double t = 0.0;            // [s]
-  double load_factor = 1.0;  // on every load of the scene, gravity included; 1 but in load stepping
+  double t = 0.0;  // [s]
+  double load_factor =
+      1.0;  // on every load of the scene, gravity and (in statics) prescribed motions
+            // included; 1 but in load stepping and path following
   std::vector<Pose<double>>
       pose;                // H = (p, r): rotation as a unit quaternion, position, inertial [-, m]
   std::vector<Vec6> V;     // [v; w], body frame of the node            [m/s, rad/s]

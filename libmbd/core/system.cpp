@@ -92,6 +92,11 @@ bool System::linearize(const State& state, const TangentWeights& weights, VecX& 
   return in_range;
 }
 
+void System::load_rate(const State& state, VecX& r) const {
+  r.setZero(rows());
+  for (const auto& batch : batches_) batch->load_rate(state, r);
+}
+
 std::string System::out_of_range(const State& state) const {
   for (const auto& batch : batches_) {
     if (std::string name = batch->out_of_range(state); !name.empty()) return name;

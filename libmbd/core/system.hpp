@@ -67,6 +67,9 @@ class System {
   // Both return false if an element is outside the range of its formulation; out_of_range() names it.
   bool residual(const State& state, VecX& r) const;
   bool linearize(const State& state, const TangentWeights& weights, VecX& r, LinearSolver& S) const;
+  // dr/d(load factor): the loads, with the sign of the residual, and how constraints move with
+  // prescribed motions. Exact for loads; of motions to 1e-12 of themselves.
+  void load_rate(const State& state, VecX& r) const;
   std::string out_of_range(const State& state) const;
   void constraint_rates(const State& state, VecX& gdot,
                         VecX& gddot_rest) const;  // size multipliers()

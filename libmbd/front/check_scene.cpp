@@ -282,6 +282,17 @@ void check(const StaticScene& statics) {
   item.number("tolerance", statics.tolerance);
 }
 
+void check(const PathScene& path) {
+  const Checked item("path", {}, path.source);
+  item.number("step", path.step);
+  item.number("max_step", path.max_step);
+  item.number("points", path.points);
+  item.number("length", path.length);
+  item.number("tolerance", path.tolerance);
+  for (const PathMarkScene& mark : path.marks)
+    Checked(mark.stops ? "stop" : "mark", {}, mark.source).number("value", mark.value);
+}
+
 void check(const TransientScene& transient) {
   const Checked item("transient", {}, transient.source);
   item.number("duration", transient.duration);
@@ -387,6 +398,11 @@ void check_scene(const Scene& scene) {
     Checked("gravity", {}, scene.gravity->source)
         .vector("acceleration", scene.gravity->acceleration);
   if (scene.statics) check(*scene.statics);
+  if (scene.path) check(*scene.path);
+  if (scene.path && (scene.statics || scene.transient))
+    Checked("path", {}, scene.path->source)
+        .fail(std::string("it takes the place of <") + (scene.statics ? "static" : "transient") +
+              ">; leave one of them out");
   if (scene.transient) check(*scene.transient);
   for (const RecordScene& r : scene.records) check(r);
   for (const PlotScene& p : scene.plots) check(p);

@@ -45,10 +45,11 @@ class Compiler {
 
   Model compile() {
     check_scene(scene_);
-    if (!scene_.transient && !scene_.statics)
-      throw Error(scene_.source,
-                  label("mbd", scene_.name) +
-                      ": there is nothing to do; give <static/>, <transient …/> or both");
+    if (!scene_.transient && !scene_.statics && !scene_.path)
+      throw Error(
+          scene_.source,
+          label("mbd", scene_.name) +
+              ": there is nothing to do; give <static/>, <transient …/> or both, or <path/>");
     for (const BeamScene& beam : scene_.beams) find_boundaries(beam);
     for (const BodyScene& body : scene_.bodies) add_body(body);
     for (CompiledBeam& beam : beams_) add_beam(beam);
@@ -71,7 +72,9 @@ class Compiler {
     model.initial = system_->reference_state();
     set_velocities(model.initial);
     check(model.initial);
+    if (scene_.path) add_path_channel(model);
     add_channels(model);
+    add_lines(model);
     model.makers = joints_->makers();
     model.system = std::move(system_);
     return model;
@@ -429,7 +432,9 @@ class Compiler {
 
   // --- checks ---
 
-  void check(const State& initial) const {
+  // Without a transient prescribed motions grow with the load, from none.
+  void check(State initial) const {
+    if (!scene_.transient) initial.load_factor = 0.0;
     if (const std::optional<OpenConstraint> open = find_open_constraint(*system_, initial)) {
       const Model::Maker& maker = joints_->makers()[static_cast<std::size_t>(open->multiplier)];
       throw Error(maker.source, fmt::format("{}: {}: {}", maker.label, open->row, open->what));
@@ -448,6 +453,32 @@ class Compiler {
     }
     c.sample = std::move(sample);
     return c;
+  }
+
+  void add_lines(Model& model) const {
+    for (const CompiledBeam& beam : beams_) {
+      Model::Line line{beam.scene->name, {}};
+      for (const BeamNode& node : beam.nodes)
+        if (line.nodes.empty() || line.nodes.back() != node.node) line.nodes.push_back(node.node);
+      model.lines.push_back(std::move(line));
+    }
+    for (const BodyScene& body : scene_.bodies)
+      if (!body.attached_to) model.bodies.push_back(body_nodes_.at(body.name));
+  }
+
+  void add_path_channel(Model& model) const {
+    model.path = std::make_shared<PathPlace>();
+    Channel c;
+    c.columns = {{"arc_length", ""}, {"branch", ""}, {"event", ""}};
+    const bool counted = has_potential(scene_);
+    if (counted) c.columns.push_back({"negative_eigenvalues", ""});
+    c.sample = [place = model.path, counted](const State&, std::span<double> out) {
+      out[0] = place->arc_length;
+      out[1] = place->branch;
+      out[2] = static_cast<double>(place->event);
+      if (counted) out[3] = static_cast<double>(place->negative);
+    };
+    model.channels.push_back(std::move(c));
   }
 
   void add_channels(Model& model) const {
@@ -573,6 +604,23 @@ class Compiler {
 };
 
 }  // namespace
+
+std::string without_potential(const Scene& scene) {
+  for (const BeamScene& beam : scene.beams)
+    if (beam.form == Form::paper)
+      return label(beam) + " has the paper's form, which is not the gradient of an energy";
+  const auto fault = [](const auto& load) -> std::string {
+    if (load.moment) return label(load) + " has a dead moment, whose work depends on the way";
+    if (load.follower_force || load.follower_moment)
+      return label(load) + " follows what it acts on, and its work depends on the way";
+    return {};
+  };
+  for (const LoadScene& load : scene.loads)
+    if (std::string what = fault(load); !what.empty()) return what;
+  for (const DistributedLoadScene& load : scene.distributed_loads)
+    if (std::string what = fault(load); !what.empty()) return what;
+  return {};
+}
 
 Model compile(const Scene& scene) { return Compiler(scene).compile(); }
 

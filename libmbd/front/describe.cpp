@@ -154,6 +154,10 @@ std::string plan(const CheckReport& report) {
   if (report.statics)
     parts.push_back(
         fmt::format("static equilibrium in load steps, the first of 1/{}", report.statics->steps));
+  if (report.path)
+    parts.push_back(fmt::format("path of equilibria, first step {} of the load, at most {}",
+                                shortest(report.path->step),
+                                counted(report.path->points, "points")));
   if (report.transient)
     parts.push_back(fmt::format("transient of {} s in {} of {} s",
                                 shortest(report.transient->duration),
@@ -174,6 +178,11 @@ Json settings(const CheckReport& report) {
   Json all = Json::object();
   if (report.statics)
     all["static"] = {{"steps", report.statics->steps}, {"tolerance", report.statics->tolerance}};
+  if (report.path)
+    all["path"] = {{"step", report.path->step},
+                   {"max_step", report.path->max_step},
+                   {"points", report.path->points},
+                   {"branch", report.path->branch}};
   if (report.transient)
     all["transient"] = {{"duration", report.transient->duration},
                         {"step", report.transient->step},
@@ -368,8 +377,22 @@ class Explainer {
               {at("<static>", scene_.statics->source)});
     else
       absent("equilibrium before the first step",
-             scene_.beams.empty() ? "no <static>"
-                                  : "no <static>: beams start in their stated shape, unstrained");
+             scene_.beams.empty() || scene_.path
+                 ? "no <static>"
+                 : "no <static>: beams start in their stated shape, unstrained");
+    if (scene_.path) {
+      const std::string here = at("<path>", scene_.path->source);
+      present("equilibria over the load factor, through limit points", {here});
+      const std::string why = without_potential(scene_);
+      if (why.empty())
+        present("stability: negative eigenvalues of the tangent at each of them", {here});
+      else
+        absent("count of negative eigenvalues", why);
+      if (scene_.path->branch != 0)
+        present(fmt::format("branch from bifurcation {}", std::abs(scene_.path->branch)), {here});
+      else
+        absent("other branches", here + ": branch=\"0\"");
+    }
     if (!scene_.transient) {
       absent("course in time", "no <transient>");
       return;
@@ -451,6 +474,7 @@ CheckReport check_model(const Scene& scene, const Model& model) {
   report.stated = stated_counts(scene);
   report.statics = scene.statics;
   report.transient = scene.transient;
+  report.path = scene.path;
   if (scene.transient) report.steps = number_of_steps(*scene.transient);
   check_outputs(scene, model);
   report.columns = static_cast<Index>(columns(model).size());

@@ -45,6 +45,7 @@ struct CheckReport {
 
   std::optional<StaticScene> statics;
   std::optional<TransientScene> transient;
+  std::optional<PathScene> path;
   long steps = 0;     // of the transient
   Index columns = 0;  // of history.csv, with time
 

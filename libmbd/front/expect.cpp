@@ -19,10 +19,23 @@ std::string describe(const ExpectScene& expect, bool timed) {
       return "min " + expect.quantity;
     case ExpectScene::Of::maximum:
       return "max " + expect.quantity;
+    case ExpectScene::Of::limit:
+      return fmt::format("{} at limit point {}", expect.quantity, expect.number);
+    case ExpectScene::Of::bifurcation:
+      return fmt::format("{} at bifurcation {}", expect.quantity, expect.number);
+    case ExpectScene::Of::mark:
+      return fmt::format("{} at mark {}", expect.quantity, expect.number);
     case ExpectScene::Of::value_at:
       break;
   }
   return timed ? fmt::format("{} at {}", expect.quantity, expect.at) : expect.quantity;
+}
+
+PathEvent event_of(ExpectScene::Of of) {
+  return of == ExpectScene::Of::limit         ? PathEvent::limit
+         : of == ExpectScene::Of::bifurcation ? PathEvent::bifurcation
+         : of == ExpectScene::Of::mark        ? PathEvent::crossing
+                                              : PathEvent::none;
 }
 
 void check_time(const ExpectScene& expect, const Scene& scene) {
@@ -56,8 +69,12 @@ Expectations::Expectations(const Scene& scene, const Model& model) {
   for (const ExpectScene& expect : scene.expects) {
     const std::size_t column = find_column(known, expect.quantity, expect.source, "expect");
     if (expect.of == ExpectScene::Of::value_at) check_time(expect, scene);
+    if (const PathEvent event = event_of(expect.of); event != PathEvent::none && !scene.path)
+      throw Error(expect.source,
+                  "expect: limit points, bifurcations and marks are those of a <path>, "
+                  "which the model has not; write of=\"value\"");
     // Without a transient the value is that of the last row, at the whole load.
-    watches_.push_back({column, expect.of, scene.transient ? expect.at : 1.0});
+    watches_.push_back({column, expect.of, scene.transient ? expect.at : 1.0, expect.number, 0});
     results_.push_back({expect.source, describe(expect, scene.transient.has_value()), expect.value,
                         std::nullopt, expect.tolerance, expect.reference});
   }
@@ -65,12 +82,18 @@ Expectations::Expectations(const Scene& scene, const Model& model) {
 
 void Expectations::accepted(const Sample& sample) {
   for (std::size_t i = 0; i < watches_.size(); ++i) {
-    const Watch& watch = watches_[i];
+    Watch& watch = watches_[i];
     const double value = sample.row[watch.column];
     std::optional<double>& got = results_[i].got;
     switch (watch.of) {
       case ExpectScene::Of::value_at:
-        if (std::abs(sample.row[0] - watch.at) <= nearness_) got = value;
+        if (sample.model.path || std::abs(sample.row[0] - watch.at) <= nearness_) got = value;
+        break;
+      case ExpectScene::Of::limit:
+      case ExpectScene::Of::bifurcation:
+      case ExpectScene::Of::mark:
+        if (sample.model.path->event == event_of(watch.of) && ++watch.met == watch.number)
+          got = value;
         break;
       case ExpectScene::Of::minimum:
         got = std::min(got.value_or(value), value);

@@ -25,6 +25,8 @@ class Expectations : public Observer {
     std::size_t column = 0;
     ExpectScene::Of of = ExpectScene::Of::value_at;
     double at = 0.0;  // [s], or a load factor
+    int number = 1;   // of an event of a path
+    int met = 0;      // events of that kind so far
   };
 
   std::vector<Watch> watches_;

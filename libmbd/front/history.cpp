@@ -100,10 +100,10 @@ fs::path file_of(const fs::path& path) {
       throw Error(path.string() + ": is neither a file nor a directory" + std::string(where));
     return path;
   }
-  const fs::path file = path / "history.csv";
-  if (!fs::is_regular_file(file, code))
-    throw Error(path.string() + ": there is no history.csv in this directory" + std::string(where));
-  return file;
+  for (const char* name : {"history.csv", "path.csv"})
+    if (fs::is_regular_file(path / name, code)) return path / name;
+  throw Error(path.string() + ": there is no history.csv in this directory, and no path.csv" +
+              std::string(where));
 }
 
 void add_units(History& history, const std::string& line) {

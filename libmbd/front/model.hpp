@@ -25,10 +25,26 @@ struct Channel {
   std::function<void(const State&, std::span<double>)> sample;
 };
 
+// Where on a path the state is that is being sampled.
+struct PathPlace {
+  double arc_length = 0.0;
+  int branch = 0;
+  PathEvent event = PathEvent::none;
+  Index negative = 0;  // eigenvalues
+};
+
 struct Model {
   std::unique_ptr<const System> system;
   State initial;  // reference configuration, initial velocities; not yet in equilibrium
   std::vector<Channel> channels;  // in the order of the scene's records
+  // For pictures: the nodes of each beam from its start to its end, and those of free bodies.
+  struct Line {
+    std::string name;
+    std::vector<int> nodes;
+  };
+  std::vector<Line> lines;
+  std::vector<int> bodies;
+  std::shared_ptr<PathPlace> path;  // of a scene with <path>: its first channel reads it
   // Who made each row of State::lambda: a joint, a drive or a motion, as messages call it.
   struct Maker {
     Source source;
@@ -41,5 +57,10 @@ struct Model {
 // or duplicate names, open joints (with the gap), sections that are not positive definite, free massless
 // nodes in a transient, relative angles beyond the metric's range.
 Model compile(const Scene& scene);
+
+// Why the forces of a scene have no potential; empty if they have one. Where they have, equilibria are
+// stable or not by the inertia of their tangent (stability.hpp).
+std::string without_potential(const Scene& scene);
+inline bool has_potential(const Scene& scene) { return without_potential(scene).empty(); }
 
 }  // namespace mbd

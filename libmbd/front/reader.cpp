@@ -98,6 +98,7 @@ class Reader {
         {"load", &Reader::load},
         {"gravity", &Reader::gravity},
         {"static", &Reader::statics},
+        {"path", &Reader::path},
         {"transient", &Reader::transient},
         {"record", &Reader::record},
         {"plot", &Reader::plot},
@@ -475,8 +476,31 @@ class Reader {
   }
 
   void statics(const Item& item) {
-    set_once(scene_.statics, item,
-             StaticScene{item.source(), item.count("steps"), item.number("tolerance")});
+    StaticScene statics;
+    statics.source = item.source();
+    statics.steps = item.count("steps");
+    statics.tolerance = item.number("tolerance");
+    statics.solver = item.choice<StaticSolver>("solver");
+    statics.line_search = item.choice<int>("line_search") == 1;
+    set_once(scene_.statics, item, std::move(statics));
+  }
+
+  void path(const Item& item) {
+    PathScene path;
+    path.source = item.source();
+    path.method = item.choice<PathMethod>("method");
+    path.direction = item.choice<PathDirection>("direction");
+    path.step = item.number("step");
+    path.max_step = item.number("max_step");
+    path.points = item.count("points");
+    if (item.has("length")) path.length = item.number("length");
+    path.branch = item.count("branch");
+    path.tolerance = item.number("tolerance");
+    each(item, [&](const Item& part) {
+      path.marks.push_back({part.source(), part.text("quantity"), part.number("value"),
+                            part.element().name == "stop"});
+    });
+    set_once(scene_.path, item, std::move(path));
   }
 
   void transient(const Item& item) {
@@ -526,6 +550,7 @@ class Reader {
     if (item.has("at") && !timed)
       item.refuse("at",
                   "is the time of a value; an extreme is taken over the whole run, leave it out");
+    expect.number = item.count("number");
     if (item.has("at")) expect.at = item.number("at");
     if (timed && !item.has("at")) untimed_.push_back(expect.source);
     expect.value = item.number("value");

@@ -45,8 +45,21 @@ Json settings(const RunReport& report) {
   Json all = Json::object();
   Json& parameters = all["parameters"] = Json::object();
   for (const auto& [name, value] : report.parameters) parameters[name] = value;
-  if (report.statics)
-    all["static"] = {{"steps", report.statics->steps}, {"tolerance", report.statics->tolerance}};
+  if (report.statics) {
+    const bool newton = report.statics->solver == StaticSolver::newton;
+    all["static"] = {{"solver", newton ? "newton" : "kinsol"},
+                     {"line_search", !newton || report.statics->line_search},
+                     {"steps", report.statics->steps},
+                     {"tolerance", report.statics->tolerance}};
+  }
+  if (report.path)
+    all["path"] = {
+        {"method", report.path->method == PathMethod::crisfield ? "crisfield" : "bordered"},
+        {"step", report.path->step},
+        {"max_step", report.path->max_step},
+        {"points", report.path->points},
+        {"branch", report.path->branch},
+        {"tolerance", report.path->tolerance}};
   if (report.transient)
     all["transient"] = {
         {"method", "generalized-alpha"},
@@ -61,6 +74,20 @@ Json settings(const RunReport& report) {
 }
 
 }  // namespace
+
+std::string_view name_of(PathEvent event) {
+  switch (event) {
+    case PathEvent::limit:
+      return "limit point";
+    case PathEvent::bifurcation:
+      return "bifurcation";
+    case PathEvent::crossing:
+      return "mark";
+    case PathEvent::none:
+      break;
+  }
+  return "point";
+}
 
 std::string_view version() { return MBD_VERSION; }
 
@@ -105,11 +132,35 @@ std::string to_json(const RunReport& report) {
     solver["static"] = json(report.static_counters);
     solver["static"]["most_iterations_in_a_step"] = report.most_static_iterations;
   }
+  if (report.path) {
+    solver["path"] = json(report.static_counters);
+    solver["path"]["most_iterations_in_a_step"] = report.most_static_iterations;
+  }
   if (report.transient) {
     solver["transient"] = json(report.transient_counters);
     solver["transient"]["most_iterations_in_a_step"] = report.most_iterations;
   }
   all["solver"] = solver;
+  if (report.statics)
+    all["negative_eigenvalues"] =
+        report.negative_eigenvalues ? Json(*report.negative_eigenvalues) : Json();
+  if (report.path) {
+    Json special = Json::array();
+    for (const SpecialPoint& point : report.special)
+      special.push_back(
+          {{"event", name_of(point.event)},
+           {"number", point.number},
+           {"branch", point.branch},
+           {"load_factor", point.load_factor},
+           {"arc_length", point.arc_length},
+           {"negative_eigenvalues_before", point.before ? Json(*point.before) : Json()},
+           {"negative_eigenvalues_after", point.after ? Json(*point.after) : Json()},
+           {"largest_motion", point.motion}});
+    all["path"] = {{"end", report.path_end},
+                   {"least_load_factor", report.path_load[0]},
+                   {"most_load_factor", report.path_load[1]},
+                   {"special_points", special}};
+  }
 
   all["sampled_states"] = report.sampled_states;
   all["constraint_residuals"] = {{"position", json(report.position)},

@@ -1,6 +1,7 @@
 // What a run says of itself, and report.json.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "libmbd/core/batch.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/front/scene.hpp"
+#include "solvers/path.hpp"
 #include "solvers/report.hpp"
 
 namespace mbd {
@@ -51,6 +53,7 @@ struct RunReport {
   std::vector<std::pair<std::string, double>> parameters;
   std::optional<StaticScene> statics;
   std::optional<TransientScene> transient;
+  std::optional<PathScene> path;
   NewtonOptions newton;  // of the transient
 
   std::string failure;             // empty: all went well (expectations apart)
@@ -63,6 +66,12 @@ struct RunReport {
   std::vector<BatchReport> batches;
   Counters static_counters, transient_counters;
   int most_static_iterations = 0, most_iterations = 0;  // in one load step, one time step
+
+  // Of a <path>, and stability of the equilibrium of a <static>, where forces have a potential.
+  std::vector<SpecialPoint> special;
+  std::string path_end;               // why its branches end
+  std::array<double, 2> path_load{};  // least and most load factor
+  std::optional<Index> negative_eigenvalues;
 
   // Of states sampled evenly, the last among them.
   int sampled_states = 0;
@@ -85,6 +94,9 @@ struct RunReport {
   bool complete() const { return failure.empty(); }
   bool as_expected() const;  // complete, and every expectation met
 };
+
+// "limit point", "bifurcation", "mark", "point".
+std::string_view name_of(PathEvent event);
 
 std::string to_json(const RunReport& report);
 

@@ -12,10 +12,13 @@
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/plot.hpp"
 #include "libmbd/front/redundancy.hpp"
+#include "libmbd/front/shapes.hpp"
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/initial.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/mechanism.hpp"
+#include "solvers/path.hpp"
+#include "solvers/stability.hpp"
 #include "solvers/statics.hpp"
 
 namespace mbd {
@@ -122,6 +125,7 @@ class Run {
     report_.parameters = scene.parameters;
     report_.statics = scene.statics;
     report_.transient = scene.transient;
+    report_.path = scene.path;
     if (scene.transient && scene.transient->tolerance)
       report_.newton.tolerance = *scene.transient->tolerance;
 
@@ -130,8 +134,10 @@ class Run {
     columns_ = columns(model_);
     row_.resize(columns_.size());
     expectations_ = std::make_unique<Expectations>(scene, model_);
+    find_marks();
     if (options.output) {
-      plot_ = std::make_unique<HistoryPlot>(*options.output / "history.svg", scene_, model_);
+      const char* const name = scene.path ? "path.svg" : "history.svg";
+      plot_ = std::make_unique<HistoryPlot>(*options.output / name, scene_, model_);
       check_directory(*options.output);
     }
 
@@ -147,6 +153,7 @@ class Run {
   RunReport go() {
     State state = model_.initial;
     if (scene_.statics) find_equilibrium(state);
+    if (scene_.path) follow(state);
     if (scene_.transient) integrate(state);
     report_.t = state.t;
     report_.load_factor = state.load_factor;
@@ -165,13 +172,14 @@ class Run {
                                     ? analyze_mechanism(system, model_.initial)
                                     : Mechanism{};
     refuse_redundant(model_, mechanism);
-    if (in_statics_ && mechanism.freedoms() > 0)
+    if (!scene_.transient && mechanism.freedoms() > 0)
       throw Error(
-          scene_.statics->source,
+          scene_.statics ? scene_.statics->source : scene_.path->source,
           fmt::format(
-              "static: no equilibrium was found: its parts are free to move in {} way{}, which "
+              "{}: no equilibrium was found: its parts are free to move in {} way{}, which "
               "nothing in the scene brings to rest; hold them by joints, or give a <transient>",
-              mechanism.freedoms(), mechanism.freedoms() == 1 ? "" : "s"));
+              scene_.statics ? "static" : "path", mechanism.freedoms(),
+              mechanism.freedoms() == 1 ? "" : "s"));
     for (const BodyScene& body : scene_.bodies)
       if (!(body.mass > 0.0 && body.inertia.determinant() > 0.0) &&
           failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
@@ -179,6 +187,7 @@ class Run {
                                      ": its acceleration at the start is not determined: it lacks "
                                      "mass or inertia that no joint replaces; give it both");
     if (in_statics_) throw Error(scene_.statics->source, "static: " + failure);
+    if (scene_.path) throw Error(scene_.path->source, "path: " + failure);
     throw Error(scene_.transient->source, "transient: " + failure);
   }
 
@@ -191,14 +200,23 @@ class Run {
 
   void open_output(const std::filesystem::path& directory) {
     make_directory(directory);
-    history_ = std::make_unique<HistoryWriter>(directory / "history.csv", scene_.name, columns_);
+    const std::string name = scene_.path ? "path" : "history";
+    // Of an earlier run, perhaps of another kind.
     std::error_code code;
-    for (const char* name : {"report.json", "history.svg"})  // of an earlier run
-      std::filesystem::remove(directory / name, code);
+    for (const char* old :
+         {"report.json", "history.csv", "history.svg", "path.csv", "path.svg", "shapes.svg"})
+      std::filesystem::remove(directory / old, code);
+    history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_);
     observers_.push_back(history_.get());
     observers_.push_back(plot_.get());
-    report_.results = {directory / "history.csv", directory / "history.svg",
-                       directory / "report.json"};
+    report_.results = {directory / (name + ".csv"), directory / (name + ".svg")};
+    if (scene_.path) {
+      shapes_ =
+          std::make_unique<ShapesPlot>(directory / "shapes.svg", scene_.name + ": deformed shapes");
+      observers_.push_back(shapes_.get());
+      report_.results.push_back(directory / "shapes.svg");
+    }
+    report_.results.push_back(directory / "report.json");
   }
 
   void find_equilibrium(State& state) {
@@ -206,6 +224,8 @@ class Run {
     StaticOptions options;
     options.steps = scene_.statics->steps;
     options.newton.tolerance = scene_.statics->tolerance;
+    options.newton.line_search = scene_.statics->line_search;
+    options.solver = scene_.statics->solver;
     if (!scene_.transient)
       options.accepted = [this](const State& step) {
         report_.equilibrium += watch_.lap();
@@ -222,7 +242,74 @@ class Run {
       if (report_.rows == 0) fail_to_start(result.failure);
       report_.failure = "static equilibrium: " + result.failure;
     }
+    if (result.converged) judge_stability(state);
     in_statics_ = false;
+  }
+
+  // Of the equilibrium of a <static>.
+  void judge_stability(const State& state) {
+    if (!has_potential(scene_)) return;
+    StabilityCount count(*model_.system);
+    report_.negative_eigenvalues = count(state);
+    report_.equilibrium += watch_.lap();
+    if (report_.negative_eigenvalues.value_or(0) > 0)
+      report_.notes.push_back(fmt::format(
+          "the equilibrium is unstable, in {} way{}: it would not stay there; <path> in place of "
+          "<static> shows where stability was lost",
+          *report_.negative_eigenvalues, *report_.negative_eigenvalues == 1 ? "" : "s"));
+  }
+
+  // The columns that marks of a path refer to.
+  void find_marks() {
+    if (!scene_.path) return;
+    for (const PathMarkScene& mark : scene_.path->marks)
+      marks_.push_back(
+          find_column(columns_, mark.quantity, mark.source, mark.stops ? "stop" : "mark"));
+  }
+
+  void follow(State& state) {
+    const PathScene& scene = *scene_.path;
+    PathOptions options;
+    options.method = scene.method;
+    options.direction = scene.direction;
+    options.step = scene.step;
+    options.max_step = scene.max_step;
+    options.points = scene.points;
+    if (scene.length) options.length = *scene.length;
+    options.branch = scene.branch;
+    options.newton.tolerance = scene.tolerance;
+    options.has_potential = has_potential(scene_);
+    std::vector<double> row(columns_.size());
+    for (std::size_t i = 0; i < marks_.size(); ++i)
+      options.crossings.push_back(
+          {[this, &row, column = marks_[i], value = scene.marks[i].value](const State& at) {
+             sample_row(model_, at, row);
+             return row[column] - value;
+           },
+           scene.marks[i].stops});
+    options.accepted = [this](const PathPoint& point) {
+      report_.equilibrium += watch_.lap();
+      *model_.path = {point.arc_length, point.branch, point.event, point.negative.value_or(0)};
+      const bool going = accept(point.state, true);
+      report_.output += watch_.lap();
+      return going;
+    };
+    if (!options.has_potential)
+      report_.notes.push_back(
+          "stability is not counted: " + without_potential(scene_) +
+          "; bifurcations show as changes of the sign of a determinant, one at a time");
+    const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+    const PathReport result = follow_path(*model_.system, *solver, options, state);
+    report_.static_counters = result.counters;
+    report_.most_static_iterations = result.most_iterations;
+    report_.special = result.special;
+    report_.path_end = result.end;
+    report_.path_load = {result.least_load, result.most_load};
+    report_.equilibrium += watch_.lap();
+    if (!result.complete && report_.complete()) {
+      if (report_.rows == 0) fail_to_start(result.failure);
+      report_.failure = "path: " + result.failure;
+    }
   }
 
   // Row 0 of load steps. It need not satisfy prescribed motions, which do not grow with the load.
@@ -351,9 +438,11 @@ class Run {
   Model model_;
   std::vector<Column> columns_;
   std::vector<double> row_;
+  std::vector<std::size_t> marks_;  // column of each mark of a path
   std::unique_ptr<Expectations> expectations_;
   std::unique_ptr<HistoryWriter> history_;
   std::unique_ptr<HistoryPlot> plot_;
+  std::unique_ptr<ShapesPlot> shapes_;
   std::vector<Observer*> observers_;
 };
 

@@ -184,6 +184,30 @@ struct StaticScene {
   Source source;
   int steps = 1;             // first size of the load steps: 1/steps
   double tolerance = 1e-12;  // relative, on increments
+  StaticSolver solver = StaticSolver::newton;
+  bool line_search = true;  // of Newton's iterations; KINSOL has its own
+};
+
+// Where a path is to be looked at (or ends): where a column of path.csv passes a value.
+struct PathMarkScene {
+  Source source;
+  std::string quantity;
+  double value = 0.0;
+  bool stops = false;
+};
+
+// A path of equilibria over the load factor (path.hpp).
+struct PathScene {
+  Source source;
+  PathMethod method = PathMethod::bordered;
+  PathDirection direction = PathDirection::forward;
+  double step = 0.05;     // first step of the load factor
+  double max_step = 0.1;  // of motion: rms of displacement over the scene's size and rotation
+  int points = 200;       // most on each branch
+  std::optional<double> length;  // most arc length of each branch
+  int branch = 0;            // bifurcation whose branch is followed too; negative: its other side
+  double tolerance = 1e-12;  // relative, on increments
+  std::vector<PathMarkScene> marks;
 };
 
 struct TransientScene {
@@ -221,8 +245,9 @@ struct PlotScene {
 struct ExpectScene {
   Source source;
   std::string quantity;
-  enum class Of { value_at, minimum, maximum } of = Of::value_at;
+  enum class Of { value_at, minimum, maximum, limit, bifurcation, mark } of = Of::value_at;
   double at = 0.0;  // [s]
+  int number = 1;   // of a limit point, bifurcation or mark of a path, in order
   double value = 0.0;
   double tolerance = 0.0;  // absolute
   std::string reference;   // where the number comes from
@@ -245,6 +270,7 @@ struct Scene {
   std::optional<Gravity> gravity;
   std::optional<StaticScene> statics;  // equilibrium at t = 0, before the transient if there is one
   std::optional<TransientScene> transient;
+  std::optional<PathScene> path;  // instead of both
   std::vector<RecordScene> records;
   std::vector<PlotScene> plots;
   std::vector<ExpectScene> expects;

@@ -21,6 +21,10 @@ constexpr std::string_view metrics = "matrix quaternion geodesic";
 constexpr std::string_view rules = "gauss gauss_lobatto";
 constexpr std::string_view forms = "energy paper";
 constexpr std::string_view balances = "acceleration momentum";
+constexpr std::string_view static_solvers = "newton kinsol";
+constexpr std::string_view path_methods = "bordered crisfield";
+constexpr std::string_view directions = "forward backward both";
+constexpr std::string_view switches = "off on";
 constexpr std::string_view interpolations = "linear smooth";
 
 // --- attributes of each element: name, kind, unit, default, meaning, range, sizes, choices ---
@@ -257,6 +261,58 @@ constexpr Attribute gravity_attributes[] = {
 constexpr Attribute static_attributes[] = {
     {"steps", Kind::count, "", "1", "the first load step is 1/steps of all loads", at_least_one},
     {"tolerance", Kind::number, "", "1e-12", "of Newton's increments, relative", positive},
+    {"solver",
+     Kind::choice,
+     "",
+     "newton",
+     "of each load step: our Newton iterations, or KINSOL's with its line search",
+     any,
+     {3, 3},
+     static_solvers},
+    {"line_search",
+     Kind::choice,
+     "",
+     "on",
+     "of Newton's iterations: increments that do not bring equilibrium nearer are shortened",
+     any,
+     {3, 3},
+     switches},
+};
+
+constexpr Attribute path_attributes[] = {
+    {"method",
+     Kind::choice,
+     "",
+     "bordered",
+     "predictor and corrector on the bordered system, or Crisfield's cylindrical arc length",
+     any,
+     {3, 3},
+     path_methods},
+    {"direction",
+     Kind::choice,
+     "",
+     "forward",
+     "of the load factor at the start: growing, falling, or first one and then the other",
+     any,
+     {3, 3},
+     directions},
+    {"step", Kind::number, "", "0.05", "first step, of the load factor", positive},
+    {"max_step", Kind::number, "", "0.1",
+     "longest step: rms over the nodes of displacement (over the scene's size) and rotation [rad]",
+     positive},
+    {"points", Kind::count, "", "200", "most points of each branch", at_least_one},
+    {"length", Kind::number, "", optional, "most arc length of each branch, measured as max_step",
+     positive},
+    {"branch", Kind::count, "", "0",
+     "number of the bifurcation whose other branch is followed too; negative: to its other side; "
+     "0: none",
+     Range{-1e6, 1e6}},
+    {"tolerance", Kind::number, "", "1e-12", "of the corrector's increments, relative", positive},
+};
+
+constexpr Attribute mark_attributes[] = {
+    {"quantity", Kind::text, "", required, "a column of path.csv"},
+    {"value", Kind::number, any_unit, required, "the value it passes, from either side"},
 };
 
 constexpr Attribute transient_attributes[] = {
@@ -304,10 +360,13 @@ constexpr Attribute expect_attributes[] = {
      Kind::choice,
      "",
      "value",
-     "its value at one time, or an extreme over the run",
+     "its value at one time (of load steps and paths: at the end), an extreme over the run, or its "
+     "value at a limit point, bifurcation or mark of a path",
      any,
      {3, 3},
-     "value minimum maximum"},
+     "value minimum maximum limit bifurcation mark"},
+    {"number", Kind::count, "", "1", "of the limit point, bifurcation or mark, in order",
+     at_least_one},
     {"at", Kind::number, "s", optional, "time of the value, a whole number of steps", not_negative},
     {"value", Kind::number, any_unit, required, "what it must be"},
     {"tolerance", Kind::number, any_unit, required, "by how much it may differ", positive},
@@ -442,6 +501,14 @@ const std::vector<Element>& table() {
         {"gravity", once, "Uniform gravity on everything that has mass.", of(gravity_attributes)},
         {"static", once, "Static equilibrium at t = 0, before the transient if there is one.",
          of(static_attributes)},
+        {"path", once,
+         "Follows the equilibria over the load factor, from 0, through limit points and "
+         "bifurcations; instead of <static> and <transient>.",
+         of(path_attributes)},
+        {"mark", "path repeat defaults",
+         "A point of the path to be located, shown and drawn: where a column passes a value.",
+         of(mark_attributes)},
+        {"stop", "path repeat defaults", "A mark at which the path ends.", of(mark_attributes)},
         {"transient", once, "Integration in time by the generalized-alpha method.",
          of(transient_attributes)},
         {"record", anywhere, "Columns of history.csv.", of(record_attributes)},

@@ -35,6 +35,10 @@ std::string plural(long n, std::string_view one, std::string_view many = {}) {
 
 // "36 s simulated", "0.52 s of 36 s", "equilibrium at load factor 1".
 std::string way(const RunReport& report) {
+  if (report.path)
+    return fmt::format("{}load factors from {:.9g} to {:.9g}",
+                       report.complete() ? "a path of equilibria over " : "", report.path_load[0],
+                       report.path_load[1]);
   if (!report.transient)
     return fmt::format("{}load factor {:.9g}", report.complete() ? "equilibrium at " : "",
                        report.load_factor);
@@ -71,7 +75,8 @@ void seconds(std::string& text, const RunReport& report) {
     bool done;
   };
   const Part parts[] = {{"compile", report.compile, true},
-                        {"static", report.equilibrium, report.statics.has_value()},
+                        {report.path ? "path" : "static", report.equilibrium,
+                         report.statics.has_value() || report.path.has_value()},
                         {"transient", report.integration, report.transient.has_value()},
                         {"output", report.output, true}};
   const auto show = [&](std::string_view name, double Seconds::*clock) {
@@ -181,6 +186,18 @@ void expectations(std::string& text, const RunReport& report) {
   }
 }
 
+void special_points(std::string& text, const RunReport& report) {
+  for (const SpecialPoint& point : report.special) {
+    std::string words = fmt::format("load factor {:.10g}", point.load_factor);
+    if (point.branch != 0) words += fmt::format(", branch {}", point.branch);
+    if (point.before && point.after)
+      words += fmt::format(", negative eigenvalues {} -> {}", *point.before, *point.after);
+    if (point.event == PathEvent::bifurcation) words += ", mode: " + point.motion + " most";
+    item(text, fmt::format("{} {}", name_of(point.event), point.number), words);
+  }
+  if (!report.path_end.empty()) item(text, "end", report.path_end);
+}
+
 void files(std::string& text, const RunReport& report) {
   if (report.results.empty()) return;
   const std::filesystem::path directory = report.results.front().parent_path();
@@ -188,10 +205,12 @@ void files(std::string& text, const RunReport& report) {
   for (const std::filesystem::path& file : report.results) {
     const std::string name = file.filename().string();
     std::string what;
-    if (name == "history.csv")
+    if (name == "history.csv" || name == "path.csv")
       what = fmt::format("{}: {} and what is recorded", plural(report.rows, "row"),
                          report.transient ? "time" : "load factor");
-    else if (name == "history.svg")
+    else if (name == "shapes.svg")
+      what = "deformed shapes";
+    else if (name == "history.svg" || name == "path.svg")
       what = "its plots, for a browser";
     else if (name == "report.json")
       what = "settings, counts, costs and checks of this run";
@@ -213,6 +232,11 @@ std::string summary(const RunReport& report) {
   if (report.statics)
     solver(text, "static", steps(report.static_counters, "load step", "load steps"),
            report.static_counters, report.most_static_iterations);
+  if (report.path) {
+    solver(text, "path", steps(report.static_counters, "step", "steps"), report.static_counters,
+           report.most_static_iterations);
+    special_points(text, report);
+  }
   if (report.transient)
     solver(text, "transient", steps(report.transient_counters, "step", "steps"),
            report.transient_counters, report.most_iterations);

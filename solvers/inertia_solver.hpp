@@ -1,0 +1,24 @@
+// Counts the negative eigenvalues of a symmetric system by a sparse LDL^T with 1x1 and 2x2 pivots (MUMPS,
+// CeCILL-C), behind the block interface: Sylvester's law of inertia.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "libmbd/core/linear_solver.hpp"
+
+namespace mbd {
+
+class InertiaSolver : public LinearSolver {
+ public:
+  // Negative eigenvalues of the symmetric part of what was last factored; empty if the factorisation
+  // failed, as it does within round-off of a singular matrix.
+  virtual std::optional<Index> negative_eigenvalues() const = 0;
+
+  // max |S_ij - S_ji| / max |S_ij| of what was last factored, over the node-node blocks.
+  virtual double asymmetry() const = 0;
+};
+
+std::unique_ptr<InertiaSolver> make_inertia_solver();
+
+}  // namespace mbd
