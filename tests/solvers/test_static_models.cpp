@@ -253,15 +253,15 @@ TEST(Princeton, Converges) {
     EXPECT_GT(last_order(elements, e), 2 * N - 0.4) << N << ": " << testing::PrintToString(e);
   }
 }
-// The rows of ANSYS alone see what they can; torsion needs the digits of the rod.
+// All entries of D, by the digits of the rod; what bends and, at 75 degrees, twists, by 1 % of ANSYS alone.
 TEST(Princeton, Sees) {
   for (const char* const angle : {"15", "45", "75"})
     sees("princeton", {{"angle", angle}},
          {D(4, 4), D(5, 5), D(6, 6), load(), length(), D(1, 1), D(2, 2), D(3, 3)});
   sees("princeton", {{"P", "4.448"}}, {D(4, 4), D(5, 5), D(6, 6), load(), length()});
   sees("princeton", {{"P", "13.345"}}, {D(4, 4), D(5, 5), D(6, 6), load(), length()});
-  for (const Mutation& mutation : {D(5, 5), D(6, 6), load(), length()}) {
-    Scene scene = with_expects("princeton");
+  for (const Mutation& mutation : {D(4, 4), D(5, 5), D(6, 6), load(), length()}) {
+    Scene scene = with_expects("princeton", {{"angle", "75"}});
     std::erase_if(scene.expects, [](const ExpectScene& e) { return e.reference[0] != 'A'; });
     ASSERT_EQ(scene.expects.size(), 2u);
     EXPECT_TRUE(run(scene).as_expected());
