@@ -30,7 +30,8 @@ struct PaperForm {
   static constexpr const char* name = "paper's form";
 };
 
-template <class Metric, class Form, int N>
+// Real: the type of the constants, as in beam_motion.hpp.
+template <class Metric, class Form, int N, class Real = double>
 struct Elastic {
   using Z = Sizes<N>;
   static constexpr int nodes = Z::nodes;
@@ -41,16 +42,16 @@ struct Elastic {
   static constexpr bool is_energy = std::is_same_v<Form, EnergyForm>;
 
   struct Shared {
-    Table<N> table;
-    std::vector<Mat6> stiffness;  // D: [N; M] vs [gamma; kappa]  [N, N.m, N.m2]
+    Table<N, Real> table;
+    std::vector<Matrix6<Real>> stiffness;  // D: [N; M] vs [gamma; kappa]  [N, N.m, N.m2]
   };
-  using Data = beam::Data<N>;
+  using Data = beam::Data<N, Real>;
   template <class S>
   using Output = ElementOutput<S, nodes, max_nodes>;
 
   static int node_count(const Shared& shared) { return shared.table.order() + 1; }
 
-  static const Mat6& D_at(const Shared& shared, const Data& data, int i) {
+  static const Matrix6<Real>& D_at(const Shared& shared, const Data& data, int i) {
     return shared.stiffness[static_cast<std::size_t>(data.stiffness + i * data.stiffness_stride)];
   }
 
@@ -174,7 +175,7 @@ struct Elastic {
 
   // (4)
   template <class S>
-  static void assemble_paper(const Table<N>& table, const Data& data,
+  static void assemble_paper(const Table<N, Real>& table, const Data& data,
                              const std::array<Vector6<S>, Z::max_points>& force,
                              const std::array<Vector6<S>, Z::max_points>& full, Output<S>& out) {
     const int order = table.order();

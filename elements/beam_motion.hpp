@@ -10,11 +10,13 @@
 // (2) is HB 22 with the diagonal written out; an element is thus a set of pairs, each a "spring" on q_p.
 //
 // Symbols: K, E = K - K0 [1/m in angular rows, - in linear]; J = ds/dxi [m]; frame: section (body).
+// Constants are of type Real: double, or long double for reference solutions below its round-off.
 // Not used: the interpolated field between nodes (HB 16-18), which the residual never needs.
 #pragma once
 
 #include <array>
 #include <span>
+#include <type_traits>
 
 #include "libmbd/core/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
@@ -34,22 +36,22 @@ struct Sizes {
 };
 
 // Constants of all elements of one order and rule.
-template <int N>
+template <int N, class Real = double>
 struct Table {
   using Z = Sizes<N>;
   int order_ = 0;
   int points = 0;
-  std::array<double, Z::max_points> w{};                  // quadrature weights
-  std::array<double, Z::max_points * Z::max_nodes> l{};   // l_a(xi_i): [i * max_nodes + a]
-  std::array<double, Z::max_points * Z::max_nodes> dl{};  // l'_a(xi_i)
+  std::array<Real, Z::max_points> w{};                  // quadrature weights
+  std::array<Real, Z::max_points * Z::max_nodes> l{};   // l_a(xi_i): [i * max_nodes + a]
+  std::array<Real, Z::max_points * Z::max_nodes> dl{};  // l'_a(xi_i)
 
   int order() const { return N > 0 ? N : order_; }
 };
 
-template <int N>
-Table<N> make_table(const SpectralTable& t) {
+template <int N, class Real>
+Table<N, Real> make_table(const BasicSpectralTable<Real>& t) {
   using Z = Sizes<N>;
-  Table<N> table;
+  Table<N, Real> table;
   table.order_ = t.order;
   table.points = static_cast<int>(t.rule.points.size());
   for (int i = 0; i < table.points; ++i) {
@@ -64,40 +66,42 @@ Table<N> make_table(const SpectralTable& t) {
 
 // Constants of one element. `stiffness` is the place of the sectional stiffness of its first quadrature
 // point in the batch's list, `stiffness_stride` 0 for a uniform element and 1 for one D a point.
-template <int N>
+template <int N, class Real = double>
 struct Data {
   using Z = Sizes<N>;
-  std::array<double, Z::max_points * Z::max_pairs>
-      c{};                                 // equation (1): [i * max_pairs + p]      [1/m]
-  std::array<double, Z::max_points> wJ{};  // w_i J(xi_i)                            [m]
-  std::array<Vec6, Z::max_points> K0;      // curvature of the reference             [-, 1/m]
+  std::array<Real, Z::max_points * Z::max_pairs>
+      c{};                                      // equation (1): [i * max_pairs + p]      [1/m]
+  std::array<Real, Z::max_points> wJ{};         // w_i J(xi_i)                            [m]
+  std::array<Vector6<Real>, Z::max_points> K0;  // curvature of the reference             [-, 1/m]
   int stiffness = 0;
   int stiffness_stride = 0;
 };
 
 // Coefficients (1) from the nodal Jacobians J_j [m]; K0 from the same formula on the reference poses.
-template <class Metric, int N>
-Data<N> make_data(const SpectralTable& t, std::span<const double> J,
-                  std::span<const Pose<double>> reference, int stiffness, int stiffness_stride) {
+template <class Metric, int N, class Real>
+Data<N, Real> make_data(const BasicSpectralTable<Real>& t,
+                        std::type_identity_t<std::span<const Real>> J,
+                        std::type_identity_t<std::span<const Pose<Real>>> reference, int stiffness,
+                        int stiffness_stride) {
   using Z = Sizes<N>;
-  Data<N> data;
+  Data<N, Real> data;
   data.stiffness = stiffness;
   data.stiffness_stride = stiffness_stride;
   const auto at = [](Index i) { return static_cast<std::size_t>(i); };
   for (Index i = 0; i < t.l_at_points.rows(); ++i) {
-    double J_i = 0.0;
+    Real J_i = Real(0);
     for (Index j = 0; j <= t.order; ++j) J_i += t.l_at_points(i, j) * J[at(j)];
     data.wJ[at(i)] = t.rule.weights[at(i)] * J_i;
-    Vec6 K0 = Vec6::Zero();
+    Vector6<Real> K0 = Vector6<Real>::Zero();
     Index p = 0;
     for (Index j = 0; j < t.order; ++j) {
       for (Index k = j + 1; k <= t.order; ++k, ++p) {
-        const double c =
+        const Real c =
             t.l_at_points(i, j) * t.d(j, k) / J[at(j)] - t.l_at_points(i, k) * t.d(k, j) / J[at(k)];
         data.c[at(i * Z::max_pairs + p)] = c;
         K0 +=
-            c * typename Metric::template Pair<double>(relative(reference[at(j)], reference[at(k)]))
-                    .q();
+            c *
+            typename Metric::template Pair<Real>(relative(reference[at(j)], reference[at(k)])).q();
       }
     }
     data.K0[at(i)] = K0;
@@ -143,8 +147,8 @@ struct Motion {
 };
 
 // Full curvature K_i at quadrature point i, less K0 if asked: the strain E_i.
-template <int N, class S>
-Vector6<S> curvature(const Data<N>& data, int i, int pairs,
+template <int N, class S, class Real>
+Vector6<S> curvature(const Data<N, Real>& data, int i, int pairs,
                      const std::array<Vector6<S>, Sizes<N>::max_pairs>& q) {
   Vector6<S> K = Vector6<S>::Zero();
   for (int p = 0; p < pairs; ++p)

@@ -73,20 +73,23 @@ std::vector<Real> lobatto_points(int count) {
 }
 
 template <class T>
-VecX lagrange_values(const std::vector<T>& nodes, Real xi) {
-  VecX l(static_cast<Index>(nodes.size()));
+using VectorX = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+
+template <class Out, class T>
+VectorX<Out> lagrange_values(const std::vector<T>& nodes, Real xi) {
+  VectorX<Out> l(static_cast<Index>(nodes.size()));
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     Real product = 1;
     for (std::size_t j = 0; j < nodes.size(); ++j)
       if (j != k) product *= (xi - nodes[j]) / (Real(nodes[k]) - nodes[j]);
-    l(static_cast<Index>(k)) = static_cast<double>(product);
+    l(static_cast<Index>(k)) = static_cast<Out>(product);
   }
   return l;
 }
 
-template <class T>
-VecX lagrange_slopes(const std::vector<T>& nodes, Real xi) {
-  VecX l(static_cast<Index>(nodes.size()));
+template <class Out, class T>
+VectorX<Out> lagrange_slopes(const std::vector<T>& nodes, Real xi) {
+  VectorX<Out> l(static_cast<Index>(nodes.size()));
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     Real sum = 0;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -96,62 +99,77 @@ VecX lagrange_slopes(const std::vector<T>& nodes, Real xi) {
         if (j != k && j != i) product *= (xi - nodes[j]) / (Real(nodes[k]) - nodes[j]);
       sum += product;
     }
-    l(static_cast<Index>(k)) = static_cast<double>(sum);
+    l(static_cast<Index>(k)) = static_cast<Out>(sum);
   }
   return l;
 }
 
-std::vector<double> to_double(const std::vector<Real>& x) { return {x.begin(), x.end()}; }
+template <class T>
+std::vector<T> rounded(const std::vector<Real>& x) {
+  return {x.begin(), x.end()};
+}
 
 }  // namespace
 
-Quadrature gauss_rule(int points) {
+template <class T>
+BasicQuadrature<T> gauss_rule(int points) {
   if (points < 1) throw Error("a Gauss rule has at least one point, not " + std::to_string(points));
   const std::vector<Real> x = gauss_points(points);
-  Quadrature q{to_double(x), {}};
+  BasicQuadrature<T> q{rounded<T>(x), {}};
   for (const Real xi : x) {
     const Real dp = legendre(points, xi).dp;
-    q.weights.push_back(static_cast<double>(2 / ((1 - xi * xi) * dp * dp)));
+    q.weights.push_back(static_cast<T>(2 / ((1 - xi * xi) * dp * dp)));
   }
   return q;
 }
 
-Quadrature gauss_lobatto_rule(int points) {
+template <class T>
+BasicQuadrature<T> gauss_lobatto_rule(int points) {
   if (points < 2) {
     throw Error("a Gauss-Lobatto rule has at least two points, not " + std::to_string(points));
   }
   const std::vector<Real> x = lobatto_points(points);
-  Quadrature q{to_double(x), {}};
+  BasicQuadrature<T> q{rounded<T>(x), {}};
   for (const Real xi : x) {
     const Real p = std::abs(xi) == 1 ? Real(1) : legendre(points - 1, xi).p;
-    q.weights.push_back(static_cast<double>(2 / (Real(points) * Real(points - 1) * p * p)));
+    q.weights.push_back(static_cast<T>(2 / (Real(points) * Real(points - 1) * p * p)));
   }
   return q;
 }
 
-SpectralTable spectral_table(int order, Rule rule) {
+template <class T>
+BasicSpectralTable<T> spectral_table(int order, Rule rule) {
   if (order < 1) throw Error("the order of an element is at least 1, not " + std::to_string(order));
-  SpectralTable table;
+  BasicSpectralTable<T> table;
   table.order = order;
-  table.nodes = gauss_lobatto_rule(order + 1);
-  table.rule = rule == Rule::gauss ? gauss_rule(order) : table.nodes;
+  table.nodes = gauss_lobatto_rule<T>(order + 1);
+  table.rule = rule == Rule::gauss ? gauss_rule<T>(order) : table.nodes;
   const std::vector<Real> nodes = lobatto_points(order + 1);
   const std::vector<Real> points = rule == Rule::gauss ? gauss_points(order) : nodes;
   table.d.resize(order + 1, order + 1);
   for (std::size_t j = 0; j < nodes.size(); ++j)
-    table.d.row(static_cast<Index>(j)) = lagrange_slopes(nodes, nodes[j]);
+    table.d.row(static_cast<Index>(j)) = lagrange_slopes<T>(nodes, nodes[j]);
   table.l_at_points.resize(static_cast<Index>(points.size()), order + 1);
   table.dl_at_points.resize(static_cast<Index>(points.size()), order + 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    table.l_at_points.row(static_cast<Index>(i)) = lagrange_values(nodes, points[i]);
-    table.dl_at_points.row(static_cast<Index>(i)) = lagrange_slopes(nodes, points[i]);
+    table.l_at_points.row(static_cast<Index>(i)) = lagrange_values<T>(nodes, points[i]);
+    table.dl_at_points.row(static_cast<Index>(i)) = lagrange_slopes<T>(nodes, points[i]);
   }
   return table;
 }
 
-VecX lagrange(const std::vector<double>& nodes, double xi) { return lagrange_values(nodes, xi); }
+template BasicQuadrature<double> gauss_rule<double>(int);
+template BasicQuadrature<long double> gauss_rule<long double>(int);
+template BasicQuadrature<double> gauss_lobatto_rule<double>(int);
+template BasicQuadrature<long double> gauss_lobatto_rule<long double>(int);
+template BasicSpectralTable<double> spectral_table<double>(int, Rule);
+template BasicSpectralTable<long double> spectral_table<long double>(int, Rule);
+
+VecX lagrange(const std::vector<double>& nodes, double xi) {
+  return lagrange_values<double>(nodes, xi);
+}
 VecX lagrange_derivative(const std::vector<double>& nodes, double xi) {
-  return lagrange_slopes(nodes, xi);
+  return lagrange_slopes<double>(nodes, xi);
 }
 
 }  // namespace mbd

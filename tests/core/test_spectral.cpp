@@ -48,6 +48,43 @@ struct Polynomial {
   }
 };
 
+// Tables in long double: exact to its round-off, where rounded numbers are not, and those of double are they,
+// rounded.
+TEST(Spectral, LongDoubleTables) {
+  constexpr Real tiny = 1e-18L;
+  const auto rounded = [](const auto& x) { return x.template cast<double>().eval(); };
+  for (int n = 1; n <= 8; ++n) {
+    for (const Rule rule : {Rule::gauss, Rule::gauss_lobatto}) {
+      const auto t = spectral_table<Real>(n, rule);
+      const SpectralTable d = spectral_table(n, rule);
+      EXPECT_EQ(rounded(t.d), d.d);
+      EXPECT_EQ(rounded(t.l_at_points), d.l_at_points);
+      EXPECT_EQ(rounded(t.dl_at_points), d.dl_at_points);
+      const int exact = 2 * n - 1;  // degree, of n Gauss points and of n + 1 Lobatto points alike
+      Real worst = 0, worst_rounded = 0;
+      for (int degree = 0; degree <= exact; ++degree) {
+        Real sum = degree % 2 == 0 ? -2 / Real(degree + 1) : 0, sum_rounded = sum;
+        for (std::size_t i = 0; i < t.rule.points.size(); ++i) {
+          EXPECT_EQ(static_cast<double>(t.rule.points[i]), d.rule.points[i]);
+          EXPECT_EQ(static_cast<double>(t.rule.weights[i]), d.rule.weights[i]);
+          sum += t.rule.weights[i] * std::pow(t.rule.points[i], Real(degree));
+          sum_rounded += Real(d.rule.weights[i]) * std::pow(Real(d.rule.points[i]), Real(degree));
+        }
+        worst = std::max(worst, std::abs(sum));
+        worst_rounded = std::max(worst_rounded, std::abs(sum_rounded));
+      }
+      EXPECT_LT(worst, tiny) << n;
+      if (n > 2) {
+        EXPECT_GT(worst_rounded, tiny) << n;
+      }
+      for (Index i = 0; i < t.l_at_points.rows(); ++i) {
+        EXPECT_LT(std::abs(t.l_at_points.row(i).sum() - 1), tiny);
+        EXPECT_LT(std::abs(t.dl_at_points.row(i).sum()), 100 * tiny);
+      }
+    }
+  }
+}
+
 TEST(Spectral, PointsRiseAreSymmetricAndWeightsSumToTwo) {
   for (int n = 1; n <= 13; ++n) {
     for (const bool lobatto : {false, true}) {
