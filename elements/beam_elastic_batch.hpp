@@ -1,5 +1,6 @@
-// The elastic term of all beam elements of one order, metric, rule and form, behind one interface: what
-// compile needs to fill it, and what output needs to read sectional forces from it.
+// The elastic term of all beam elements of one order, metric, rule and form, or of one order and rule of the
+// classical beam, behind one interface: what compile needs to fill it, and what output needs to read
+// sectional forces from it.
 #pragma once
 
 #include <memory>
@@ -14,6 +15,10 @@ namespace mbd {
 
 // The paper's force is a Petrov-Galerkin one; the energy form is the gradient of a discrete energy.
 enum class Form { energy, paper };
+
+// What is interpolated between the nodes of an element: their motion (beam_elastic.hpp), or displacement and
+// rotation apart (beam_classical.hpp), which has neither a metric nor a choice of form.
+enum class Kinematics { motion, classical };
 
 class BeamElasticBatch : public Batch {
  public:
@@ -37,5 +42,9 @@ class BeamElasticBatch : public Batch {
 // where the library was built with MBD_RUNTIME_ORDER_ONLY (or run_time_order is asked for).
 std::unique_ptr<BeamElasticBatch> make_beam_elastic(Metric metric, Form form, Rule rule, int order,
                                                     bool run_time_order = false);
+
+// The same for the classical beam (beam_classical.hpp): displacement and rotation interpolated apart.
+std::unique_ptr<BeamElasticBatch> make_beam_classical(Rule rule, int order,
+                                                      bool run_time_order = false);
 
 }  // namespace mbd

@@ -114,6 +114,13 @@ void check(const BeamScene& beam) {
   item.vector("normal", beam.normal);
   item.number("elements", beam.elements);
   item.number("order", beam.order);
+  if (beam.kinematics == Kinematics::classical) {
+    const BeamScene defaults;
+    item.fail_if(beam.metric != defaults.metric,
+                 "metric is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
+    item.fail_if(beam.form != defaults.form,
+                 "form is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
+  }
   if (const auto* const line = std::get_if<Straight>(&beam.line)) {
     item.vector("from", line->from);
     item.vector("to", line->to);

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "elements/beam_classical.hpp"
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
@@ -125,11 +126,13 @@ class Compiler {
   }
 
   BeamElasticBatch& elastic_batch(const BeamScene& beam) {
-    const auto key = std::tuple(beam.metric, beam.form, beam.rule, beam.order);
+    const auto key = std::tuple(beam.kinematics, beam.metric, beam.form, beam.rule, beam.order);
     auto& batch = elastic_[key];
     if (!batch) {
       try {
-        batch = make_beam_elastic(beam.metric, beam.form, beam.rule, beam.order);
+        batch = beam.kinematics == Kinematics::classical
+                    ? make_beam_classical(beam.rule, beam.order)
+                    : make_beam_elastic(beam.metric, beam.form, beam.rule, beam.order);
       } catch (const Error& e) {
         throw Error(beam.source, fmt::format("{}: {}", label(beam), e.what()));
       }
@@ -199,11 +202,13 @@ class Compiler {
   }
 
   // The turn of an element between its ends is only known up to whole turns: so here it is followed along
-  // the line. The range is that of the metric.
+  // the line. The range is that of the metric, or of the classical interpolation.
   static void check_turns(const CompiledBeam& compiled, const ReferenceLine& line) {
     constexpr int pieces = 16;
     const BeamScene& beam = *compiled.scene;
-    const double most = beam.metric == Metric::matrix       ? MatrixMetric::max_angle
+    const bool classical = beam.kinematics == Kinematics::classical;
+    const double most = classical                           ? beam::ClassicalRange::max_angle
+                        : beam.metric == Metric::matrix     ? MatrixMetric::max_angle
                         : beam.metric == Metric::quaternion ? QuaternionMetric::max_angle
                                                             : GeodesicMetric::max_angle;
     for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
@@ -219,9 +224,10 @@ class Compiler {
         throw Error(
             beam.source,
             fmt::format("{}: element {} of {} turns by {:.0f} degrees, beyond the {:.0f} of its "
-                        "metric; give the beam more elements",
+                        "{}; give the beam more elements",
                         label(beam), e + 1, compiled.boundaries.size() - 1,
-                        turn * 180.0 / std::numbers::pi, most * 180.0 / std::numbers::pi));
+                        turn * 180.0 / std::numbers::pi, most * 180.0 / std::numbers::pi,
+                        classical ? "interpolation" : "metric"));
     }
   }
 
@@ -592,7 +598,8 @@ class Compiler {
 
   const Scene& scene_;
   std::unique_ptr<System> system_;
-  std::map<std::tuple<Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>> elastic_;
+  std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
+      elastic_;
   std::vector<CompiledBeam> beams_;
   std::map<std::string, int> body_nodes_;
   std::vector<std::string> attaching_;  // each to the next

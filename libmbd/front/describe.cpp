@@ -268,6 +268,11 @@ class Explainer {
     }
     present("stretching, shearing, bending and twisting of beams, of any size of rotation",
             from(scene_.beams));
+    const Names classical = from(scene_.beams, [](const BeamScene& beam) {
+      return beam.kinematics == Kinematics::classical;
+    });
+    if (!classical.empty())
+      present("classical beams, displacement and rotation interpolated apart", classical);
     const auto used = [this](auto which) {
       return from(scene_.sections,
                   [this, which](const Section& s) { return is_used(s) && which(s); });

@@ -350,6 +350,13 @@ class Reader {
     beam.normal = item.vector("normal");
     beam.elements = item.count("elements");
     beam.order = item.count("order");
+    beam.kinematics = item.choice<Kinematics>("kinematics");
+    if (beam.kinematics == Kinematics::classical) {
+      for (const std::string_view of_motion : {"metric", "form"})
+        if (item.has(of_motion))
+          item.refuse(of_motion,
+                      "is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
+    }
     beam.metric = item.choice<Metric>("metric");
     beam.rule = item.choice<Rule>("rule");
     beam.form = item.choice<Form>("form");

@@ -89,7 +89,8 @@ struct BeamScene {
                       // tangent; b2 = b3 x b1
   int elements = 1;   // equal in reference length, before boundaries are added at attachments
   int order = 3;      // N, 1 … 8: N + 1 nodes an element
-  Metric metric = Metric::geodesic;
+  Kinematics kinematics = Kinematics::motion;
+  Metric metric = Metric::geodesic;  // of motion; so is the form
   Rule rule = Rule::gauss;
   Form form = Form::energy;
 };

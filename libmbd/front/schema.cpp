@@ -17,6 +17,7 @@ constexpr std::string_view once = "mbd defaults";
 
 constexpr Range unit_interval{0.0, 1.0};
 constexpr Range at_least_one{1.0, 1e6};
+constexpr std::string_view kinematics = "motion classical";
 constexpr std::string_view metrics = "matrix quaternion geodesic";
 constexpr std::string_view rules = "gauss gauss_lobatto";
 constexpr std::string_view forms = "energy paper";
@@ -110,6 +111,15 @@ constexpr Attribute mesh_attributes[] = {
      "b3 at the start (of a curve: everywhere); its part along the reference line does not matter"},
     {"elements", Kind::count, "", "1", "spectral elements of equal length", at_least_one},
     {"order", Kind::count, "", "3", "order N: N + 1 nodes an element", Range{1.0, 8.0}},
+    {"kinematics",
+     Kind::choice,
+     "",
+     "motion",
+     "what is interpolated: the motion, or (classical) displacement and rotation apart, without "
+     "metric and form",
+     any,
+     {3, 3},
+     kinematics},
     {"metric", Kind::choice, "", "geodesic", "interpolation of motion", any, {3, 3}, metrics},
     {"rule", Kind::choice, "", "gauss", "quadrature; gauss_lobatto locks", any, {3, 3}, rules},
     {"form",

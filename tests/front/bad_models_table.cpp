@@ -293,6 +293,18 @@ const std::vector<BadModel>& bad_models() {
        [](Scene& s) { s.beams[0].order = 0; }},
       {"order_nine", "cantilever", {8}, R"(beam "b")", {"order", "9", "8"},
        [](Scene& s) { s.beams[0].order = 9; }},
+      {"metric_of_a_classical_beam", "cantilever", {8}, R"(beam "b")",
+        {"metric", "classical", "leave"},
+       [](Scene& s) {
+         s.beams[0].kinematics = Kinematics::classical;
+         s.beams[0].metric = Metric::quaternion; }},
+      {"form_of_a_classical_beam", "cantilever", {8}, R"(beam "b")",
+        {"form", "classical", "leave"},
+       [](Scene& s) {
+         s.beams[0].kinematics = Kinematics::classical;
+         s.beams[0].form = Form::paper; }},
+      {"kinematics_misspelled", "cantilever", {8}, R"(beam "b")",
+        {"kinematics", R"("clasical")", R"("classical")"}, spelling},
       {"no_elements", "cantilever", {8}, R"(beam "b")", {"elements", "0", "1"},
        [](Scene& s) { s.beams[0].elements = 0; }},
       {"elements_negative", "cantilever", {8}, R"(beam "b")", {"elements", "-2", "1"},

@@ -1,5 +1,6 @@
 // Cost of the parts: `mbd_benchmark` (Google Benchmark; --benchmark_filter=… to choose).
 //   Elastic/<metric>/<form>/<N>/<want>   a batch of 8 elements; `per_element` is the time of one
+//   Classical/<N>/<want>                 the same of the classical beam
 //   Linear/<model>/factor|solve          one factorisation (refactor) or solve of the scaled tangent
 //   Run/<model>                          stepping of a whole model, CPU seconds
 // Times on a shared machine are noisy: compare ratios within one run.
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "elements/beam_elastic_batch.hpp"
@@ -39,9 +41,12 @@ class Sink : public LinearSolver {
   std::vector<Slot> slots_;
 };
 
-void elastic(benchmark::State& bench, Metric metric, Form form, int order, bool tangent) {
+using MakeBatch = std::function<std::unique_ptr<BeamElasticBatch>()>;
+
+void elastic(benchmark::State& bench, const MakeBatch& make, bool tangent) {
   constexpr int elements = 8;
-  auto batch = make_beam_elastic(metric, form, Rule::gauss, order);
+  auto batch = make();
+  const int order = batch->table().order;
   System system;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -159,9 +164,19 @@ void register_all() {
           benchmark::RegisterBenchmark(fmt::format("Elastic/{}/{}/{}/{}", metric_name, form_name,
                                                    order, tangent ? "residual+tangent" : "residual")
                                            .c_str(),
-                                       elastic, metric, form, order, tangent);
+                                       elastic, MakeBatch([metric, form, order] {
+                                         return make_beam_elastic(metric, form, Rule::gauss, order);
+                                       }),
+                                       tangent);
         }
       }
+    }
+  }
+  for (int order = 2; order <= 6; ++order) {
+    for (const bool tangent : {false, true}) {
+      benchmark::RegisterBenchmark(
+          fmt::format("Classical/{}/{}", order, tangent ? "residual+tangent" : "residual").c_str(),
+          elastic, MakeBatch([order] { return make_beam_classical(Rule::gauss, order); }), tangent);
     }
   }
   for (const char* model : {"four_bar", "shaft", "chain"}) {
