@@ -12,7 +12,7 @@
 //
 // Energy. phi = 1/2 sum_i w_i J_i E_i^T D E_i, a function of x = (a, b, c) at each point. In the frame of the
 // point, for variations alpha = conj(a) da/n, beta = conj(a) db/n (quaternions [scalar; vector]),
-// rho = R^T dc, and with conj(a) b/n = [b0; k/2], to second order and exactly:
+// rho = R^T dc, and with conj(a) b/n = [b0; k/2], to second order:
 //   dt = rho + 2 t x av  + 2 av x (av x t) + 2 a0 av x t - 2 av x rho                               (3)
 //   dk = 2 bv - a0 k - 2 b0 av + k x av
 //        - 2 a0 bv - 2 b0' av - 2 av x bv + 4 b0 a0 av + 2 a0 av x k + (a0^2 - av.av) k             (4)
@@ -164,7 +164,10 @@ struct Classical {
     Vector3<S> t, k;
 
     Point() = default;
-    MBD_INLINE Point(const Table<N>& table, const Data& data, int i, const Nodes<S>& node) {
+    Point(const Table<N>& table, const Data& data, int i, const Nodes<S>& node) {
+      set(table, data, i, node);
+    }
+    MBD_INLINE void set(const Table<N>& table, const Data& data, int i, const Nodes<S>& node) {
       Vector4<S> b = Vector4<S>::Zero();
       Vector3<S> c = Vector3<S>::Zero();
       a = node.p[0];  // sum l_k = 1, sum l'_k = 0
@@ -267,7 +270,7 @@ struct Classical {
     }
     for (int i = 0; i < table.points; ++i) {
       const auto I = static_cast<std::size_t>(i);
-      work.point[I] = Point<S>(table, data, i, node);
+      work.point[I].set(table, data, i, node);
       const Point<S>& at_i = work.point[I];
       work.smallest_n = at_i.n < work.smallest_n ? at_i.n : work.smallest_n;
       const Vector6<S> force =
