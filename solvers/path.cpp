@@ -16,6 +16,7 @@ namespace {
 constexpr double most_turn = 0.5;  // [rad] of the tangent in a step; steps aim at half of it
 constexpr int easy_iterations = 6, most_easy = 9;  // of the corrector: steps grow, stay
 constexpr double located = 1e-6;          // what remains of a root's bracket, of the step's
+constexpr double balanced = 1e-8;          // force along a mode, of the change of its eigenvalue
 constexpr double smallest_step = 1e-9;    // of max_step
 constexpr double largest_rotation = 1.0;  // [rad] of a corrector's increment
 
@@ -224,6 +225,8 @@ class Follower {
     IncrementNorm norm(system_, options_.newton);
     norm.observe(from.state.lambda);
     VecX r, x(n_ + 1);
+    // Beside a bifurcation the matrix is nearly singular, and the first iterations lead about.
+    const int patience = from.is_branching ? 10 : 3;
     double previous = 0.0;
     for (int k = 0; k < options_.newton.max_iterations; ++k) {
       ++report_.counters.iterations;
@@ -236,6 +239,7 @@ class Follower {
         bordered_->solve(span(x));
       }
       if (k == 0) norm.set_floor(point.state, stiffness_);
+      if (deflated_.size() > 0) x -= dot(deflated_, x) * deflated_;
       if (!x.allFinite() || rotation(x) > largest_rotation) return std::nullopt;
       retract(point.state, x);
       point.state.load_factor += x(n_);
@@ -243,6 +247,10 @@ class Follower {
       const double e = norm({x.data(), static_cast<std::size_t>(n_)}, 1.0);
       if (!std::isfinite(e)) return std::nullopt;
       if (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3)) {
+        // Without motion along the mode the force along it must vanish by itself.
+        if (deflated_.size() > 0 &&
+            !(std::abs(deflated_.head(n_).dot(r.tail(n_))) <= balanced * scale_))
+          return std::nullopt;
         report_.most_iterations = std::max(report_.most_iterations, k + 1);
         if (!system_.out_of_range(point.state).empty()) {
           why_ = range_failure(system_.out_of_range(point.state));
@@ -250,7 +258,7 @@ class Follower {
         }
         return point;
       }
-      if (k > 3 && e > 0.9 * previous && e > 1e3) return std::nullopt;
+      if (k > patience && e > 0.9 * previous && e > 1e3) return std::nullopt;
       previous = e;
     }
     return std::nullopt;
@@ -330,46 +338,59 @@ class Follower {
     End left = end(a, at_a), right = end(b, at_b);
     Point best = at_b;
     Index after = at_b.index.value_or(0);
-    const double tolerance = 1e-13 * std::abs(b);
-    double last_width = 2.0 * std::abs(b - a);
-    double f_left = left.value, f_right = right.value;
     End found = right;
-    for (int k = 0; k < 100 && std::abs(right.h - left.h) > tolerance; ++k) {
-      const double width = right.h - left.h;
+    const double scale = std::max(std::abs(left.value), std::abs(right.value));
+    double f_left = left.value, f_right = right.value;  // Illinois' weights on values
+    bool singular = false;                              // to round-off
+    int last_side = 0;
+    for (int k = 0; k < 80 && !singular; ++k) {
+      if (std::abs(right.h - left.h) <= 1e-14 * std::abs(b)) break;
       double h = 0.5 * (left.h + right.h);
-      const bool same = left.shape.size() == right.shape.size() && left.shape.size() > 0 &&
+      // Far from the root the eigenvalues nearest to zero may be others at the two ends.
+      const bool same = left.shape.size() > 0 && right.shape.size() > 0 &&
                         std::abs(left.shape.dot(w_.cwiseProduct(right.shape))) > 0.9 &&
                         (left.value < 0.0) != (right.value < 0.0);
-      if (same && std::abs(width) < 0.7 * last_width) {
-        const double secant = right.h - f_right * width / (f_right - f_left);
+      if (same && k % 5 != 4) {
+        const double secant = right.h - f_right * (right.h - left.h) / (f_right - f_left);
         if ((secant - left.h) * (secant - right.h) < 0.0) h = secant;
       }
-      last_width = k % 4 == 3 ? std::abs(width) : std::max(last_width, std::abs(width) * 1.5);
-      std::optional<Point> point = between(from, h);
+      // Near the point the motion along the mode is known to round-off over the eigenvalue only. A path
+      // that does not move along it is found without it.
+      std::optional<Point> point;
+      if (same) {
+        deflated_.resize(n_ + 1);
+        deflated_ << found.shape, 0.0;
+        deflated_ -= dot(deflated_, from.tangent) * from.tangent;
+        deflated_ /= std::sqrt(dot(deflated_, deflated_));
+        scale_ = scale;
+        point = between(from, h);
+        deflated_.resize(0);
+      }
+      if (!point) point = between(from, h);
       if (!point) break;
       point->index = index(*point);
       End middle = end(h, *point);
-      const bool closer = found.shape.size() == 0 || std::abs(middle.value) < std::abs(found.value);
-      if (closer) {
+      if (found.shape.size() == 0 || std::abs(middle.value) < std::abs(found.value)) {
         found = middle;
         best = *point;
       }
-      if (!point->index) {  // singular to round-off
-        left = right = middle;
-        break;
-      }
-      if (point->index == at_a.index) {
+      singular = !point->index || std::abs(middle.value) <= 1e-13 * scale;
+      if (!point->index) break;
+      const int side = point->index == at_a.index ? -1 : 1;
+      if (side < 0) {
         left = middle;
         f_left = middle.value;
-        f_right *= 0.5;  // Illinois
+        if (side == last_side) f_right *= 0.5;
       } else {
         right = middle;
         f_right = middle.value;
-        f_left *= 0.5;
+        if (side == last_side) f_left *= 0.5;
         after = *point->index;
       }
+      last_side = side;
     }
-    if (found.shape.size() == 0 || std::abs(right.h - left.h) > located * std::abs(b - a))
+    if (found.shape.size() == 0 || !(singular || std::abs(found.value) <= located * scale ||
+                                     std::abs(right.h - left.h) <= located * std::abs(b - a)))
       return std::nullopt;
     return Event{found.h, PathEvent::bifurcation, false, best, found.shape, at_a.index, after};
   }
@@ -516,7 +537,7 @@ class Follower {
       double turn = 0.0;
       if (next && tangent(*next, at.tangent)) {
         turn = std::acos(std::clamp(dot(at.tangent, next->tangent), -1.0, 1.0));
-        if (turn > most_turn) next.reset();
+        if (turn > (at.is_branching ? 2.0 * most_turn : most_turn)) next.reset();
       } else {
         next.reset();
       }
@@ -597,6 +618,8 @@ class Follower {
   VecX w_;
   double c2_ = 1.0, sign_of_branch_ = 1.0, asymmetry_ = 0.0, stiffness_ = 0.0;
   VecX rate_, guess_;
+  VecX deflated_;       // mode along which the corrector does not move; usually empty
+  double scale_ = 0.0;  // of its eigenvalue
   State last_;
   bool going_ = true;
   std::string why_;

@@ -119,6 +119,9 @@ std::size_t find_column(std::span<const Column> columns, const std::string& name
 void check_outputs(const Scene& scene, const Model& model) {
   const Expectations expectations(scene, model);
   const std::vector<Column> known = columns(model);
+  if (scene.path)
+    for (const PathMarkScene& mark : scene.path->marks)
+      find_column(known, mark.quantity, mark.source, mark.stops ? "stop" : "mark");
   for (const PlotScene& plot : scene.plots) {
     if (!plot.x.empty()) find_column(known, plot.x, plot.source, "plot");
     for (const std::string& name : plot.y) find_column(known, name, plot.source, "plot");

@@ -395,6 +395,42 @@ mass in every beam.
           source="starts from equilibrium"/>
 </mbd>
 )xml"},
+    {"Paths of equilibria", "path mark stop",
+     R"md(`<path>`, in place of `<static>` and `<transient>`, follows the equilibria from the unloaded
+reference configuration while one load factor multiplies every load, gravity and prescribed motion:
+through limit points, where the load falls again, and past bifurcations, where other equilibria
+branch off. Both are located and reported; `branch` follows one of the branches. A run writes
+`path.csv` (columns `load_factor`, `arc_length`, `branch`: 0 from the start, -1 backward, 1 from a
+bifurcation; `event`: 0 none, 1 limit point, 2 bifurcation, 3 mark or stop;
+`negative_eigenvalues`; and the records), `path.svg`, `shapes.svg` (the deformed beams at the events) and
+`report.json`.
+
+`negative_eigenvalues` counts the ways in which an equilibrium is unstable: 0 is stable. It is there
+when all forces have a potential: no dead moments, no follower loads, beams not in the paper's
+form. Without it bifurcations are found where a determinant changes its sign.
+
+A path goes on until a `<stop>`, its `length` or its `points`.
+)md",
+     R"xml(<mbd name="snap_through">
+  <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+  <section name="strip">
+    <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+  </section>
+  <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+       axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+  <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+  <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+  <load at="arch@0.5" force="0 -2e5 0"/>
+  <path step="0.1">
+    <mark quantity="crown.displacement.2" value="-3"/>
+    <stop quantity="crown.displacement.2" value="-7"/>
+  </path>
+  <record name="crown" at="arch@0.5" quantities="displacement"/>
+  <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+  <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+          source="shooting of the rod equations"/>
+</mbd>
+)xml"},
     {"Results", "record plot expect",
      R"md(A run writes `history.csv` (the records, a row per time step), `history.svg` (the plots) and
 `report.json`. A column is called by its record, its quantity and, if that has three components,

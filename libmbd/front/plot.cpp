@@ -10,6 +10,7 @@
 #include "libmbd/core/error.hpp"
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/label.hpp"
+#include "libmbd/front/report.hpp"
 
 namespace mbd::plot {
 namespace {
@@ -375,11 +376,11 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
     path.line(to_picture(points[i]));
     drawing = inside;
   }
-  if (points.size() > 1)
+  if (points.size() > 1 && !curve.points_only)
     svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n", path.take(),
                        stroke(curve, style));
-  if (!marked) return;
-  if (points.size() <= few_points) {
+  if (!marked && !curve.points_only) return;
+  if (points.size() <= few_points || curve.points_only) {
     for (const Point& p : points) svg += marker_at(to_picture(p), style);
     return;
   }
@@ -533,8 +534,8 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
         if (other != i && panel.curves[other].wide && panel.curves[other].label.empty() &&
             &style_of(panel, other) == &style)
           sample(panel.curves[other]);
-      sample(curve);
-      if (marked[i]) svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
+      if (!curve.points_only) sample(curve);
+      if (marked[i] || curve.points_only) svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
       svg += text_at(item + legend_line, top + 4.0, "start", legend_text(curve));
       item += legend_width(curve);
     }
@@ -774,16 +775,54 @@ HistoryPlot::HistoryPlot(std::filesystem::path file, const Scene& scene, const M
   }
   if (!scene.plots.empty()) return;
 
+  // Of a path, after what the path itself says, and the load factor upwards.
+  const bool is_path = model.path != nullptr;
   std::vector<std::size_t> all;
-  for (std::size_t y = 1; y < known.size(); ++y) all.push_back(y);
+  for (std::size_t y = is_path ? 1 + model.channels.front().columns.size() : 1; y < known.size(); ++y)
+    all.push_back(y);
   plot::QuantityPanels made = plot::quantity_panels(known, all, 0);
   panels_ = std::move(made.panels);
   for (const auto& place : made.places)
-    sources_.push_back({place.panel, place.curve, 0, place.column, 1.0, 1.0});
+    sources_.push_back({place.panel, place.curve, is_path ? place.column : 0,
+                        is_path ? 0 : place.column, 1.0, 1.0});
+  if (is_path)
+    for (plot::Panel& panel : panels_) {
+      std::swap(panel.x_label, panel.y_label);
+      panel.x_is_time = false;
+    }
   layout_.note = plot::left_out_note(made.left_out, "<plot> chooses");
 }
 
+// A branch of a path is a curve of its own; events are markers on it.
+void HistoryPlot::follow_path(const PathPlace& place, std::span<const double> row) {
+  if (place.branch != branch_) {
+    branch_ = place.branch;
+    for (Source& s : sources_) {
+      plot::Panel& panel = panels_[s.panel];
+      plot::Curve curve;
+      curve.label = panel.curves[s.curve].label + (branch_ < 0 ? ", backward" : ", branch");
+      s.curve = panel.curves.size();
+      panel.curves.push_back(std::move(curve));
+    }
+  }
+  if (place.event == PathEvent::none) return;
+  for (const Source& s : sources_) {
+    std::vector<plot::Curve>& curves = panels_[s.panel].curves;
+    const std::string_view label = name_of(place.event);
+    auto it = std::find_if(curves.begin(), curves.end(),
+                           [&](const plot::Curve& c) { return c.points_only && c.label == label; });
+    if (it == curves.end()) {
+      plot::Curve curve;
+      curve.label = label;
+      curve.points_only = true;
+      it = curves.insert(curves.end(), std::move(curve));
+    }
+    it->trace.add({s.x_scale * row[s.x], s.y_scale * row[s.y]});
+  }
+}
+
 void HistoryPlot::accepted(const Sample& sample) {
+  if (sample.model.path) follow_path(*sample.model.path, sample.row);
   for (const Source& s : sources_)
     panels_[s.panel].curves[s.curve].trace.add(
         {s.x_scale * sample.row[s.x], s.y_scale * sample.row[s.y]});

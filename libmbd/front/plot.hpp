@@ -41,6 +41,7 @@ struct Curve {
   Trace trace;
   int style = -1;     // dashes, marker and colour; default: the number of the curve in its panel
   bool wide = false;  // a broad pale line without dashes, under those that are not
+  bool points_only = false;  // markers, no line
 };
 
 // What changes by less than 1e-6 of its size is drawn as a constant, in a range of 1 % about it.
@@ -109,11 +110,13 @@ class HistoryPlot : public Observer {
     std::size_t x, y;  // columns
     double x_scale, y_scale;
   };
+  void follow_path(const PathPlace& place, std::span<const double> row);
 
   std::filesystem::path file_;
   std::vector<plot::Panel> panels_;
   std::vector<Source> sources_;
   plot::Layout layout_;
+  int branch_ = 0;  // of the path's last point
 };
 
 }  // namespace mbd

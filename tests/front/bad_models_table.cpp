@@ -293,6 +293,21 @@ const std::vector<BadModel>& bad_models() {
        [](Scene& s) { s.beams[0].order = 0; }},
       {"order_nine", "cantilever", {8}, R"(beam "b")", {"order", "9", "8"},
        [](Scene& s) { s.beams[0].order = 9; }},
+      {"path_beside_static", "cantilever", {12}, "path", {"static", "leave one of them out"},
+       [](Scene& s) { s.path = PathScene{}; }},
+      {"path_step_zero", "cantilever", {11}, "path", {"step", "0", "positive"},
+       [](Scene& s) { s.statics.reset(); s.path = PathScene{}; s.path->step = 0.0; }},
+      {"path_direction_misspelled", "cantilever", {11}, "path",
+        {"direction", R"("foreward")", R"("forward")"}, spelling},
+      {"mark_of_no_column", "cantilever", {11}, "mark",
+        {R"("tip.displacement.4")", R"("tip.displacement.3")"},
+       [](Scene& s) {
+         s.statics.reset();
+         s.path = PathScene{};
+         s.path->marks.push_back({{}, "tip.displacement.4", 1.0, false}); }},
+      {"stop_without_value", "cantilever", {11}, "stop", {"value", "missing"}, optional_attribute},
+      {"expect_limit_without_path", "cantilever", {14}, "expect", {"<path>", "value"},
+       [](Scene& s) { s.expects[0].of = ExpectScene::Of::limit; }},
       {"metric_of_a_classical_beam", "cantilever", {8}, R"(beam "b")",
         {"metric", "classical", "leave"},
        [](Scene& s) {

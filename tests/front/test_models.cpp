@@ -14,6 +14,7 @@
 #include <string>
 
 #include "libmbd/front/expect.hpp"
+#include "libmbd/front/history.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/summary.hpp"
@@ -79,6 +80,10 @@ std::vector<Variant> all_variants() {
     const bool plane = angle == std::string("0") || angle == std::string("90");
     all.push_back({"princeton", {{"angle", angle}}, plane ? 4u : 5u});
   }
+  all.push_back({"shallow_arch", {{"EI", "1e8"}}, 4});
+  all.push_back({"right_angle_frame", {{"d1", "-1"}}, 1});
+  for (const char* const d2 : {"1", "-1"})
+    all.push_back({"right_angle_frame", {{"d1", "0"}, {"d2", d2}}, 1});
   for (const char* const P : {"4.448", "13.345"}) all.push_back({"princeton", {{"P", P}}, 3});
   return all;
 }
@@ -87,6 +92,7 @@ INSTANTIATE_TEST_SUITE_P(Every, Variants, testing::ValuesIn(all_variants()), [](
   std::string name = v.param.model;
   for (const auto& [parameter, value] : v.param.set) name += "_" + parameter + "_" + value;
   std::replace(name.begin(), name.end(), '.', 'p');
+  std::replace(name.begin(), name.end(), '-', 'm');
   return name;
 });
 
@@ -136,6 +142,47 @@ TEST_F(RunOf, WritesItsResults) {
   EXPECT_EQ(json()["status"], "complete");
   EXPECT_NEAR(double(json()["energy"]["end"]["total"]), 0.0, 1e-9);
   EXPECT_LE(int(json()["sampled_states"]), 202);
+}
+
+TEST_F(RunOf, APathWritesItsResults) {
+  std::ofstream(path_ / "history.csv") << "of an earlier run";
+  Scene scene = read_model(models / "shallow_arch.xml", {{"EI", "1e8"}});
+  scene.path->branch = 0;
+  const RunReport report = run(scene, {.output = path_});
+  EXPECT_TRUE(report.complete()) << report.failure;
+  EXPECT_FALSE(fs::exists(path_ / "history.csv"));
+  std::vector<std::string> names;
+  for (const fs::path& file : report.results) names.push_back(file.filename().string());
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"path.csv", "path.svg", "shapes.svg", "report.json"}));
+  for (const fs::path& file : report.results) EXPECT_GT(fs::file_size(file), 500u) << file;
+
+  const History history = read_history(path_);
+  const auto column = [&](std::string_view name) {
+    for (std::size_t i = 0; i < history.columns.size(); ++i)
+      if (history.columns[i].name == name) return history.values[i];
+    ADD_FAILURE() << name;
+    return std::vector<double>{};
+  };
+  EXPECT_EQ(history.columns[0].name, "load_factor");
+  const std::vector<double> event = column("event"), negative = column("negative_eigenvalues");
+  EXPECT_EQ(std::count(event.begin(), event.end(), 1.0), 2);  // limit points
+  EXPECT_EQ(event.back(), 3.0);                               // the stop
+  EXPECT_EQ(*std::max_element(negative.begin(), negative.end()), 1.0);
+  EXPECT_EQ(negative.back(), 0.0);
+
+  const nlohmann::json all = json();
+  EXPECT_EQ(all["status"], "complete");
+  EXPECT_EQ(all["path"]["special_points"].size(), 3u);
+  EXPECT_EQ(all["path"]["special_points"][0]["event"], "limit point");
+  EXPECT_NEAR(double(all["path"]["special_points"][0]["load_factor"]), 193950.1924 / 2e5, 2e-9);
+  EXPECT_EQ(all["path"]["special_points"][0]["negative_eigenvalues_after"], 1);
+  const std::string said = summary(report);
+  EXPECT_NE(said.find("limit point 1"), std::string::npos) << said;
+  EXPECT_NE(said.find("negative eigenvalues 0 -> 1"), std::string::npos) << said;
+  std::ifstream file(path_ / "shapes.svg");
+  const std::string svg(std::istreambuf_iterator<char>(file), {});
+  EXPECT_NE(svg.find("limit point 1, 0.96975"), std::string::npos);
 }
 
 class EndsAfter : public Observer {

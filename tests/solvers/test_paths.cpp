@@ -1,0 +1,342 @@
+// Paths of equilibria: limit points, bifurcations and their branches against closed forms and other
+// calculations.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test {
+namespace {
+
+using std::numbers::pi;
+
+constexpr PathMethod both_methods[] = {PathMethod::bordered, PathMethod::crisfield};
+std::string text_of(PathMethod m) { return m == PathMethod::bordered ? "bordered" : "crisfield"; }
+
+std::vector<SpecialPoint> points_of(const RunReport& report, PathEvent event) {
+  std::vector<SpecialPoint> found;
+  for (const SpecialPoint& p : report.special)
+    if (p.event == event) found.push_back(p);
+  return found;
+}
+
+double relative(double x, double reference) { return std::abs(x / reference - 1.0); }
+
+// Scales an entry of the stiffness of every section.
+Scene with_entry(Scene scene, Index i, double factor) {
+  for (Section& section : scene.sections) section.stiffness(i, i) *= factor;
+  return scene;
+}
+
+// --- the deep arch (scenes.md A2) ---
+
+constexpr double P1 = 0.897289134, P2 = -0.07304876;  // of the model's load of 1000
+
+TEST(ArchPathSlow, LimitPointsAndTheBifurcationByBothMethods) {
+  for (const PathMethod method : both_methods) {
+    Scene scene = model_scene("arch", {{"branch", "0"}});
+    scene.path->method = method;
+    const History history = run_to_table(scene);
+    ASSERT_TRUE(history.report.complete()) << history.report.failure;
+    const auto limits = points_of(history.report, PathEvent::limit);
+    const auto bifurcations = points_of(history.report, PathEvent::bifurcation);
+    ASSERT_EQ(limits.size(), 2U) << text_of(method);
+    ASSERT_EQ(bifurcations.size(), 1U) << text_of(method);
+    EXPECT_NEAR(limits[0].load_factor, P1, 6e-10);  // half a digit of the reference
+    EXPECT_NEAR(limits[1].load_factor, P2, 6e-9);
+    EXPECT_LT(relative(bifurcations[0].load_factor, 0.2439292058), 5e-7);
+    EXPECT_EQ(bifurcations[0].before, 0);
+    EXPECT_EQ(bifurcations[0].after, 1);
+    EXPECT_EQ(limits[0].before, 1);
+    EXPECT_EQ(limits[0].after, 2);
+    EXPECT_EQ(limits[1].before, 2);
+    EXPECT_EQ(limits[1].after, 1);
+  }
+}
+
+// 12 elements of order 3 in the paper's form: 897.565, 897.547, 897.536 (matrix, quaternion, geodesic); the
+// paper prints 897.9 for all three. In a form without an energy nothing is counted.
+TEST(ArchPathSlow, PaperMesh) {
+  const double expected[] = {897.565, 897.547, 897.536};
+  for (const Metric metric : all_metrics) {
+    Scene scene = with(model_scene("arch", {{"branch", "0"}, {"elements", "12"}, {"order", "3"}}),
+                       metric, Form::paper);
+    const RunReport report = run(scene, {.output = {}, .observers = {}, .progress = {}});
+    const auto limits = points_of(report, PathEvent::limit);
+    ASSERT_GE(limits.size(), 1U) << name_of(metric);
+    EXPECT_NEAR(1000.0 * limits[0].load_factor, expected[static_cast<int>(metric)], 5e-4)
+        << name_of(metric);
+    EXPECT_FALSE(limits[0].before);
+    EXPECT_NE(report.notes.at(0).find("stability is not counted"), std::string::npos);
+  }
+}
+
+// Every point of reference/arch_path.csv, P over (u1, u2): located as a mark of the same |u2| where that is
+// unique, by interpolation of the nearest points elsewhere. Measure: distance in (P/1000, u1/100, u2/100) from
+// each reference point to the path, a cubic through its four nearest points; divided by nothing. The path
+// has points at most 0.02 apart.
+TEST(ArchPathSlow, FollowsTheReference) {
+  Scene scene = model_scene("arch", {{"branch", "0"}});
+  scene.path->max_step = 0.01;
+  scene.path->points = 2000;
+  const Table reference = reference_table("arch_path");
+  const auto worst = [&](const Scene& s) {
+    const History history = run_to_table(s);
+    EXPECT_TRUE(history.report.complete()) << history.report.failure;
+    const auto& P = history.table["load_factor"];
+    const auto& u1 = history.table["crown.displacement.1"];
+    const auto& u2 = history.table["crown.displacement.2"];
+    // Chords that turn by 0.01 rad leave gaps of their length / 800: cubic Hermite between rows would
+    // need tangents, so distances are to the parabola through three neighbours.
+    double largest = 0.0;
+    for (std::size_t k = 0; k < reference["P"].size(); ++k) {
+      const Vec3 x(reference["P"][k] / 1000.0, reference["u1"][k] / 100.0,
+                   reference["u2"][k] / 100.0);
+      const auto point = [&](std::size_t i) {
+        return Vec3(P[i], u1[i] / 100.0, u2[i] / 100.0);
+      };
+      if (x(2) < -1.55) continue;  // the model stops at u2 = -160
+      std::size_t best = 1;
+      for (std::size_t i = 1; i + 1 < P.size(); ++i)
+        if ((point(i) - x).norm() < (point(best) - x).norm()) best = i;
+      const Vec3 a = point(best - 1), b = point(best), c = point(best + 1);
+      double nearest = 1e300;
+      const double la = (b - a).norm(), lc = (c - b).norm();
+      for (int i = 0; i <= 2000; ++i) {
+        const double t = -la + (la + lc) * i / 2000.0;
+        const Vec3 y = a * (t * (t - lc) / (la * (la + lc))) + b * ((t + la) * (lc - t) / (la * lc)) +
+                       c * (t * (t + la) / (lc * (la + lc)));
+        nearest = std::min(nearest, (y - x).norm());
+      }
+      largest = std::max(largest, nearest);
+    }
+    return largest;
+  };
+  const double error = worst(scene);
+  EXPECT_LT(error, 3e-5);
+  EXPECT_GT(worst(with_entry(scene, 5, 1.1)), 100.0 * 3e-5);  // EI3 up by 10 %
+}
+
+TEST(ArchPathSlow, TenPercentAreSeen) {
+  const auto loads = [](const Scene& scene) {
+    const RunReport report = run(scene, {.output = {}, .observers = {}, .progress = {}});
+    std::array<double, 2> found{};
+    if (const auto p = points_of(report, PathEvent::limit); !p.empty()) found[0] = p[0].load_factor;
+    if (const auto p = points_of(report, PathEvent::bifurcation); !p.empty())
+      found[1] = p[0].load_factor;
+    return found;
+  };
+  Scene scene = model_scene("arch", {{"branch", "0"}, {"elements", "8"}});
+  scene.path->marks[1].value = -125.0;  // past the first limit point
+  for (const Index entry : {0, 1, 3, 4, 5}) {  // EA, GA2, GJ, EI2, EI3
+    const auto [limit, bifurcation] = loads(with_entry(scene, entry, 1.1));
+    const bool in_plane = entry == 0 || entry == 1 || entry == 5;
+    if (in_plane)
+      EXPECT_GT(std::abs(limit - P1), 6e-9) << "D" << entry + 1;
+    else
+      EXPECT_GT(relative(bifurcation, 0.2439292058), 5e-6) << "D" << entry + 1;
+  }
+}
+
+// The branch leaves the plane, to either side, and is stable there.
+TEST(ArchPathSlow, BranchToEitherSide) {
+  std::array<double, 2> out{};
+  for (const int side : {1, -1}) {
+    Scene scene = model_scene("arch", {{"branch", side > 0 ? "1" : "-1"}, {"elements", "8"}});
+    scene.path->points = 40;
+    const History history = run_to_table(scene);
+    EXPECT_TRUE(history.report.complete()) << history.report.failure;
+    const auto& branch = history.table["branch"];
+    const auto& u3 = history.table["crown.displacement.3"];
+    double& most = out[side > 0 ? 0 : 1];
+    for (std::size_t i = 0; i < branch.size(); ++i)
+      if (branch[i] == 0.0)
+        EXPECT_LT(std::abs(u3[i]), 1e-5);
+      else {
+        if (std::abs(u3[i]) > std::abs(most)) most = u3[i];
+        EXPECT_EQ(history.table["negative_eigenvalues"][i], 0.0) << i;
+      }
+  }
+  EXPECT_GT(std::abs(out[0]), 50.0);
+  EXPECT_LT(out[0] * out[1], 0.0);
+}
+
+// --- Lee's frame (scenes.md B; digits by shooting, path_references.hpp) ---
+
+TEST(LeeFramePath, LimitPointsByBothMethods) {
+  for (const PathMethod method : both_methods) {
+    Scene scene = model_scene("lee_frame");
+    scene.path->method = method;
+    const History history = run_to_table(scene);
+    ASSERT_TRUE(history.report.complete()) << history.report.failure;
+    const auto limits = points_of(history.report, PathEvent::limit);
+    ASSERT_EQ(limits.size(), 2U) << text_of(method);
+    EXPECT_LT(relative(20000.0 * limits[0].load_factor, 18556.72362), 1e-9);
+    EXPECT_LT(relative(20000.0 * limits[1].load_factor, -9414.42451), 1e-9);
+    const auto& event = history.table["event"];
+    const auto at = static_cast<std::size_t>(
+        std::find(event.begin(), event.end(), 1.0) - event.begin());
+    EXPECT_NEAR(history.table["load.displacement.1"][at], 26.8805730, 1e-6);
+    EXPECT_NEAR(history.table["load.displacement.2"][at], -48.7351434, 1e-6);
+  }
+  Scene stiffer = with_entry(model_scene("lee_frame"), 5, 1.1);
+  const auto limits =
+      points_of(run(stiffer, {.output = {}, .observers = {}, .progress = {}}), PathEvent::limit);
+  ASSERT_GE(limits.size(), 1U);
+  EXPECT_GT(relative(20000.0 * limits[0].load_factor, 18556.72362), 0.01);
+}
+
+// The scale of the loads and of lengths is the user's choice: the same points, in the same number of steps.
+TEST(LeeFramePath, DoesNotDependOnTheUnitOfTheLoad) {
+  const History reference = run_to_table(model_scene("lee_frame"));
+  constexpr double unit = 1024.0;
+  Scene scene = model_scene("lee_frame", {{"P", "20000/1024"}});
+  scene.path->step *= unit;
+  scene.path->marks[0].value *= unit;
+  const History scaled = run_to_table(scene);
+  const auto &a = reference.table["load_factor"], &b = scaled.table["load_factor"];
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(b[i] / unit, a[i], 1e-8) << i;
+}
+
+// --- Euler's column and its elastica ---
+
+// Hinged at both ends, inextensible and stiff in shear to 1e-8 of itself. Bifurcations at n^2 P_E; on the
+// branch from the first the load is P/P_E = (2 K(k)/pi)^2 with k = sin(alpha/2), alpha the rotation of the
+// ends, and the ends come nearer to each other by 2 L (1 - E(k)/K(k)).
+std::string column_path(const std::string& attributes, const std::string& marks) {
+  return "<mbd name=\"column\"><parameter name=\"PE\" value=\"pi^2\"/><parameter name=\"stiff\" value=\"1e6\"/>"
+         "<section name=\"s\"><stiffness EA=\"stiff\" GA2=\"stiff\" GA3=\"stiff\" GJ=\"100\" EI2=\"100\" "
+         "EI3=\"1\"/></section><beam name=\"b\" section=\"s\" from=\"0 0 0\" to=\"1 0 0\" normal=\"0 0 1\" "
+         "elements=\"8\" order=\"5\"/><revolute name=\"foot\" between=\"ground b.start\" axis=\"0 0 1\"/>"
+         "<point_on_line name=\"head\" between=\"ground b.end\" axis=\"1 0 0\"/>"
+         "<load at=\"b.end\" force=\"-PE 0 0\"/><path " +
+         attributes + ">" + marks +
+         "</path><record name=\"head\" at=\"b.end\" quantities=\"displacement rotation\"/></mbd>";
+}
+
+TEST(ColumnPath, BifurcationsOfTheStraightColumn) {
+  const Scene scene = read_model_text(
+      column_path("step=\"0.3\"", "<stop quantity=\"load_factor\" value=\"17\"/>"), "column.xml");
+  const RunReport report = run(scene, {.output = {}, .observers = {}, .progress = {}});
+  ASSERT_TRUE(report.complete()) << report.failure;
+  const auto found = points_of(report, PathEvent::bifurcation);
+  ASSERT_EQ(found.size(), 4U);
+  for (int n = 1; n <= 4; ++n) {
+    const SpecialPoint& p = found[static_cast<std::size_t>(n - 1)];
+    // A column with EA = GA: stretch and shear act together like a force-dependent length, by P/EA.
+    EXPECT_LT(relative(p.load_factor, n * n), 3.0 * n * n * pi * pi / 1e6) << n;
+    EXPECT_EQ(p.before, n - 1);
+    EXPECT_EQ(p.after, n);
+  }
+  EXPECT_EQ(points_of(report, PathEvent::limit).size(), 0U);
+  // 10 % more bending stiffness
+  const auto stiffer = points_of(run(with_entry(scene, 5, 1.1),
+                                     {.output = {}, .observers = {}, .progress = {}}),
+                                 PathEvent::bifurcation);
+  EXPECT_NEAR(stiffer.at(0).load_factor, 1.1, 1e-4);
+}
+
+TEST(ColumnPath, BranchIsTheElastica) {
+  for (const PathMethod method : both_methods) {
+    Scene scene = read_model_text(
+        column_path("branch=\"1\" points=\"120\"", "<stop quantity=\"load_factor\" value=\"1.5\"/>"),
+        "column.xml");
+    scene.path->method = method;
+    const History history = run_to_table(scene);
+    ASSERT_TRUE(history.report.complete()) << history.report.failure;
+    double worst_load = 0.0, worst_travel = 0.0, most = 0.0;
+    for (std::size_t i = 0; i < history.table["branch"].size(); ++i) {
+      if (history.table["branch"][i] != 1.0) continue;
+      const double alpha = std::abs(history.table["head.rotation.3"][i]);
+      const double k = std::sin(0.5 * alpha), K = std::comp_ellint_1(k), E = std::comp_ellint_2(k);
+      worst_load =
+          std::max(worst_load, relative(history.table["load_factor"][i], std::pow(2.0 * K / pi, 2)));
+      worst_travel = std::max(worst_travel, std::abs(-history.table["head.displacement.1"][i] -
+                                                     2.0 * (1.0 - E / K)));
+      most = std::max(most, alpha);
+    }
+    EXPECT_GT(most, 1.5) << "bends far";
+    EXPECT_LT(worst_load, 5e-5) << text_of(method);  // the strains of stretch and shear: P/EA = 1.5e-5
+    EXPECT_LT(worst_travel, 5e-5);
+  }
+}
+
+// --- directions, stops, marks, ends ---
+
+TEST(PathDirections, BothWays) {
+  const Scene scene = read_model_text(
+      column_path("direction=\"both\"", "<stop quantity=\"load_factor\" value=\"0.5\"/>"
+                                        "<stop quantity=\"load_factor\" value=\"-0.75\"/>"),
+      "column.xml");
+  const History history = run_to_table(scene);
+  ASSERT_TRUE(history.report.complete()) << history.report.failure;
+  const auto& load = history.table["load_factor"];
+  EXPECT_NEAR(*std::max_element(load.begin(), load.end()), 0.5, 1e-12);
+  EXPECT_NEAR(*std::min_element(load.begin(), load.end()), -0.75, 1e-12);
+  for (std::size_t i = 0; i < load.size(); ++i) {
+    EXPECT_EQ(history.table["branch"][i], load[i] < 0.0 ? -1.0 : 0.0);
+    EXPECT_GE(history.table["arc_length"][i] * load[i], 0.0);
+  }
+}
+
+TEST(PathMarks, AreLocatedToRoundOff) {
+  Scene scene = model_scene("lee_frame");
+  scene.path->marks = {{{}, "load.displacement.2", -20.0, false}, {{}, "load_factor", 0.25, true}};
+  const History history = run_to_table(scene);
+  const auto& event = history.table["event"];
+  EXPECT_EQ(event.back(), 3.0);
+  EXPECT_NEAR(history.table["load_factor"].back(), 0.25, 1e-13);
+  scene.path->marks[1].value = 0.9;
+  const History longer = run_to_table(scene);
+  const auto& marks = longer.table["event"];
+  const auto at =
+      static_cast<std::size_t>(std::find(marks.begin(), marks.end(), 3.0) - marks.begin());
+  EXPECT_NEAR(longer.table["load.displacement.2"].at(at), -20.0, 1e-10);
+}
+
+TEST(PathLength, AndPointsEndIt) {
+  Scene scene = model_scene("lee_frame");
+  scene.path->marks.clear();
+  scene.path->length = 0.4;
+  const History history = run_to_table(scene);
+  EXPECT_TRUE(history.report.complete());
+  EXPECT_NEAR(history.table["arc_length"].back(), 0.4, 1e-12);
+  scene.path->points = 7;
+  EXPECT_EQ(run_to_table(scene).table["load_factor"].size(), 7U);
+}
+
+TEST(PathBranch, ThatThereIsNot) {
+  Scene scene = model_scene("lee_frame");
+  scene.path->branch = 1;
+  scene.path->points = 10;
+  const History history = run_to_table(scene);
+  EXPECT_NE(history.report.failure.find("there is no bifurcation 1"), std::string::npos)
+      << history.report.failure;
+  EXPECT_EQ(history.table["load_factor"].size(), 10U) << "the path itself is kept";
+}
+
+// Of the path's choices none changes the equilibria: sampled at marks, to 1e-9 of the displacement.
+TEST(PathSteps, DoNotChangeTheEquilibria) {
+  double reference = 0.0;
+  for (const double max_step : {0.1, 0.02, 1.0})
+    for (const PathMethod method : both_methods) {
+      Scene scene = model_scene("lee_frame");
+      scene.path->max_step = max_step;
+      scene.path->method = method;
+      scene.path->points = 2000;
+      scene.path->marks = {{{}, "load.displacement.2", -60.0, true}};
+      const History history = run_to_table(scene);
+      ASSERT_TRUE(history.report.complete()) << history.report.failure;
+      const double P = history.table["load_factor"].back();
+      if (reference == 0.0) reference = P;
+      EXPECT_LT(relative(P, reference), 1e-10) << max_step << " " << text_of(method);
+    }
+}
+
+}  // namespace
+}  // namespace mbd::test

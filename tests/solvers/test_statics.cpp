@@ -1,0 +1,174 @@
+// Load stepping: solvers that agree, the line search, prescribed motions, failures that say why.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "solvers/klu_solver.hpp"
+#include "solvers/statics.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test {
+namespace {
+
+using std::numbers::pi;
+
+struct Solved {
+  Model model;
+  State state;
+  StaticReport report;
+};
+Solved solve(const Scene& scene, StaticOptions options) {
+  Solved s{compile(scene), {}, {}};
+  s.state = s.model.initial;
+  options.newton.tolerance = 1e-12;
+  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+  s.report = solve_statics(*s.model.system, *solver, options, s.state);
+  return s;
+}
+
+// Largest difference of positions over the scene's size, and of rotations [rad].
+double distance(const Solved& a, const Solved& b) {
+  double largest = 0.0;
+  for (std::size_t n = 0; n < a.state.pose.size(); ++n)
+    largest = std::max(
+        {largest, (a.state.pose[n].r - b.state.pose[n].r).norm() / a.model.system->length_scale(),
+         a.state.pose[n].p.angularDistance(b.state.pose[n].p)});
+  return largest;
+}
+
+TEST(StaticSolvers, KinsolAndNewtonFindTheSame) {
+  for (const char* name : {"bend45", "portal_frame", "swept_cantilever", "four_bar_static"}) {
+    const Scene scene = model_scene(name);
+    const Solved newton = solve(scene, {.steps = 4, .newton = {}});
+    const Solved kinsol =
+        solve(scene, {.steps = 4, .newton = {}, .solver = StaticSolver::kinsol});
+    ASSERT_TRUE(newton.report.converged) << name << ": " << newton.report.failure;
+    ASSERT_TRUE(kinsol.report.converged) << name << ": " << kinsol.report.failure;
+    EXPECT_LT(distance(newton, kinsol), 1e-11) << name;
+    EXPECT_LT((newton.state.lambda - kinsol.state.lambda).cwiseAbs().maxCoeff(),
+              1e-8 * newton.state.lambda.cwiseAbs().maxCoeff())
+        << name;
+    // KINSOL's own iterations stand in the report, beside the last one of Newton's.
+    EXPECT_GT(kinsol.report.counters.iterations, kinsol.report.counters.steps);
+  }
+}
+
+// The whole load at once: full increments diverge, shortened ones do not.
+TEST(LineSearch, SavesLoadSteps) {
+  const Scene scene = model_scene("bend45");
+  const Solved with = solve(scene, {.steps = 1, .newton = {}});
+  StaticOptions without{.steps = 1, .newton = {}};
+  without.newton.line_search = false;
+  const Solved cut = solve(scene, without);
+  ASSERT_TRUE(with.report.converged);
+  ASSERT_TRUE(cut.report.converged);
+  EXPECT_EQ(with.report.counters.steps, 1);
+  EXPECT_EQ(with.report.searched, 1);
+  EXPECT_EQ(with.report.counters.retries, 0);
+  EXPECT_GT(cut.report.counters.retries, 0);
+  EXPECT_LT(distance(with, cut), 1e-11);
+}
+
+// Where increments lead straight to the solution the search costs nothing.
+TEST(LineSearch, IsNotUsedWhereItIsNotNeeded) {
+  const Scene scene = model_scene("portal_frame");
+  const Solved with = solve(scene, {.steps = 2, .newton = {}});
+  StaticOptions without{.steps = 2, .newton = {}};
+  without.newton.line_search = false;
+  const Solved plain = solve(scene, without);
+  EXPECT_EQ(with.report.searched, 0);
+  EXPECT_EQ(with.report.counters.iterations, plain.report.counters.iterations);
+  EXPECT_EQ(with.report.counters.residuals, plain.report.counters.residuals);
+}
+
+constexpr const char* cantilever = R"(<mbd name="cantilever">
+  <parameter name="EI" value="100"/><parameter name="size" value="1e-4"/>
+  <section name="s"><stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="80" EI2="EI" EI3="EI"/></section>
+  <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2"/>
+  <fixed name="clamp" between="ground b.start"/>
+  %s
+  <record name="tip" at="b.end" quantities="displacement rotation"/>
+  %s
+  <static steps="4"/></mbd>)";
+
+Scene cantilever_with(const std::string& what, const std::string& record,
+                      const Overrides& overrides = {}) {
+  std::string text = cantilever;
+  for (const std::string& part : {what, record}) text.replace(text.find("%s"), 2, part);
+  return read_model_text(text, "cantilever.xml", overrides);
+}
+
+// A prescribed tip displacement grows with the load factor; its force is 3 EI/L^3 of it, while it is small.
+TEST(PrescribedMotion, GrowsWithTheLoad) {
+  const std::string motion = "<motion name=\"push\" of=\"b.end\" displacement=\"0 0 size\"/>";
+  const std::string record = "<record name=\"push\" joint=\"push\" quantities=\"reaction_force\"/>";
+  // The other components of a motion are prescribed as well; a cantilever's tip moves along i1 by size^2.
+  const History history = run_to_table(cantilever_with(motion, record));
+  ASSERT_TRUE(history.report.complete()) << history.report.failure;
+  const auto& load = history.table["load_factor"];
+  ASSERT_GT(load.size(), 2U);
+  for (std::size_t i = 0; i < load.size(); ++i)
+    EXPECT_NEAR(history.table["tip.displacement.3"][i], 1e-4 * load[i], 1e-15) << i;
+  const double force = std::abs(history.table["push.reaction_force.3"].back());
+  EXPECT_NEAR(force, 300.0 * 1e-4, 1e-4 * 300.0 * 1e-4);
+  const History stiffer = run_to_table(cantilever_with(motion, record, {{"EI", "110"}}));
+  EXPECT_GT(std::abs(stiffer.table["push.reaction_force.3"].back()), 1.09 * force);
+}
+
+// A whole turn of the tip about its axis, prescribed: torsion GJ 2 pi/L in each step's share.
+TEST(PrescribedMotion, TurnsByMoreThanPi) {
+  const History history = run_to_table(
+      cantilever_with("<cylindrical name=\"bearing\" between=\"ground b.end\" axis=\"1 0 0\"/>"
+                      "<drive joint=\"bearing\" angle=\"2*pi\"/>",
+                      "<record name=\"root\" at=\"b.start\" quantities=\"moment\"/>"
+                      "<record name=\"bearing\" joint=\"bearing\" quantities=\"angle\"/>"));
+  ASSERT_TRUE(history.report.complete()) << history.report.failure;
+  const auto& load = history.table["load_factor"];
+  for (std::size_t i = 0; i < load.size(); ++i) {
+    EXPECT_NEAR(history.table["bearing.angle"][i], 2.0 * pi * load[i], 1e-12);
+    EXPECT_NEAR(history.table["root.moment.1"][i], 80.0 * 2.0 * pi * load[i], 1e-9);
+  }
+}
+
+TEST(StaticStability, IsSaid) {
+  const auto notes = [](double P) {
+    const std::string load = "<load at=\"b.end\" force=\"" + std::to_string(-P) + " 0 0\"/>";
+    return run(cantilever_with(load, ""), {.output = {}, .observers = {}, .progress = {}});
+  };
+  const double euler = 100.0 * pi * pi / 4.0;  // of a cantilever
+  const RunReport below = notes(0.99 * euler), above = notes(1.01 * euler);
+  EXPECT_EQ(below.negative_eigenvalues, 0);
+  EXPECT_TRUE(below.notes.empty());
+  EXPECT_EQ(above.negative_eigenvalues, 2);
+  ASSERT_EQ(above.notes.size(), 1U);
+  EXPECT_NE(above.notes[0].find("unstable, in 2 ways"), std::string::npos) << above.notes[0];
+  // A follower force has no potential.
+  const RunReport follower = run(cantilever_with("<load at=\"b.end\" follower_force=\"-10 0 0\"/>", ""),
+                                 {.output = {}, .observers = {}, .progress = {}});
+  EXPECT_FALSE(follower.negative_eigenvalues);
+}
+
+// The deep arch carries no more than P1 (scenes.md A2): load steps end there, and say why.
+TEST(UnreachableLoad, KeepsTheLastEquilibriumAndNamesTheReason) {
+  Scene scene = model_scene("arch", {{"elements", "6"}});
+  scene.path.reset();
+  scene.statics = StaticScene{};
+  for (const StaticSolver solver : {StaticSolver::newton, StaticSolver::kinsol}) {
+    scene.statics->solver = solver;
+    const History history = run_to_table(scene);
+    EXPECT_FALSE(history.report.complete());
+    const double reached = history.table["load_factor"].back();
+    EXPECT_NEAR(reached, 0.897289134, 2e-4);
+    EXPECT_LT(reached, 0.8973);
+    const std::string& failure = history.report.failure;
+    EXPECT_NE(failure.find("the structure gives way"), std::string::npos) << failure;
+    EXPECT_NE(failure.find("beam 'arch' node"), std::string::npos) << failure;
+    EXPECT_NE(failure.find("<path>"), std::string::npos) << failure;
+  }
+}
+
+}  // namespace
+}  // namespace mbd::test
