@@ -219,11 +219,10 @@ Axis make_x_axis(const Extent& extent, bool log) {
   constexpr double width = panel_width - least_left - right;
   for (int wanted = log ? 7 : 5;; --wanted) {
     Axis axis = log ? make_log_axis(extent, wanted) : make_axis(extent, wanted);
-    const auto gaps = static_cast<double>(std::max<std::size_t>(axis.ticks.size(), 2) - 1);
-    const double part = axis.ticks.empty()
-                            ? 0.0
-                            : (axis.scaled(axis.ticks.back()) - axis.scaled(axis.ticks.front())) /
-                                  (extent.max - extent.min) / gaps;
+    double least = axis.ticks.size() < 2 ? 0.0 : extent.max - extent.min;  // distance of two ticks
+    for (std::size_t i = 1; i < axis.ticks.size(); ++i)
+      least = std::min(least, axis.scaled(axis.ticks[i]) - axis.scaled(axis.ticks[i - 1]));
+    const double part = least / (extent.max - extent.min);
     if (wanted == 1 || widest_label(axis) + letter <= part * width) return axis;
   }
 }
@@ -694,9 +693,12 @@ LogTicks make_log_ticks(double min, double max, int wanted) {
     if (value >= min * (1 - slack) && value <= max * (1 + slack)) list.push_back(value);
   };
   if (last - first < 2) {
+    const bool powers_only = last - first == 1 && wanted < 5;
     for (int n = first - 1; n <= last; ++n)
-      for (int lead = 1; lead <= 9; ++lead)
-        keep(lead == 1 || lead == 2 || lead == 5 ? ticks.at : ticks.between, lead * power(n));
+      for (int lead = 1; lead <= 9; ++lead) {
+        const bool labelled = lead == 1 || (!powers_only && (lead == 2 || lead == 5));
+        keep(labelled ? ticks.at : ticks.between, lead * power(n));
+      }
     if (ticks.at.size() < 2) ticks = {make_ticks(min, max, wanted).at, {}};
     return ticks;
   }

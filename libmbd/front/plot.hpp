@@ -92,8 +92,9 @@ struct Ticks {
 Ticks make_ticks(double min, double max, int wanted);
 
 // Ticks of a logarithmic axis, 0 < min < max: powers of ten, every n-th if there are more than about `wanted`;
-// where there are fewer than three, also their multiples by 2 and 5, or, of a short axis, those of make_ticks. The marks
-// between, without labels, are 2, 3 … 9 times a power of ten, or the powers left out.
+// where there are fewer than three, also their multiples by 2 and 5 (unless fewer than five are wanted and the
+// powers are two), or, of a short axis, those of make_ticks. The marks between, without labels, are 2, 3 … 9
+// times a power of ten, or the powers left out.
 struct LogTicks {
   std::vector<double> at, between;
 };

@@ -66,6 +66,7 @@ TEST(Plot, LogTicksAreDecades) {
   expect_values(ticks.at, {1, 2, 5, 10, 20});
   expect_values(ticks.between, {3, 4, 6, 7, 8, 9, 30});
   expect_values(make_log_ticks(31, 39, 4).at, {32, 34, 36, 38});
+  expect_values(make_log_ticks(4e-4, 5e-2, 4).at, {1e-3, 1e-2});
   for (const double low : {1e-300, 1e-9, 0.7, 3e8}) {
     for (const double range : {1.001, 1.5, 30.0, 1e4, 1e40}) {
       ticks = make_log_ticks(low, low * range, 6);

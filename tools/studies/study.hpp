@@ -20,7 +20,8 @@ struct Series {
   std::function<void(BeamScene&)> choose;
 };
 
-// Every series of the plots. A new kind of beam is one line in study.cpp.
+// Every series of the plots. A new kind of beam is one line in study.cpp; with an old `form` its curves stand
+// beside those, with a new one in a panel of its own.
 const std::vector<Series>& all_series();
 
 std::string name_of(Rule rule);
