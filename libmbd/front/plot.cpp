@@ -155,13 +155,17 @@ Extent drawable(Extent e, double margin, double constant = constant_below) {
 }
 
 struct Axis {
-  Extent extent;
+  Extent extent;  // of a logarithmic axis: of the logarithms to base ten
   std::vector<double> ticks;
   std::vector<std::string> labels;
   std::string factor;  // "×10⁻³" of the labels, or empty
+  bool log = false;
+  std::vector<double> between = {};  // marks without labels
 
+  double scaled(double value) const { return log ? std::log10(value) : value; }
+  bool shows(double value) const { return !log || value > 0.0; }
   double place(double value, double from, double to) const {
-    return from + (value - extent.min) / (extent.max - extent.min) * (to - from);
+    return from + (scaled(value) - extent.min) / (extent.max - extent.min) * (to - from);
   }
 };
 
@@ -196,15 +200,30 @@ double widest_label(const Axis& axis) {
   return widest;
 }
 
+// "10⁻³", "5×10⁻³"; plain numbers from .01 to 1000.
+std::string log_label(double value) {
+  if (value >= 0.99e-2 && value < 1.01e3) return fmt::format("{:.10g}", value);
+  int power = static_cast<int>(std::floor(std::log10(value) + 1e-9));
+  const std::string lead = fmt::format("{:.10g}", value / std::pow(10.0, power));
+  return (lead == "1" ? "" : lead + "×") + "10" + superscript(power);
+}
+
+Axis make_log_axis(const Extent& extent, int wanted) {
+  LogTicks ticks = make_log_ticks(std::pow(10.0, extent.min), std::pow(10.0, extent.max), wanted);
+  Axis axis{extent, std::move(ticks.at), {}, {}, true, std::move(ticks.between)};
+  for (const double at : axis.ticks) axis.labels.push_back(log_label(at));
+  return axis;
+}
+
 // As many ticks, five if possible, as have room for their labels beside each other.
-Axis make_x_axis(const Extent& extent) {
+Axis make_x_axis(const Extent& extent, bool log) {
   constexpr double width = panel_width - least_left - right;
-  for (int wanted = 5;; --wanted) {
-    Axis axis = make_axis(extent, wanted);
-    const auto gaps = static_cast<double>(std::max<std::size_t>(axis.ticks.size(), 2) - 1);
-    const double part = axis.ticks.empty() ? 0.0
-                                           : (axis.ticks.back() - axis.ticks.front()) /
-                                                 (extent.max - extent.min) / gaps;
+  for (int wanted = log ? 7 : 5;; --wanted) {
+    Axis axis = log ? make_log_axis(extent, wanted) : make_axis(extent, wanted);
+    double least = axis.ticks.size() < 2 ? 0.0 : extent.max - extent.min;  // distance of two ticks
+    for (std::size_t i = 1; i < axis.ticks.size(); ++i)
+      least = std::min(least, axis.scaled(axis.ticks[i]) - axis.scaled(axis.ticks[i - 1]));
+    const double part = least / (extent.max - extent.min);
     if (wanted == 1 || widest_label(axis) + letter <= part * width) return axis;
   }
 }
@@ -366,13 +385,15 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
   Path path;
   bool drawing = false;  // the last point is on the path
   for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool shown = x.shows(points[i][0]) && y.shows(points[i][1]);
+    const bool shown_before = i > 0 && x.shows(points[i - 1][0]) && y.shows(points[i - 1][1]);
     const bool inside = within(panel.x_range, points[i][0]);
-    const bool before = i > 0 && within(panel.x_range, points[i - 1][0]);
-    if (!inside && !before) {
+    const bool before = shown_before && within(panel.x_range, points[i - 1][0]);
+    if (!shown || (!inside && !before)) {
       drawing = false;
       continue;
     }
-    if (!drawing) path.move(to_picture(points[i > 0 ? i - 1 : 0]));
+    if (!drawing) path.move(to_picture(points[shown_before ? i - 1 : i]));
     path.line(to_picture(points[i]));
     drawing = inside;
   }
@@ -381,7 +402,8 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
                        stroke(curve, style));
   if (!marked && !curve.points_only) return;
   if (points.size() <= few_points || curve.points_only) {
-    for (const Point& p : points) svg += marker_at(to_picture(p), style);
+    for (const Point& p : points)
+      if (x.shows(p[0]) && y.shows(p[1])) svg += marker_at(to_picture(p), style);
     return;
   }
   // Each curve has its own phase, so that markers of curves that coincide stand side by side.
@@ -390,7 +412,8 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
   for (std::size_t n = 0; n < sparse_markers; ++n) {
     const double at = (static_cast<double>(n) + phase) / static_cast<double>(sparse_markers);
     const auto i = static_cast<std::size_t>(at * static_cast<double>(points.size() - 1));
-    svg += marker_at(to_picture(points[i]), style);
+    if (x.shows(points[i][0]) && y.shows(points[i][1]))
+      svg += marker_at(to_picture(points[i]), style);
   }
 }
 
@@ -442,19 +465,42 @@ struct Axes {
   std::string x_label, y_label;
 };
 
+// Whether a point has a place on the panel's axes.
+bool drawn(const Panel& panel, const Point& p) {
+  return (!panel.x_log || p[0] > 0.0) && (!panel.y_log || p[1] > 0.0);
+}
+
 Axes axes_of(const Panel& panel) {
+  const auto exponent = [](double value) {  // within what powers of ten can do
+    return value > 0.0 ? std::clamp(std::log10(value), -300.0, 300.0) : -300.0;
+  };
   Extent span_x, span_y;
   for (const Curve& curve : panel.curves)
     for (const Point& p : curve.trace.points())
-      if (within(panel.x_range, p[0])) {
-        span_x.add(p[0]);
-        span_y.add(p[1]);
+      if (within(panel.x_range, p[0]) && drawn(panel, p)) {
+        span_x.add(panel.x_log ? exponent(p[0]) : p[0]);
+        span_y.add(panel.y_log ? exponent(p[1]) : p[1]);
       }
-  if (panel.x_range) span_x = {(*panel.x_range)[0], (*panel.x_range)[1]};
-  const std::optional<Axis> angles = panel.x_range ? make_angle_axis(*panel.x_range) : std::nullopt;
+  if (panel.x_range) {
+    span_x = {(*panel.x_range)[0], (*panel.x_range)[1]};
+    if (panel.x_log) span_x = {exponent(span_x.min), exponent(span_x.max)};
+  }
+  const std::optional<Axis> angles =
+      panel.x_range && !panel.x_log ? make_angle_axis(*panel.x_range) : std::nullopt;
   const bool given = panel.x_range || panel.x_is_time;  // not for us to widen
-  const Extent extent_x = drawable(span_x, given ? 0.0 : 0.04, given ? 1e-12 : constant_below);
-  Axes axes{angles ? *angles : make_x_axis(extent_x), make_axis(drawable(span_y, 0.04), 6), {}, {}};
+  const auto extent_of = [](const Extent& span, bool log, double margin, double constant) {
+    if (!log) return drawable(span, margin, constant);
+    Extent extent = drawable(span, margin, 0.0);
+    if (extent.max - extent.min < 0.02) extent = {extent.min - 0.5, extent.max + 0.5};
+    return extent;
+  };
+  const Extent extent_x =
+      extent_of(span_x, panel.x_log, given ? 0.0 : 0.04, given ? 1e-12 : constant_below);
+  const Extent extent_y = extent_of(span_y, panel.y_log, 0.04, constant_below);
+  Axes axes{angles ? *angles : make_x_axis(extent_x, panel.x_log),
+            panel.y_log ? make_log_axis(extent_y, 8) : make_axis(extent_y, 6),
+            {},
+            {}};
   axes.x_label = with_factor(panel.x_label, axes.x.factor);
   axes.y_label = with_factor(panel.y_label, axes.y.factor);
   return axes;
@@ -546,6 +592,16 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
     top += line_height;
   }
 
+  for (const double mark : x.between) {
+    const double at = x.place(mark, x0, x1);
+    svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#000000\"/>\n", at,
+                       y0, y0 - 6.0);
+  }
+  for (const double mark : y.between) {
+    const double at = y.place(mark, y0, top);
+    svg += fmt::format("<path d=\"M{1:.1f},{0:.1f} {2:.1f},{0:.1f}\" stroke=\"#000000\"/>\n", at,
+                       x0, x0 + 6.0);
+  }
   for (std::size_t i = 0; i < x.ticks.size(); ++i) {
     const double at = x.place(x.ticks[i], x0, x1);
     svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#dddddd\"/>\n", at,
@@ -625,6 +681,35 @@ Ticks make_ticks(double min, double max, int wanted) {
   const double first = std::ceil(min / step - 1e-9), last = std::floor(max / step + 1e-9);
   for (double n = first; n <= last && ticks.at.size() < 100; n += 1.0)
     ticks.at.push_back(n * step + 0.0);
+  return ticks;
+}
+
+LogTicks make_log_ticks(double min, double max, int wanted) {
+  constexpr double slack = 1e-9;
+  const auto power = [](int n) { return std::pow(10.0, n); };
+  const int first = static_cast<int>(std::ceil(std::log10(min) - slack));
+  const int last = static_cast<int>(std::floor(std::log10(max) + slack));
+  LogTicks ticks;
+  const auto keep = [&](std::vector<double>& list, double value) {
+    if (value >= min * (1 - slack) && value <= max * (1 + slack)) list.push_back(value);
+  };
+  if (last - first < 2) {
+    const bool powers_only = last - first == 1 && wanted < 5;
+    for (int n = first - 1; n <= last; ++n)
+      for (int lead = 1; lead <= 9; ++lead) {
+        const bool labelled = lead == 1 || (!powers_only && (lead == 2 || lead == 5));
+        keep(labelled ? ticks.at : ticks.between, lead * power(n));
+      }
+    if (ticks.at.size() < 2) ticks = {make_ticks(min, max, wanted).at, {}};
+    return ticks;
+  }
+  const int every = (last - first + std::max(1, wanted)) / std::max(1, wanted);
+  for (int n = first - 1; n <= last; ++n) {
+    const bool labelled = ((n % every) + every) % every == 0;
+    if (labelled || (every > 1 && every <= 10)) keep(labelled ? ticks.at : ticks.between, power(n));
+    if (every == 1)
+      for (int lead = 2; lead <= 9; ++lead) keep(ticks.between, lead * power(n));
+  }
   return ticks;
 }
 

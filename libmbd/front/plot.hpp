@@ -44,11 +44,13 @@ struct Curve {
   bool points_only = false;  // markers, no line
 };
 
-// What changes by less than 1e-6 of its size is drawn as a constant, in a range of 1 % about it.
+// What changes by less than 1e-6 of its size is drawn as a constant, in a range of 1 % about it. On a
+// logarithmic axis there is only what is positive: a curve is interrupted where it is not.
 struct Panel {
   std::string title = {}, x_label = {}, y_label = {};
   std::optional<std::array<double, 2>> x_range = {};  // default: what the curves span
-  bool x_is_time = false;  // or the load factor: then the curves fill the width
+  bool x_is_time = false;             // or the load factor: then the curves fill the width
+  bool x_log = false, y_log = false;  // logarithmic axes
   std::vector<Curve> curves = {};
 };
 
@@ -89,6 +91,15 @@ struct Ticks {
   std::vector<double> at;
 };
 Ticks make_ticks(double min, double max, int wanted);
+
+// Ticks of a logarithmic axis, 0 < min < max: powers of ten, every n-th if there are more than about `wanted`;
+// where there are fewer than three, also their multiples by 2 and 5 (unless fewer than five are wanted and the
+// powers are two), or, of a short axis, those of make_ticks. The marks between, without labels, are 2, 3 … 9
+// times a power of ten, or the powers left out.
+struct LogTicks {
+  std::vector<double> at, between;
+};
+LogTicks make_log_ticks(double min, double max, int wanted);
 
 }  // namespace mbd::plot
 

@@ -46,6 +46,70 @@ TEST(Plot, TicksAreOneTwoFive) {
   }
 }
 
+void expect_values(const std::vector<double>& values, const std::vector<double>& expected) {
+  ASSERT_EQ(values.size(), expected.size()) << testing::PrintToString(values);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_NEAR(values[i], expected[i], 1e-12 * expected[i]);
+}
+
+TEST(Plot, LogTicksAreDecades) {
+  LogTicks ticks = make_log_ticks(3e-4, 2e2, 8);
+  expect_values(ticks.at, {1e-3, 1e-2, 1e-1, 1, 10, 100});
+  EXPECT_NEAR(ticks.between.front(), 3e-4, 1e-12);
+  EXPECT_NEAR(ticks.between.back(), 200, 1e-9);
+  EXPECT_EQ(ticks.between.size(), 7u + 5 * 8 + 1);
+  ticks = make_log_ticks(1e-16, 1, 8);  // every third power, those between only marked
+  expect_values(ticks.at, {1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1});
+  expect_values(ticks.between,
+                {1e-16, 1e-14, 1e-13, 1e-11, 1e-10, 1e-8, 1e-7, 1e-5, 1e-4, 1e-2, .1});
+  ticks = make_log_ticks(1, 32, 8);
+  expect_values(ticks.at, {1, 2, 5, 10, 20});
+  expect_values(ticks.between, {3, 4, 6, 7, 8, 9, 30});
+  expect_values(make_log_ticks(31, 39, 4).at, {32, 34, 36, 38});
+  expect_values(make_log_ticks(4e-4, 5e-2, 4).at, {1e-3, 1e-2});
+  for (const double low : {1e-300, 1e-9, 0.7, 3e8}) {
+    for (const double range : {1.001, 1.5, 30.0, 1e4, 1e40}) {
+      ticks = make_log_ticks(low, low * range, 6);
+      EXPECT_GE(ticks.at.size(), 2u) << low << ' ' << range;
+      EXPECT_LE(ticks.at.size(), 13u) << low << ' ' << range;
+      for (const auto* list : {&ticks.at, &ticks.between})
+        for (const double at : *list)
+          EXPECT_TRUE(at >= low * (1 - 1e-8) && at <= low * range * (1 + 1e-8)) << at;
+    }
+  }
+}
+
+// A power law is a straight line, equal factors are equal distances; zeros interrupt it.
+TEST(Plot, LogAxes) {
+  Panel panel{.x_label = "elements", .y_label = "error", .x_log = true, .y_log = true};
+  panel.curves.push_back({"a", {}});
+  for (const double n : {1.0, 2.0, 4.0, 8.0}) panel.curves[0].trace.add({n, std::pow(n, -6)});
+  const std::string svg = to_svg(std::vector<Panel>{panel});
+  for (const char* label : {">1<", ">2<", ">5<", ">10⁻⁵<", ">0.1<"})
+    EXPECT_GE(count(svg, label), 1u) << label;
+  EXPECT_EQ(count(svg, "class=\"m\""), 4u);
+  std::vector<Point> drawn;
+  for (std::size_t at = svg.find("cx=\""); at != std::string::npos; at = svg.find("cx=\"", at + 1))
+    drawn.push_back(
+        {std::stod(svg.substr(at + 4)), std::stod(svg.substr(svg.find("cy=\"", at) + 4))});
+  ASSERT_EQ(drawn.size(), 4u);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_NEAR(drawn[i][0] - drawn[i - 1][0], drawn[1][0] - drawn[0][0], 0.11);
+    EXPECT_NEAR(drawn[i][1] - drawn[i - 1][1], drawn[1][1] - drawn[0][1], 0.11);
+  }
+  EXPECT_GT(drawn[1][1] - drawn[0][1], 10.0);
+
+  panel.curves[0].trace.add({16.0, 0.0});
+  panel.curves[0].trace.add({32.0, 1e-9});
+  const std::string broken = to_svg(std::vector<Panel>{panel});
+  EXPECT_EQ(count(broken, "class=\"m\""), 5u);
+  EXPECT_EQ(count(broken, "nan"), 0u);
+  EXPECT_EQ(count(broken, "inf"), 0u);
+  const std::size_t path = broken.find("<path d=\"M", broken.find("<g clip-path"));
+  const std::string d = broken.substr(path, broken.find("fill", path) - path);
+  EXPECT_EQ(count(d, "M"), 2u) << d;  // in two parts
+}
+
 TEST(Plot, TraceIsBoundedAndKeepsExtremes) {
   Trace trace(1000);
   double least = 1e9, most = -1e9;
@@ -110,6 +174,11 @@ TEST(Plot, SurvivesOddData) {
     EXPECT_EQ(count(svg, "nan"), 0u);
     EXPECT_EQ(count(svg, "inf"), 0u);
     EXPECT_LT(svg.size(), 20000u);
+    panel.x_log = panel.y_log = true;
+    const std::string log = to_svg(std::vector<Panel>{panel}, {});
+    EXPECT_EQ(count(log, "nan"), 0u);
+    EXPECT_EQ(count(log, "inf"), 0u);
+    EXPECT_LT(log.size(), 20000u);
   }
   EXPECT_TRUE(to_svg({}, {}).ends_with("</svg>\n"));
 }

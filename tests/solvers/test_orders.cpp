@@ -1,12 +1,11 @@
-// Measured orders of accuracy: two in the time step, for motion and multipliers both; 2 N in the length
-// of a beam's elements.
+// Measured orders of accuracy in the time step: two, for motion and multipliers both. (In space:
+// test_bend45.cpp.)
 //
-// In time: rms over samples common to all steps, divided by the rms of the reference over the same samples.
+// Errors: rms over samples common to all steps, divided by the rms of the reference over the same samples.
 //   heavy_top  mass centre, and reaction in body axes, every 1 ms to 1 s; Euler's equations
 //   pendulum   position, and tension, every 10 ms to 2 s; equation of the pendulum
 //   shaft      u2 and u3 of mid-span, all multipliers of joint R, all of joint T, every 5 ms to 2.5 s; the
 //              same mesh with much smaller steps
-// In space: bend45, error of the tip's displacement (Euclidean norm) divided by the converged one.
 
 #include <gtest/gtest.h>
 
@@ -314,125 +313,6 @@ TEST_P(OrderInTimeSlow, Shaft) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, OrderInTimeSlow, testing::Values(0.0, 0.5, 0.8));
-
-// ---- in space ---------------------------------------------------------------------------------
-
-const Vec3 converged_tip(-13.73548151312558962, -23.82504922387786265, 53.61385809953141840);
-
-Vec3 tip_displacement(const Scene& scene) {
-  const History history = run_to_table(scene);
-  EXPECT_TRUE(history.report.complete()) << history.report.failure;
-  const Columns u = components(history.table, "tip.displacement");
-  return {u[0]->back(), u[1]->back(), u[2]->back()};
-}
-
-double tip_error(const Scene& scene) {
-  return (tip_displacement(scene) - converged_tip).norm() / converged_tip.norm();
-}
-
-Scene bend(Metric metric, Form form, int order, int elements, Rule rule = Rule::gauss) {
-  Scene scene = with(model_scene("bend45", {{"in", "1"}, {"lb", "1"}}), metric, form);
-  scene.beams.at(0).order = order;
-  scene.beams.at(0).elements = elements;
-  scene.beams.at(0).rule = rule;
-  return scene;
-}
-
-// Meshes that are fine enough to show the order, and errors above the round-off of the solution, which is
-// about 1e-15 of the displacement.
-const std::vector<std::vector<int>> meshes = {
-    {16, 32, 64}, {8, 16, 32}, {4, 8, 16}, {4, 8, 16}, {2, 4, 8}};  // N = 1, 2, …
-constexpr double finest[] = {5e-4, 1e-6, 1e-8, 1e-11, 1e-11};       // bounds of the finest's error
-
-class OrderInSpace : public testing::TestWithParam<std::tuple<Metric, Form>> {};
-
-// Slopes of the last halving, worst of metrics and forms: N = 1 1.999, 2 3.98, 3 5.96, 4 7.59, 5 9.77.
-TEST_P(OrderInSpace, IsTwiceTheOrderOfTheElements) {
-  const auto [metric, form] = GetParam();
-  for (int N = 1; N <= 5; ++N) {
-    std::vector<double> length, error;
-    for (const int elements : meshes[static_cast<std::size_t>(N - 1)]) {
-      length.push_back(1.0 / elements);
-      error.push_back(tip_error(bend(metric, form, N, elements)));
-    }
-    const std::vector<double> slopes = orders(length, error);
-    EXPECT_NEAR(slopes.back(), 2.0 * N, 0.06 * 2 * N)
-        << "N = " << N << ": errors " << listed(error) << ", slopes " << listed(slopes);
-    EXPECT_NEAR(fitted_order(length, error), 2.0 * N, 0.1 * 2 * N) << "N = " << N;
-    EXPECT_LT(error.back(), finest[static_cast<std::size_t>(N - 1)]) << "N = " << N;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Every, OrderInSpace,
-                         testing::Combine(testing::ValuesIn(all_metrics),
-                                          testing::ValuesIn(all_forms)),
-                         [](const auto& p) {
-                           return name_of(std::get<0>(p.param)) + "_" +
-                                  name_of(std::get<1>(p.param));
-                         });
-
-// Errors of the geodesic metric and the paper's form that the scene lists, to their two or three digits.
-TEST(Bend45, HasTheListedErrors) {
-  struct Row {
-    int order, elements;
-    double error, tolerance;
-    Rule rule = Rule::gauss;
-  };
-  for (const Row& row :
-       {Row{2, 8, 8.28e-6, 0.01}, Row{2, 16, 5.29e-7, 0.01}, Row{3, 8, 2.98e-8, 0.01},
-        Row{3, 16, 4.77e-10, 0.01}, Row{4, 8, 5.48e-11, 0.01}, Row{4, 16, 2.20e-13, 0.1},
-        Row{5, 8, 9.21e-14, 0.1}, Row{2, 8, 3.7e-3, 0.02, Rule::gauss_lobatto},
-        Row{3, 8, 5.3e-6, 0.02, Rule::gauss_lobatto}}) {
-    EXPECT_NEAR(tip_error(bend(Metric::geodesic, Form::paper, row.order, row.elements, row.rule)),
-                row.error, row.tolerance * row.error)
-        << "N = " << row.order << ", " << row.elements << " elements";
-  }
-}
-
-// The paper's table 1, 8 three-node elements, Gauss and Gauss-Lobatto, to the printed digits; its section
-// was not rounded, which is worth 1e-3.
-TEST(Bend45, AgreesWithThePaper) {
-  const Vec3 gauss = tip_displacement(bend(Metric::geodesic, Form::paper, 2, 8));
-  const Vec3 lobatto =
-      tip_displacement(bend(Metric::geodesic, Form::paper, 2, 8, Rule::gauss_lobatto));
-  EXPECT_LT((gauss - Vec3(-13.731, -23.818, 53.607)).cwiseAbs().maxCoeff(), 1e-2);
-  EXPECT_LT((lobatto - Vec3(-13.670, -23.712, 53.421)).cwiseAbs().maxCoeff(), 1e-2);
-}
-
-TEST(Bend45, WithoutCoupling) {
-  Scene scene = bend(Metric::geodesic, Form::energy, 4, 8);
-  scene.sections.at(0).stiffness(0, 5) = scene.sections.at(0).stiffness(5, 0) = 0.0;
-  const Vec3 u = tip_displacement(scene);
-  EXPECT_LT((u - Vec3(-13.73505, -23.82530, 53.61372)).cwiseAbs().maxCoeff(), 6e-6);
-}
-
-// The Gauss-Lobatto rule locks: N points instead of the Gauss points, an error a hundred times larger.
-TEST(Bend45, GaussLobattoLocks) {
-  for (const Form form : all_forms) {
-    for (int N = 2; N <= 4; ++N) {
-      const double gauss = tip_error(bend(Metric::geodesic, form, N, 8));
-      const double lobatto = tip_error(bend(Metric::geodesic, form, N, 8, Rule::gauss_lobatto));
-      EXPECT_GT(lobatto, 100 * gauss) << "N = " << N;
-    }
-  }
-}
-
-// 10 % more of any entry of D, and the error is no longer one of the mesh.
-TEST(OrderInSpaceMutation, AnyEntryOfTheStiffness) {
-  for (const auto& [i, j] : {std::pair{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {0, 5}}) {
-    std::vector<double> length, error;
-    for (const int elements : {4, 8, 16}) {
-      Scene scene = bend(Metric::geodesic, Form::energy, 3, elements);
-      Mat6& D = scene.sections.at(0).stiffness;
-      D(i, j) *= 1.1;
-      if (i != j) D(j, i) *= 1.1;
-      length.push_back(1.0 / elements);
-      error.push_back(tip_error(scene));
-    }
-    EXPECT_LT(orders(length, error).back(), 1.0) << i + 1 << j + 1 << ": " << listed(error);
-    EXPECT_GT(error.back(), 1e-8) << i + 1 << j + 1;
-  }
-}
 
 }  // namespace
 }  // namespace mbd::test

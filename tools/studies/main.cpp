@@ -1,0 +1,32 @@
+// mbd_study: studies of accuracy, each a subcommand that writes tables (CSV) and pictures (SVG) into a directory.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "tools/studies/study.hpp"
+
+int main(int argc, char** argv) {
+  CLI::App app("Studies of accuracy: tables and pictures in a directory.", "mbd_study");
+  app.require_subcommand(1);
+  std::string out = "study_results";
+  const auto add = [&](const char* name, const char* text,
+                       void (*study)(const std::filesystem::path&)) {
+    CLI::App* command = app.add_subcommand(name, text);
+    command->add_option("--out", out, "Directory of the results")->capture_default_str();
+    command->callback([&out, study] { study(out); });
+  };
+  add("bend45",
+      "The paper's first example: errors over elements and CPU time, strains (figures 4-7)",
+      mbd::studies::bend45);
+  add("locking", "Errors over slenderness of straight and curved cantilevers",
+      mbd::studies::locking);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "mbd_study: %s\n", e.what());
+    return 1;
+  }
+  return 0;
+}
