@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
   add("bend45",
       "The paper's first example: errors over elements and CPU time, strains (figures 4-7)",
       mbd::studies::bend45);
+  add("dynamic", "The same bend let go: errors of its motion over elements and CPU time",
+      mbd::studies::dynamic);
   add("locking", "Errors over slenderness of straight and curved cantilevers",
       mbd::studies::locking);
   try {

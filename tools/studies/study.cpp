@@ -30,6 +30,7 @@ const std::vector<Series>& all_series() {
       spectral("energy", Form::energy, "matrix", Metric::matrix),
       spectral("energy", Form::energy, "quaternion", Metric::quaternion),
       spectral("energy", Form::energy, "geodesic", Metric::geodesic),
+      {"energy", "classical", [](BeamScene& beam) { beam.kinematics = Kinematics::classical; }},
   };
   return series;
 }

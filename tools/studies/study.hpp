@@ -63,5 +63,6 @@ void write(const std::filesystem::path& directory, const std::string& name,
 // The studies: write their files into a directory.
 void bend45(const std::filesystem::path& directory);
 void locking(const std::filesystem::path& directory);
+void dynamic(const std::filesystem::path& directory);
 
 }  // namespace mbd::studies
