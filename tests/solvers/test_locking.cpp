@@ -69,7 +69,9 @@ const Vec3& shot_tip(Line line, double slenderness) {
 }
 
 Scene cantilever(Line line, double slenderness) {
-  Scene scene = model_scene("bend45");
+  static const Scene bend45 =
+      model_scene("bend45");  // for its clamp, its record and its load steps
+  Scene scene = bend45;
   const double EA = 12 * slenderness * slenderness, GA = 5 * slenderness * slenderness;
   scene.sections.at(0).stiffness = Vec6(EA, GA, GA, 0.843462, 1.0, 1.0).asDiagonal();
   BeamScene& beam = scene.beams.at(0);
@@ -114,11 +116,11 @@ constexpr double slendernesses[] = {1e1, 1e3, 1e5};
 
 // Measured: the errors at the three slendernesses differ by less than 4 % of each other.
 TEST(Locking, GaussDoesNotLock) {
-  constexpr double most[] = {0.0, 0.0, 5e-3, 5e-5, 5e-7};  // by order
+  constexpr double most[] = {0.0, 0.0, 5e-3, 5e-5};  // by order
   for (const Line line : all_lines)
     for (const Metric metric : all_metrics)
       for (const Form form : all_forms)
-        for (int order = 2; order <= 4; ++order) {
+        for (const int order : {2, 3}) {
           double least = 1.0, greatest = 0.0;
           for (const double slenderness : slendernesses) {
             const double error =
@@ -135,20 +137,20 @@ TEST(Locking, GaussDoesNotLock) {
         }
 }
 
-// Energy form, where every mesh has an equilibrium; the paper's form often has none. N = 4; measured: straight
-// 140 (matrix), 2000, 80000 (geodesic) times the error from slenderness 10 to 1e5, the arc 9, 140, 1500; at
-// 1e5 1000 to 5e6 times the error of Gauss rules.
+// Energy form, where every mesh has an equilibrium; the paper's form often has none. N = 3; measured: straight
+// 26 (matrix), 380, 1400 (geodesic) times the error from slenderness 10 to 1e5, the arc 8, 86, 400; at 1e5 400 to
+// 70000 times the error of Gauss rules.
 TEST(Locking, GaussLobattoLocks) {
   for (const Line line : all_lines)
     for (const Metric metric : all_metrics) {
       const auto error = [&](Rule rule, double slenderness) {
-        return error_of(cantilever(line, slenderness, metric, Form::energy, rule, 4),
+        return error_of(cantilever(line, slenderness, metric, Form::energy, rule, 3),
                         shot_tip(line, slenderness));
       };
       const double thick = error(Rule::gauss_lobatto, 1e1);
       const double slender = error(Rule::gauss_lobatto, 1e5);
-      EXPECT_GT(slender, (line == Line::straight ? 100 : 8) * thick) << name_of(metric);
-      EXPECT_GT(slender, 500 * error(Rule::gauss, 1e5)) << name_of(metric);
+      EXPECT_GT(slender, (line == Line::straight ? 20 : 7) * thick) << name_of(metric);
+      EXPECT_GT(slender, 300 * error(Rule::gauss, 1e5)) << name_of(metric);
     }
 }
 
@@ -172,8 +174,8 @@ TEST(LockingMutation, OfTheCantilever) {
     for (const double slenderness : slendernesses) {
       const Vec3 reference = shot_tip(line, slenderness);
       const Scene right =
-          cantilever(line, slenderness, Metric::geodesic, Form::energy, Rule::gauss, 4);
-      ASSERT_LT(error_of(right, reference), 1e-7);
+          cantilever(line, slenderness, Metric::geodesic, Form::energy, Rule::gauss, 3);
+      ASSERT_LT(error_of(right, reference), 2e-6);
       Scene scene = right;
       scene.sections.at(0).stiffness(5, 5) *= 1.1;
       EXPECT_GT(error_of(scene, reference), 1e-2) << "D66";
@@ -185,7 +187,7 @@ TEST(LockingMutation, OfTheCantilever) {
       for (const Index i : {0, 1}) {
         scene = right;
         scene.sections.at(0).stiffness(i, i) *= 1.1;
-        EXPECT_GT(error_of(scene, reference), 1e-6) << "D" << i + 1 << i + 1;
+        EXPECT_GT(error_of(scene, reference), 1e-5) << "D" << i + 1 << i + 1;
       }
     }
   }

@@ -226,12 +226,12 @@ void figures_6_and_7(const std::filesystem::path& directory) {
       panels.push_back(std::move(panel));
     }
     write(directory, component == 0 ? "figure_6.svg" : "figure_7.svg",
-          plot::to_svg(
-              panels, {.columns = 1,
-                       .note = "8 four-node elements, the paper's form. The paper's figure is that "
-                               "of the quaternion metric.",
-                       .title = component == 0 ? "bend45: axial strain of the root element"
-                                               : "bend45: shear strain γ12 of the root element"}));
+          plot::to_svg(panels,
+                       {.columns = 1,
+                        .note = "8 four-node elements, the paper's form. The greatest strains "
+                                "of the paper's figures, 250 and 80, are the quaternion metric's.",
+                        .title = component == 0 ? "bend45: axial strain of the root element"
+                                                : "bend45: shear strain γ12 of the root element"}));
   }
 }
 

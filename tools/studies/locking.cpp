@@ -80,7 +80,8 @@ void locking(const std::filesystem::path& directory) {
   Csv csv(fmt::format(
       "# locking: relative error of the tip's displacement, {} elements; reference_uncertainty: "
       "difference of two references\n"
-      "line,form,series,rule,order,slenderness,converged,error,reference_u1,reference_u2,"
+      "line,form,series,rule,order,slenderness,converged,error,iterations,load_steps,reference_u1,"
+      "reference_u2,"
       "reference_uncertainty",
       elements));
   for (const Line line : {Line::straight, Line::arc}) {
@@ -119,7 +120,8 @@ void locking(const std::filesystem::path& directory) {
               csv << error;
             else
               csv << "";
-            csv << reference(0) << reference(1) << uncertainty;
+            csv << solution.iterations << solution.load_steps << reference(0) << reference(1)
+                << uncertainty;
             csv.end_row();
             const bool gauss = rule == Rule::gauss;
             plot::Curve& curve = panels[s].curves[2 * n + (gauss ? 0 : 1)];

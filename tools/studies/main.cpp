@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "libmbd/front/files.hpp"
 #include "tools/studies/study.hpp"
 
 int main(int argc, char** argv) {
@@ -13,7 +14,10 @@ int main(int argc, char** argv) {
                        void (*study)(const std::filesystem::path&)) {
     CLI::App* command = app.add_subcommand(name, text);
     command->add_option("--out", out, "Directory of the results")->capture_default_str();
-    command->callback([&out, study] { study(out); });
+    command->callback([&out, study] {
+      mbd::make_directory(out);  // before anything is computed
+      study(out);
+    });
   };
   add("bend45",
       "The paper's first example: errors over elements and CPU time, strains (figures 4-7)",
