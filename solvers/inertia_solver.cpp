@@ -25,7 +25,8 @@ enum Control {
   more_memory = 14
 };
 constexpr MUMPS_INT general_symmetric = 2;
-constexpr MUMPS_INT not_enough_memory = -9;
+constexpr MUMPS_INT integer_workspace_too_small = -8, real_workspace_too_small = -9;
+constexpr MUMPS_INT numerically_singular = -10;
 
 class MumpsSolver : public InertiaSolver {
  public:
@@ -33,7 +34,8 @@ class MumpsSolver : public InertiaSolver {
     mumps_.sym = general_symmetric;
     mumps_.par = 1;
     mumps_.comm_fortran = -987654;  // MPI_COMM_WORLD, of the sequential library
-    run(initialize);
+    if (run(initialize) < 0)
+      throw Error("MUMPS does not start (error " + std::to_string(mumps_.infog[0]) + ")");
     for (const Control stream : {errors_to, diagnostics_to, global_to}) control(stream) = -1;
     control(verbosity) = 0;
     control(root_sequential) = 1;  // so that negative pivots of the root are counted
@@ -134,7 +136,10 @@ class MumpsSolver : public InertiaSolver {
         negative_ = mumps_.infog[11];
         return FactorStatus::ok;
       }
-      if (status != not_enough_memory) break;
+      if (status == numerically_singular) break;
+      if (status != integer_workspace_too_small && status != real_workspace_too_small)
+        throw Error("the factorisation of the symmetric tangent failed (MUMPS error " +
+                    std::to_string(status) + ")");
     }
     return FactorStatus::singular;
   }

@@ -15,8 +15,13 @@ namespace {
 
 constexpr double most_turn = 0.5;  // [rad] of the tangent in a step; steps aim at half of it
 constexpr int easy_iterations = 6, most_easy = 9;  // of the corrector: steps grow, stay
-constexpr double located = 1e-6;          // what remains of a root's bracket, of the step's
+constexpr double located = 1e-6;           // what remains of a root's bracket, of the step's
 constexpr double balanced = 1e-8;          // force along a mode, of the change of its eigenvalue
+constexpr double most_first_steps = 20.0;  // of the load, in a step that moves nothing
+constexpr int most_halvings = 5;           // of a step in which an event could not be located
+constexpr int most_leaps = 4;
+constexpr int most_in_a_step = 8;         // singular points
+constexpr double on_value = 1e-9;         // of a crossing's change in a step
 constexpr double smallest_step = 1e-9;    // of max_step
 constexpr double largest_rotation = 1.0;  // [rad] of a corrector's increment
 
@@ -82,13 +87,17 @@ class Follower {
     Point start;
     start.state = state;
     if (!first_tangent(start)) return std::move(report_);
-    start.index = index(start);
+    if (!index_at_start(start)) return std::move(report_);
     if (!accept(start, PathEvent::none, 0)) return std::move(report_);
     last_ = start.state;
     if (options_.direction != PathDirection::backward) trace(start, 0, "");
     if (going_ && options_.direction != PathDirection::forward) {
       Point back = start;
-      back.tangent = -back.tangent;
+      if (options_.direction == PathDirection::both) {
+        back.tangent = -back.tangent;
+        if (!index_at_start(back)) return std::move(report_);
+        if (!accept(back, PathEvent::none, -1)) return std::move(report_);
+      }
       trace(back, -1, options_.direction == PathDirection::both ? "backward " : "");
     }
     if (going_ && options_.branch != 0) follow_branch();
@@ -110,6 +119,7 @@ class Follower {
   struct Bifurcation {
     Point point;
     VecX mode;
+    Index branches = 1;  // as many as eigenvalues that change their sign there
   };
   struct Event {
     double h;
@@ -163,7 +173,7 @@ class Follower {
       return false;
     }
     VecX z = -rate_.tail(n_);
-    if (z.isZero()) {
+    if (z.cwiseAbs().maxCoeff() == 0.0) {
       report_.failure = "no load and no prescribed motion grows with the load factor";
       return false;
     }
@@ -173,10 +183,23 @@ class Follower {
       report_.failure = "the tangent is singular at the start: the structure can move freely";
       return false;
     }
-    if (!(c2_ > 0.0)) c2_ = 1.0;  // the loads move nothing
+    // Where the loads hardly move anything, as along a straight column, a step is one of the load.
+    const double least = options_.max_step / (most_first_steps * options_.step);
+    c2_ = std::max(c2_, least * least);
     start.tangent.resize(n_ + 1);
     start.tangent << z, 1.0;
     start.tangent /= std::sqrt(dot(start.tangent, start.tangent));
+    if (options_.direction == PathDirection::backward) start.tangent = -start.tangent;
+    return true;
+  }
+
+  bool index_at_start(Point& start) {
+    const VecX ahead = start.tangent;
+    if (!tangent(start, ahead)) {
+      report_.failure = "the tangent is singular at the start: the structure can move freely";
+      return false;
+    }
+    start.index = index(start);
     return true;
   }
 
@@ -246,7 +269,7 @@ class Follower {
       norm.observe(point.state.lambda);
       const double e = norm({x.data(), static_cast<std::size_t>(n_)}, 1.0);
       if (!std::isfinite(e)) return std::nullopt;
-      if (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3)) {
+      if (e < 1.0 || (k > 2 && e < 1e3 && e > 0.5 * previous && previous < 1e3)) {
         // Without motion along the mode the force along it must vanish by itself.
         if (deflated_.size() > 0 &&
             !(std::abs(deflated_.head(n_).dot(r.tail(n_))) <= balanced * scale_))
@@ -343,7 +366,7 @@ class Follower {
     double f_left = left.value, f_right = right.value;  // Illinois' weights on values
     bool singular = false;                              // to round-off
     int last_side = 0;
-    for (int k = 0; k < 80 && !singular; ++k) {
+    for (int k = 0; k < 40 && !singular; ++k) {
       if (std::abs(right.h - left.h) <= 1e-14 * std::abs(b)) break;
       double h = 0.5 * (left.h + right.h);
       // Far from the root the eigenvalues nearest to zero may be others at the two ends.
@@ -392,12 +415,22 @@ class Follower {
     if (found.shape.size() == 0 || !(singular || std::abs(found.value) <= located * scale ||
                                      std::abs(right.h - left.h) <= located * std::abs(b - a)))
       return std::nullopt;
+    // The matrix of (1) is singular here, and its tangent holds some of the mode: the tangents of the ends do
+    // not.
+    const double share = (found.h - a) / (b - a);
+    best.tangent = (1.0 - share) * at_a.tangent + share * at_b.tangent;
+    best.tangent /= std::sqrt(dot(best.tangent, best.tangent));
     return Event{found.h, PathEvent::bifurcation, false, best, found.shape, at_a.index, after};
   }
 
-  // Events with 0 < h < whole, in order. Empty if one of them could not be located: in a shorter step it can.
-  std::optional<std::vector<Event>> events(const Point& from, const Point& to, double whole) {
-    std::vector<Event> found;
+  // Events with 0 < h < whole, in order. `all` is false if one of them could not be located: in a shorter step
+  // it can. A stop is always there, at the end of the step if not where it is.
+  struct Met {
+    std::vector<Event> events;
+    bool all = true;
+  };
+  Met events(const Point& from, const Point& to, double whole) {
+    Met met;
     const double tolerance = 1e-14 * std::abs(whole);
     // Roots of t_mu.
     std::vector<double> limits;
@@ -411,16 +444,20 @@ class Follower {
           0.0, from.tangent(n_), whole, to.tangent(n_), tolerance);
       std::optional<Point> point = between(from, h);
       const double change = std::abs(from.tangent(n_) - to.tangent(n_));
-      if (!point || std::abs(point->tangent(n_)) > located * change) return std::nullopt;
-      limits.push_back(h);
-      const VecX mode = point->tangent.head(n_);
-      found.push_back(
-          {h, PathEvent::limit, false, std::move(*point), mode, std::nullopt, std::nullopt});
+      if (point && std::abs(point->tangent(n_)) <= located * change) {
+        limits.push_back(h);
+        const VecX mode = point->tangent.head(n_);
+        met.events.push_back(
+            {h, PathEvent::limit, false, std::move(*point), mode, std::nullopt, std::nullopt});
+      } else {
+        met.all = false;
+      }
     }
     for (const PathCrossing& crossing : options_.crossings) {
       const double f0 = crossing.excess(from.state), f1 = crossing.excess(to.state);
-      if (f0 == 0.0 || (f0 < 0.0) == (f1 < 0.0)) continue;
-      const double h = find_root(
+      // What begins on the value, to round-off, does not cross it.
+      if (std::abs(f0) <= on_value * std::abs(f1 - f0) || (f0 < 0.0) == (f1 < 0.0)) continue;
+      double h = find_root(
           [&](double x) -> std::optional<double> {
             int iterations = 0;
             const std::optional<Point> point = correct(from, x, iterations);
@@ -429,20 +466,25 @@ class Follower {
           },
           0.0, f0, whole, f1, tolerance);
       std::optional<Point> point = between(from, h);
-      if (!point || std::abs(crossing.excess(point->state)) > located * std::abs(f1 - f0))
-        return std::nullopt;
-      found.push_back({h, PathEvent::crossing, crossing.stops, std::move(*point), {}, {}, {}});
+      if (!point || std::abs(crossing.excess(point->state)) > located * std::abs(f1 - f0)) {
+        met.all = false;
+        point = to;
+        h = whole;
+      } else {
+        point->index = index(*point);
+      }
+      met.events.push_back({h, PathEvent::crossing, crossing.stops, std::move(*point), {}, {}, {}});
     }
-    if (!find_bifurcations(from, to, whole, limits, found)) return std::nullopt;
-    std::sort(found.begin(), found.end(), [](const Event& a, const Event& b) { return a.h < b.h; });
-    return found;
+    if (!find_bifurcations(from, to, whole, limits, met.events)) met.all = false;
+    std::sort(met.events.begin(), met.events.end(),
+              [](const Event& a, const Event& b) { return a.h < b.h; });
+    return met;
   }
 
   // Changes of the index that are no limit points.
   bool find_bifurcations(const Point& from, const Point& to, double whole,
                          const std::vector<double>& limits, std::vector<Event>& found) {
     if (!from.index || !to.index) return true;
-    constexpr double margin = 1e-5;  // on both sides of a limit point, of the step
     struct Piece {
       double a, b;
       Point at_a, at_b;
@@ -451,11 +493,17 @@ class Follower {
     double a = 0.0;
     Point at_a = from;
     for (const double h : limits) {
-      std::optional<Point> left = between(from, h - margin * whole);
-      if (left) left->index = index(*left);
-      std::optional<Point> right = between(from, h + margin * whole);
-      if (right) right->index = index(*right);
-      if (!left || !right || !left->index || !right->index) return false;
+      // Near enough to tell it from others, far enough to see it: where it is, is known to a share only.
+      double margin = 1e-5;
+      std::optional<Point> left, right;
+      for (; margin < 2e-3; margin *= 10.0) {
+        left = between(from, h - margin * whole);
+        if (left) left->index = index(*left);
+        right = between(from, h + margin * whole);
+        if (right) right->index = index(*right);
+        if (!left || !right || !left->index || !right->index) return false;
+        if (left->index != right->index || !stability_) break;
+      }
       for (Event& event : found)
         if (event.kind == PathEvent::limit && event.h == h) {
           event.before = left->index;
@@ -467,21 +515,30 @@ class Follower {
     }
     pieces.push_back({a, whole, at_a, to});
     for (Piece& piece : pieces) {
-      for (int k = 0; k < 12 && piece.at_a.index != piece.at_b.index; ++k) {
+      for (int k = 0; k < most_in_a_step && piece.at_a.index != piece.at_b.index; ++k) {
         std::optional<Event> event = find_singular(from, piece.a, piece.at_a, piece.b, piece.at_b);
         if (!event) return false;
-        const std::optional<Index> after = event->after;
         const double h = event->h;
+        // Goes on behind it, as near to it as it shows there.
+        std::optional<Point> behind;
+        double next = h;
+        for (double ahead = 1e-4; ahead < 2e-2; ahead *= 10.0) {
+          next = h + ahead * (piece.b - piece.a);
+          if ((next - piece.b) * whole >= 0.0) {
+            next = piece.b;
+            behind = piece.at_b;
+            break;
+          }
+          behind = between(from, next);
+          if (behind) behind->index = index(*behind);
+          if (!behind || !behind->index) return false;
+          if (behind->index != piece.at_a.index) break;
+        }
+        if (behind->index == piece.at_a.index) return false;
+        event->after = behind->index;
         found.push_back(std::move(*event));
-        // Goes on behind it.
-        const double next = h + 1e-4 * (piece.b - piece.a);
-        if ((next - piece.b) * whole >= 0.0) break;
-        std::optional<Point> behind = between(from, next);
-        if (!behind) return false;
-        behind->index = index(*behind);
-        if (!behind->index) behind->index = after;
         piece.a = next;
-        piece.at_a = *behind;
+        piece.at_a = std::move(*behind);
       }
     }
     return true;
@@ -515,7 +572,10 @@ class Follower {
     if (event.mode.size() > 0) special.motion = name_of_motion(system_, event.mode);
     special.mode = event.mode;
     report_.special.push_back(std::move(special));
-    if (event.kind == PathEvent::bifurcation) bifurcations_.push_back({event.point, event.mode});
+    if (event.kind == PathEvent::bifurcation)
+      bifurcations_.push_back(
+          {event.point, event.mode,
+           event.before && event.after && stability_ ? std::abs(*event.after - *event.before) : 1});
   }
 
   void finish(const std::string& who, const std::string& why) {
@@ -527,6 +587,8 @@ class Follower {
     const double per_load = std::abs(at.tangent(n_));
     double h = per_load > 0.0 && branch <= 0 ? options_.step / per_load : 0.1 * options_.max_step;
     h = std::min(h, options_.max_step);
+    int halvings = 0, leaps = 0;
+    bool passing = false;  // an event that cannot be located
     for (int count = 1; count < options_.points;) {
       const double left = options_.length - std::abs(at.arc);
       if (left <= 0.0) return finish(who, "the length asked for is reached");
@@ -544,6 +606,11 @@ class Follower {
       if (!next) {
         ++report_.counters.retries;
         h *= 0.5;
+        // Within round-off of a singular point small steps do not converge; a large one may get past it.
+        if (h < smallest_step * options_.max_step && leaps < most_leaps) {
+          h = options_.max_step / std::pow(4.0, ++leaps);
+          continue;
+        }
         if (h < smallest_step * options_.max_step) {
           report_.failure = fmt::format(
               "the path cannot be followed beyond load factor {:.9g}: {}", at.state.load_factor,
@@ -554,16 +621,24 @@ class Follower {
       }
       next->index = index(*next);
       if (!next->index && stability_) next->index = at.index;  // at a singular point, to round-off
-      std::optional<std::vector<Event>> met = events(at, *next, h);
-      if (!met && h > 1e-3 * options_.max_step) {
+      Met met = events(at, *next, h);
+      if (!met.all && !passing) {
         ++report_.counters.retries;
-        h *= 0.5;
+        passing = ++halvings == most_halvings;
+        h *= passing ? std::pow(2.0, most_halvings - 1) : 0.5;  // small steps have not helped
         continue;
       }
-      if (!met) met.emplace();
-      for (Event& event : *met) {
-        if (!event.point.index)
-          event.point.index = event.kind == PathEvent::crossing ? next->index : at.index;
+      passing = false;
+      halvings = leaps = 0;
+      if (!met.all)
+        report_.notes.push_back(fmt::format(
+            "between load factors {:.9g} and {:.9g} the path has a point that could not be "
+            "located{}",
+            at.state.load_factor, next->state.load_factor,
+            at.index && next->index && at.index != next->index && stability_
+                ? fmt::format(": negative eigenvalues {} -> {}", *at.index, *next->index)
+                : std::string()));
+      for (Event& event : met.events) {
         note(event, branch);
         system_.follow_angles(event.point.state);
         ++count;
@@ -592,6 +667,14 @@ class Follower {
       return;
     }
     Bifurcation& from = bifurcations_[number - 1];
+    if (from.branches > 1) {
+      report_.failure = fmt::format(
+          "{} branches or more leave bifurcation {} at once, by symmetry: hold the others by "
+          "joints, or "
+          "break the symmetry a little, to follow one",
+          from.branches, number);
+      return;
+    }
     VecX direction = VecX::Zero(n_ + 1);
     direction.head(n_) = from.mode;
     direction -= dot(direction, from.point.tangent) * from.point.tangent;
@@ -605,6 +688,8 @@ class Follower {
     start.bend.resize(0);
     start.index.reset();  // of the path it leaves
     start.is_branching = true;
+    start.arc = 0.0;
+    if (!accept(start, PathEvent::none, 1)) return;
     trace(start, 1, "branch: ");
   }
 

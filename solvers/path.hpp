@@ -36,8 +36,10 @@ struct PathCrossing {
 
 struct PathPoint {
   const State& state;
-  double arc_length = 0.0;  // sum of the steps |h| from the start; negative backward [-]
-  int branch = 0;           // 0 from the start forward, -1 backward, 1 from a bifurcation
+  double arc_length =
+      0.0;         // sum of the steps |h| from the start, or of a branch from its bifurcation;
+                   // negative backward [-]
+  int branch = 0;  // 0 from the start forward, -1 backward, 1 from a bifurcation
   PathEvent event = PathEvent::none;
   std::optional<Index> negative;  // eigenvalues; empty if not counted
 };
@@ -73,7 +75,8 @@ struct PathReport {
   Counters counters;
   int most_iterations = 0;
   double least_load = 0.0, most_load = 0.0;
-  double asymmetry = 0.0;  // largest of the tangent at counted points, relative
+  std::vector<std::string> notes;  // what was not located
+  double asymmetry = 0.0;          // largest of the tangent at counted points, relative
   std::vector<SpecialPoint> special;
 };
 

@@ -258,8 +258,8 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
                               jump.size, jump.t));
     }
   }
-  // The scene is drawn where the law starts.
-  if (const double start = signal(0.0).f; !(std::abs(start) <= 1e-12))
+  // The scene is drawn where the law starts; without a transient the value at t = 0 grows from nothing.
+  if (const double start = signal(0.0).f; scene_.transient && !(std::abs(start) <= 1e-12))
     throw Error(source,
                 fmt::format("{}: the {} is {:.6g} at t = 0, but must start at 0: it counts from "
                             "the geometry as given; subtract this from the law",

@@ -116,12 +116,25 @@ std::size_t find_column(std::span<const Column> columns, const std::string& name
                           suggest(name, known, "columns") + "; a <record> makes more of them");
 }
 
+std::vector<std::size_t> find_marks(const Scene& scene, std::span<const Column> columns) {
+  std::vector<std::size_t> found;
+  if (!scene.path) return found;
+  for (const PathMarkScene& mark : scene.path->marks) {
+    const std::string who = mark.stops ? "stop" : "mark";
+    for (const char* own : {"arc_length", "branch", "event", "negative_eigenvalues"})
+      if (mark.quantity == own)
+        throw Error(mark.source, who + ": \"" + own +
+                                     "\" says where on the path a point is, and is no mark; the "
+                                     "attributes length and points of <path> end it");
+    found.push_back(find_column(columns, mark.quantity, mark.source, who));
+  }
+  return found;
+}
+
 void check_outputs(const Scene& scene, const Model& model) {
   const Expectations expectations(scene, model);
   const std::vector<Column> known = columns(model);
-  if (scene.path)
-    for (const PathMarkScene& mark : scene.path->marks)
-      find_column(known, mark.quantity, mark.source, mark.stops ? "stop" : "mark");
+  find_marks(scene, known);
   for (const PlotScene& plot : scene.plots) {
     if (!plot.x.empty()) find_column(known, plot.x, plot.source, "plot");
     for (const std::string& name : plot.y) find_column(known, name, plot.source, "plot");

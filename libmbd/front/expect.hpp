@@ -38,6 +38,9 @@ class Expectations : public Observer {
 std::size_t find_column(std::span<const Column> columns, const std::string& name,
                         const Source& source, const std::string& who);
 
+// The columns that the marks and stops of a scene's path refer to. Throws Error for others.
+std::vector<std::size_t> find_marks(const Scene& scene, std::span<const Column> columns);
+
 // Checks what plots and expectations ask of a run, without one: columns of the results and sample times.
 // Throws Error as Expectations and HistoryPlot do.
 void check_outputs(const Scene& scene, const Model& model);

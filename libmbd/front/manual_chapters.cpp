@@ -405,7 +405,8 @@ bifurcation; `event`: 0 none, 1 limit point, 2 bifurcation, 3 mark or stop;
 `negative_eigenvalues`; and the records), `path.svg`, `shapes.svg` (the deformed beams at the events) and
 `report.json`.
 
-`negative_eigenvalues` counts the ways in which an equilibrium is unstable: 0 is stable. It is there
+`negative_eigenvalues` counts the ways in which an equilibrium is unstable: 0 is stable, -1 not known
+to round-off. It is there
 when all forces have a potential: no dead moments, no follower loads, beams not in the paper's
 form. Without it bifurcations are found where a determinant changes its sign.
 

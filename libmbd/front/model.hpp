@@ -30,7 +30,7 @@ struct PathPlace {
   double arc_length = 0.0;
   int branch = 0;
   PathEvent event = PathEvent::none;
-  Index negative = 0;  // eigenvalues
+  Index negative = 0;  // eigenvalues; -1: not known, within round-off of a singular point
 };
 
 struct Model {

@@ -581,7 +581,8 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
             &style_of(panel, other) == &style)
           sample(panel.curves[other]);
       if (!curve.points_only) sample(curve);
-      if (marked[i] || curve.points_only) svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
+      if (marked[i] || curve.points_only)
+        svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
       svg += text_at(item + legend_line, top + 4.0, "start", legend_text(curve));
       item += legend_width(curve);
     }
@@ -863,7 +864,8 @@ HistoryPlot::HistoryPlot(std::filesystem::path file, const Scene& scene, const M
   // Of a path, after what the path itself says, and the load factor upwards.
   const bool is_path = model.path != nullptr;
   std::vector<std::size_t> all;
-  for (std::size_t y = is_path ? 1 + model.channels.front().columns.size() : 1; y < known.size(); ++y)
+  for (std::size_t y = is_path ? 1 + model.channels.front().columns.size() : 1; y < known.size();
+       ++y)
     all.push_back(y);
   plot::QuantityPanels made = plot::quantity_panels(known, all, 0);
   panels_ = std::move(made.panels);
@@ -885,7 +887,7 @@ void HistoryPlot::follow_path(const PathPlace& place, std::span<const double> ro
     for (Source& s : sources_) {
       plot::Panel& panel = panels_[s.panel];
       plot::Curve curve;
-      curve.label = panel.curves[s.curve].label + (branch_ < 0 ? ", backward" : ", branch");
+      curve.label = panel.curves[s.first].label + (branch_ < 0 ? ", backward" : ", branch");
       s.curve = panel.curves.size();
       panel.curves.push_back(std::move(curve));
     }

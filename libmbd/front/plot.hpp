@@ -120,6 +120,7 @@ class HistoryPlot : public Observer {
     std::size_t panel, curve;
     std::size_t x, y;  // columns
     double x_scale, y_scale;
+    std::size_t first = curve;  // of a path: that from its start
   };
   void follow_path(const PathPlace& place, std::span<const double> row);
 

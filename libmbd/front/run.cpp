@@ -134,7 +134,7 @@ class Run {
     columns_ = columns(model_);
     row_.resize(columns_.size());
     expectations_ = std::make_unique<Expectations>(scene, model_);
-    find_marks();
+    marks_ = find_marks(scene, columns_);
     if (options.output) {
       const char* const name = scene.path ? "path.svg" : "history.svg";
       plot_ = std::make_unique<HistoryPlot>(*options.output / name, scene_, model_);
@@ -172,7 +172,7 @@ class Run {
                                     ? analyze_mechanism(system, model_.initial)
                                     : Mechanism{};
     refuse_redundant(model_, mechanism);
-    if (!scene_.transient && mechanism.freedoms() > 0)
+    if ((in_statics_ || scene_.path) && mechanism.freedoms() > 0)
       throw Error(
           scene_.statics ? scene_.statics->source : scene_.path->source,
           fmt::format(
@@ -205,7 +205,7 @@ class Run {
     std::error_code code;
     for (const char* old :
          {"report.json", "history.csv", "history.svg", "path.csv", "path.svg", "shapes.svg"})
-      std::filesystem::remove(directory / old, code);
+      if (old != name + ".csv") std::filesystem::remove(directory / old, code);
     history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_);
     observers_.push_back(history_.get());
     observers_.push_back(plot_.get());
@@ -254,17 +254,10 @@ class Run {
     report_.equilibrium += watch_.lap();
     if (report_.negative_eigenvalues.value_or(0) > 0)
       report_.notes.push_back(fmt::format(
-          "the equilibrium is unstable, in {} way{}: it would not stay there; <path> in place of "
-          "<static> shows where stability was lost",
+          "the equilibrium is unstable, in {} way{}: it would not stay there; where <path> in "
+          "place "
+          "of <static> can start from no load, it shows where stability is lost",
           *report_.negative_eigenvalues, *report_.negative_eigenvalues == 1 ? "" : "s"));
-  }
-
-  // The columns that marks of a path refer to.
-  void find_marks() {
-    if (!scene_.path) return;
-    for (const PathMarkScene& mark : scene_.path->marks)
-      marks_.push_back(
-          find_column(columns_, mark.quantity, mark.source, mark.stops ? "stop" : "mark"));
   }
 
   void follow(State& state) {
@@ -289,7 +282,7 @@ class Run {
            scene.marks[i].stops});
     options.accepted = [this](const PathPoint& point) {
       report_.equilibrium += watch_.lap();
-      *model_.path = {point.arc_length, point.branch, point.event, point.negative.value_or(0)};
+      *model_.path = {point.arc_length, point.branch, point.event, point.negative.value_or(-1)};
       const bool going = accept(point.state, true);
       report_.output += watch_.lap();
       return going;
@@ -304,6 +297,7 @@ class Run {
     report_.most_static_iterations = result.most_iterations;
     report_.special = result.special;
     report_.path_end = result.end;
+    report_.notes.insert(report_.notes.end(), result.notes.begin(), result.notes.end());
     report_.path_load = {result.least_load, result.most_load};
     report_.equilibrium += watch_.lap();
     if (!result.complete && report_.complete()) {

@@ -317,7 +317,8 @@ constexpr Attribute path_attributes[] = {
      "number of the bifurcation whose other branch is followed too; negative: to its other side; "
      "0: none",
      Range{-1e6, 1e6}},
-    {"tolerance", Kind::number, "", "1e-12", "of the corrector's increments, relative", positive},
+    {"tolerance", Kind::number, "", "1e-12", "of the corrector's increments, relative",
+     Range{1e-15, 1e-8}},
 };
 
 constexpr Attribute mark_attributes[] = {

@@ -300,7 +300,7 @@ const std::vector<BadModel>& bad_models() {
       {"path_direction_misspelled", "cantilever", {11}, "path",
         {"direction", R"("foreward")", R"("forward")"}, spelling},
       {"mark_of_no_column", "cantilever", {11}, "mark",
-        {R"("tip.displacement.4")", R"("tip.displacement.3")"},
+        {R"("tip.displacement.4")", R"("tip.displacement.1")"},
        [](Scene& s) {
          s.statics.reset();
          s.path = PathScene{};

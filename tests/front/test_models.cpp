@@ -153,8 +153,7 @@ TEST_F(RunOf, APathWritesItsResults) {
   EXPECT_FALSE(fs::exists(path_ / "history.csv"));
   std::vector<std::string> names;
   for (const fs::path& file : report.results) names.push_back(file.filename().string());
-  EXPECT_EQ(names,
-            (std::vector<std::string>{"path.csv", "path.svg", "shapes.svg", "report.json"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"path.csv", "path.svg", "shapes.svg", "report.json"}));
   for (const fs::path& file : report.results) EXPECT_GT(fs::file_size(file), 500u) << file;
 
   const History history = read_history(path_);

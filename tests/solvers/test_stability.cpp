@@ -154,10 +154,12 @@ TEST(KluSolver, SignOfTheDeterminant) {
 Scene column(double P, double ratio) {
   const auto number = [](double x) { return std::to_string(x); };
   return read_model_text(
-      "<mbd name=\"column\"><section name=\"s\"><stiffness EA=\"1e7\" GA2=\"1e7\" GA3=\"1e7\" GJ=\"1\" "
+      "<mbd name=\"column\"><section name=\"s\"><stiffness EA=\"1e7\" GA2=\"1e7\" GA3=\"1e7\" "
+      "GJ=\"1\" "
       "EI2=\"1\" EI3=\"" +
           number(ratio) +
-          "\"/></section><beam name=\"b\" section=\"s\" from=\"0 0 0\" to=\"1 0 0\" normal=\"0 0 1\" "
+          "\"/></section><beam name=\"b\" section=\"s\" from=\"0 0 0\" to=\"1 0 0\" normal=\"0 0 "
+          "1\" "
           "elements=\"6\" order=\"4\"/><universal name=\"foot\" between=\"ground b.start\" "
           "axis=\"0 1 0\" second_axis=\"0 0 1\"/><point_on_line name=\"head\" "
           "between=\"ground b.end\" axis=\"1 0 0\"/><load at=\"b.end\" force=\"" +
@@ -188,9 +190,11 @@ TEST(StabilityCount, EulerColumn) {
   const struct {
     double P, ratio;
     Index expected;
-  } cases[] = {{0.0, 1.0, 0}, {0.99, 1.0, 0}, {1.01, 1.0, 2}, {3.99, 1.0, 2}, {4.02, 1.0, 4},
-               {9.1, 1.0, 6}, {1.5, 2.0, 1},  {2.05, 2.0, 2}, {4.02, 2.0, 3}, {8.1, 2.0, 4},
-               {1.05, 1.1, 1}};  // the last: 10 % more EI about one axis is seen
+  } cases[] =
+      {
+          {0.0, 1.0, 0},  {0.99, 1.0, 0}, {1.01, 1.0, 2}, {3.99, 1.0, 2},
+          {4.02, 1.0, 4}, {9.1, 1.0, 6},  {1.5, 2.0, 1},  {2.05, 2.0, 2},
+          {4.02, 2.0, 3}, {8.1, 2.0, 4},  {1.05, 1.1, 1}};  // the last: 10 % more EI about one axis is seen
   for (const auto& [P, ratio, expected] : cases) {
     Column c = straight_column(P, ratio);
     StabilityCount count(*c.model.system);

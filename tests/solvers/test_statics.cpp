@@ -43,8 +43,7 @@ TEST(StaticSolvers, KinsolAndNewtonFindTheSame) {
   for (const char* name : {"bend45", "portal_frame", "swept_cantilever", "four_bar_static"}) {
     const Scene scene = model_scene(name);
     const Solved newton = solve(scene, {.steps = 4, .newton = {}});
-    const Solved kinsol =
-        solve(scene, {.steps = 4, .newton = {}, .solver = StaticSolver::kinsol});
+    const Solved kinsol = solve(scene, {.steps = 4, .newton = {}, .solver = StaticSolver::kinsol});
     ASSERT_TRUE(newton.report.converged) << name << ": " << newton.report.failure;
     ASSERT_TRUE(kinsol.report.converged) << name << ": " << kinsol.report.failure;
     EXPECT_LT(distance(newton, kinsol), 1e-11) << name;
@@ -146,8 +145,9 @@ TEST(StaticStability, IsSaid) {
   ASSERT_EQ(above.notes.size(), 1U);
   EXPECT_NE(above.notes[0].find("unstable, in 2 ways"), std::string::npos) << above.notes[0];
   // A follower force has no potential.
-  const RunReport follower = run(cantilever_with("<load at=\"b.end\" follower_force=\"-10 0 0\"/>", ""),
-                                 {.output = {}, .observers = {}, .progress = {}});
+  const RunReport follower =
+      run(cantilever_with("<load at=\"b.end\" follower_force=\"-10 0 0\"/>", ""),
+          {.output = {}, .observers = {}, .progress = {}});
   EXPECT_FALSE(follower.negative_eigenvalues);
 }
 

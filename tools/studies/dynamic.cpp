@@ -56,8 +56,7 @@ Motion motion(const Series& series, int order, int elements) {
   const std::clock_t start = std::clock();
   Motion result;
   try {
-    const RunReport report =
-        run(scene, {.output = {}, .observers = {&tip}, .progress = {}});
+    const RunReport report = run(scene, {.output = {}, .observers = {&tip}, .progress = {}});
     result.complete = report.complete();
   } catch (const Error&) {  // no equilibrium to start from, on the coarsest meshes
   }
