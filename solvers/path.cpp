@@ -455,8 +455,14 @@ class Follower {
     }
     for (const PathCrossing& crossing : options_.crossings) {
       const double f0 = crossing.excess(from.state), f1 = crossing.excess(to.state);
-      // What begins on the value, to round-off, does not cross it.
-      if (std::abs(f0) <= on_value * std::abs(f1 - f0) || (f0 < 0.0) == (f1 < 0.0)) continue;
+      // What begins on the value, to round-off, does not cross it; what ends on it does.
+      const double near = on_value * std::abs(f1 - f0);
+      if (std::abs(f0) <= near) continue;
+      if (std::abs(f1) <= near) {
+        met.events.push_back({whole, PathEvent::crossing, crossing.stops, to, {}, {}, {}});
+        continue;
+      }
+      if ((f0 < 0.0) == (f1 < 0.0)) continue;
       double h = find_root(
           [&](double x) -> std::optional<double> {
             int iterations = 0;

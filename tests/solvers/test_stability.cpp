@@ -155,14 +155,14 @@ Scene column(double P, double ratio) {
   const auto number = [](double x) { return std::to_string(x); };
   return read_model_text(
       "<mbd name=\"column\"><section name=\"s\"><stiffness EA=\"1e7\" GA2=\"1e7\" GA3=\"1e7\" "
-      "GJ=\"1\" "
+      "GJ=\"100\" "
       "EI2=\"1\" EI3=\"" +
           number(ratio) +
           "\"/></section><beam name=\"b\" section=\"s\" from=\"0 0 0\" to=\"1 0 0\" normal=\"0 0 "
           "1\" "
           "elements=\"6\" order=\"4\"/><universal name=\"foot\" between=\"ground b.start\" "
           "axis=\"0 1 0\" second_axis=\"0 0 1\"/><point_on_line name=\"head\" "
-          "between=\"ground b.end\" axis=\"1 0 0\"/><load at=\"b.end\" force=\"" +
+          "between=\"b.end ground\" axis=\"1 0 0\"/><load at=\"b.end\" force=\"" +
           number(-P * pi * pi) + " 0 0\"/><static steps=\"4\"/></mbd>",
       "column.xml");
 }
