@@ -131,6 +131,7 @@ std::string to_json(const RunReport& report) {
   if (report.statics) {
     solver["static"] = json(report.static_counters);
     solver["static"]["most_iterations_in_a_step"] = report.most_static_iterations;
+    solver["static"]["load_steps_by_line_search"] = report.searched_steps;
   }
   if (report.path) {
     solver["path"] = json(report.static_counters);

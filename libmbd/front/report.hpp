@@ -65,6 +65,7 @@ struct RunReport {
   Index nodes = 0, unknowns = 0, multipliers = 0;
   std::vector<BatchReport> batches;
   Counters static_counters, transient_counters;
+  int searched_steps = 0;                               // load steps that the line search saved
   int most_static_iterations = 0, most_iterations = 0;  // in one load step, one time step
 
   // Of a <path>, and stability of the equilibrium of a <static>, where forces have a potential.

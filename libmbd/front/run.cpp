@@ -237,6 +237,7 @@ class Run {
     const StaticReport result = solve_statics(*model_.system, *solver, options, state);
     report_.static_counters = result.counters;
     report_.most_static_iterations = result.most_iterations;
+    report_.searched_steps = result.searched;
     report_.equilibrium += watch_.lap();
     if (!result.converged && report_.complete()) {
       if (report_.rows == 0) fail_to_start(result.failure);

@@ -95,11 +95,12 @@ void ShapesPlot::accepted(const Sample& sample) {
           shape_of(sample, fmt::format("{} {}, {:.6g}", name_of(event), number, load)));
   }
   last_ = shape_of(sample, fmt::format("last, {:.6g}", load));
+  is_last_shown_ = event != PathEvent::none && shapes_.size() < most_shapes;
 }
 
 void ShapesPlot::finished(const RunReport& /*report*/) {
   if (shapes_.empty()) return;
-  shapes_.push_back(last_);
+  if (!is_last_shown_) shapes_.push_back(last_);
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const Shape& shape : shapes_) {
     const auto include = [&](const Vec3& x) {

@@ -31,6 +31,7 @@ class ShapesPlot : public Observer {
   std::vector<Shape> shapes_;
   std::array<int, 3> events_{};  // limit points, bifurcations and marks so far
   Shape last_;
+  bool is_last_shown_ = false;  // as an event
 };
 
 }  // namespace mbd
