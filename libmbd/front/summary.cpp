@@ -61,7 +61,9 @@ std::string steps(const Counters& c, std::string_view one, std::string_view many
 void solver(std::string& text, std::string_view name, const std::string& steps, const Counters& c,
             int most) {
   std::string words = steps + "; " + plural(c.iterations, "iteration");
-  if (c.steps > 0)
+  if (c.iterations > c.steps * most)  // of a path: others locate its special points
+    words += fmt::format("\t(at\tmost\t{}\ta\tstep)", most);
+  else if (c.steps > 0)
     words += fmt::format("\t({:.3g}\ta\tstep, at\tmost\t{})",
                          static_cast<double>(c.iterations) / static_cast<double>(c.steps), most);
   words += "; " + plural(c.tangents, "tangent") + ", " + plural(c.factorizations, "factorisation");

@@ -59,7 +59,7 @@ void enlarge(Mat6& D, Index i, Index j) {
 // ---- the converged solution ----------------------------------------------------------------------
 
 // 32 elements of order 6: the error of the mesh is about 1e-22. Measured: 5.7e-18 … 9.5e-18 (round-off).
-TEST(Bend45, ConvergesToSixteenDigitsInLongDouble) {
+TEST(Bend45Slow, ConvergesToSixteenDigitsInLongDouble) {
   for (const Metric metric : all_metrics)
     for (const Form form : all_forms)
       EXPECT_LT(extended_error(extended(metric, form, 6, 32)), 1e-16)
@@ -75,7 +75,7 @@ TEST(Bend45, ConvergesToTwelveDigits) {
 }
 
 // D16 is the entry that matters least: 10 % of it are 8e-7 of the displacement.
-TEST(Bend45Mutation, OfTheConvergedSolution) {
+TEST(Bend45MutationSlow, OfTheConvergedSolution) {
   ExtendedBend mutant = extended(Metric::geodesic, Form::energy, 6, 32);
   mutant.D(0, 5) = mutant.D(5, 0) *= 1.1L;
   EXPECT_GT(extended_error(mutant), 1e-7);
@@ -165,7 +165,7 @@ TEST(Bend45, HasTheListedErrors) {
 }
 
 // The same, without round-off; and 10 % more of D16, of D44 or of the load is far from any of them.
-TEST(Bend45, HasTheListedErrorsInLongDouble) {
+TEST(Bend45Slow, HasTheListedErrorsInLongDouble) {
   struct Row {
     int order, elements;
     double error;
@@ -242,7 +242,7 @@ TEST(Bend45, IsThatOfTable1) {
         << tip_displacement(table_1(row.rule, row.rounded)).transpose();
 }
 
-TEST(Bend45Mutation, OfTable1) {
+TEST(Bend45MutationSlow, OfTable1) {
   for (const Table1Row& row : table_1_rows) {
     for (const Index i : {3, 4, 5}) {
       Scene scene = table_1(row.rule, row.rounded);

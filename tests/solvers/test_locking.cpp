@@ -115,7 +115,7 @@ TEST(Locking, ReferenceIsTheElasticaInTheLimit) {
 constexpr double slendernesses[] = {1e1, 1e3, 1e5};
 
 // Measured: the errors at the three slendernesses differ by less than 4 % of each other.
-TEST(Locking, GaussDoesNotLock) {
+TEST(LockingSlow, GaussDoesNotLock) {
   constexpr double most[] = {0.0, 0.0, 5e-3, 5e-5};  // by order
   for (const Line line : all_lines)
     for (const Metric metric : all_metrics)
@@ -140,7 +140,7 @@ TEST(Locking, GaussDoesNotLock) {
 // Energy form, where every mesh has an equilibrium; the paper's form often has none. N = 3; measured: straight
 // 26 (matrix), 380, 1400 (geodesic) times the error from slenderness 10 to 1e5, the arc 8, 86, 400; at 1e5 400 to
 // 70000 times the error of Gauss rules.
-TEST(Locking, GaussLobattoLocks) {
+TEST(LockingSlow, GaussLobattoLocks) {
   for (const Line line : all_lines)
     for (const Metric metric : all_metrics) {
       const auto error = [&](Rule rule, double slenderness) {

@@ -63,7 +63,7 @@ TEST(RodPath, ElasticaByEllipticIntegrals) {
 }
 
 // Lee, Manuel, Rossow; the numbers of a calculation of its own (scenes, B).
-TEST(LeeFrameReference, LimitPoints) {
+TEST(LeeFrameReferenceSlow, LimitPoints) {
   LeeFrame frame;
   const auto limits = points(frame, 4, 0.2, 2, limit_event);
   EXPECT_NEAR(limits[0].P, 18556.7, 0.05);
@@ -85,7 +85,7 @@ TEST(LeeFrameReference, LimitPoints) {
 
 // DaDeppo, Schmidt; the numbers of a calculation of its own (scenes, A2), which finds the arch leave its
 // plane near P = 243.9, |u| = 14.57.
-TEST(DeepArchReference, LimitPoints) {
+TEST(DeepArchReferenceSlow, LimitPoints) {
   CircularArch arch;
   const auto limits = points(arch, 4, 0.4, 2, limit_event);
   EXPECT_NEAR(limits[0].P, 897.289134, 1e-5);
@@ -98,14 +98,14 @@ TEST(DeepArchReference, LimitPoints) {
 }
 // P = -17.8 is crossed at |u| = 133.0793, falling, and 148.68, rising; the paper's point (scenes, A2, which
 // cut the first to 133.07). 12, 24 and 48 steps give 133.07929.
-TEST(DeepArchReference, PointsBetweenTheLimits) {
+TEST(DeepArchReferenceSlow, PointsBetweenTheLimits) {
   const CircularArch arch;
   const auto crossings =
       points(arch, 4, 0.4, 2, [&](const PathPoint& p) { return arch.loaded_point(p).P + 17.8; });
   EXPECT_NEAR(std::hypot(crossings[0].u1, crossings[0].u2), 133.0793, 1e-4);
   EXPECT_NEAR(std::hypot(crossings[1].u1, crossings[1].u2), 148.68, 0.005);
 }
-TEST(DeepArchReference, LeavesItsPlane) {
+TEST(DeepArchReferenceSlow, LeavesItsPlane) {
   CircularArch arch;
   const auto buckles = [&arch] {
     return points(arch, 4, 0.2, 1, [&](const PathPoint& p) { return arch.sideways(p); })[0];
@@ -121,7 +121,7 @@ TEST(DeepArchReference, LeavesItsPlane) {
 // Symmetric limit points and asymmetric bifurcations of a shallow arch. Two calculations: half the arch in
 // its symmetry, and the whole. The bifurcation of a slender one against Pi, Bradford, Uy, In-plane stability
 // of arches (2002): at a thrust of pi^2 EI/(half the length)^2, which neglects strains beside one.
-TEST(ShallowArchReference, SymmetricLimitOfAThickOne) {
+TEST(ShallowArchReferenceSlow, SymmetricLimitOfAThickOne) {
   SymmetricArch half;
   half.arch.EI = half.arch.GJ = 1e8;
   half.arch.force = 1e6;
@@ -145,7 +145,7 @@ TEST(ShallowArchReference, SymmetricLimitOfAThickOne) {
   half.arch.EI *= 1.1;
   EXPECT_GT(relative(points(half, 3, 0.1, 1, limit_event)[0].P, limits[0].P), 0.02);
 }
-TEST(ShallowArchReference, AsymmetricBifurcationOfASlenderOne) {
+TEST(ShallowArchReferenceSlow, AsymmetricBifurcationOfASlenderOne) {
   SymmetricArch half;  // EI = 1e6
   half.arch.force = 1e4;
   const auto first = [&half](const auto& event) {

@@ -199,7 +199,7 @@ TEST(LeeFramePathSlow, LimitPointsByBothMethods) {
 }
 
 // The scale of the loads and of lengths is the user's choice: the same points, in the same number of steps.
-TEST(LeeFramePath, DoesNotDependOnTheUnitOfTheLoad) {
+TEST(LeeFramePathSlow, DoesNotDependOnTheUnitOfTheLoad) {
   const History reference = run_to_table(coarse_lee_frame());
   constexpr double unit = 1024.0;
   Scene scene = coarse_lee_frame({{"P", "20000/1024"}});
@@ -337,7 +337,7 @@ TEST(PathBranch, ThatThereIsNot) {
 }
 
 // Of the path's choices none changes the equilibria: sampled at marks, to 1e-9 of the displacement.
-TEST(PathSteps, DoNotChangeTheEquilibria) {
+TEST(PathStepsSlow, DoNotChangeTheEquilibria) {
   double reference = 0.0;
   for (const double max_step : {0.1, 0.02, 1.0})
     for (const PathMethod method : both_methods) {

@@ -102,7 +102,7 @@ double last_order(const std::vector<int>& elements, const std::vector<double>& e
 double opening(const Result& r) { return (r.vector("tip.displacement") - Vec3(-10, 0, 0)).norm(); }
 
 // Constant curvature is in the geodesic interpolation: exact for every order and mesh.
-TEST(RollUp, IsExactInTheGeodesicMetric) {
+TEST(RollUpSlow, IsExactInTheGeodesicMetric) {
   for (const char* const turns : {"1", "10"}) {
     for (const int order : {1, 2, 3, 6}) {
       Scene scene = model_scene("roll_up", {{"turns", turns}});
