@@ -50,6 +50,21 @@ class ElementBatch : public Base {
     return run<Want::tangent>(state, weights, r, slots);
   }
 
+  void add_rate_tangent(const State& state, const TangentWeights& weights,
+                        std::span<const Slot> slots) const override {
+    if constexpr (E::has_D) {
+      const Environment env = environment(state);
+      typename E::template Output<double> out;
+      NodeStates x;
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        gather(state, e, x);
+        E::template evaluate<Want::tangent>(shared_, data_[e], x.data(), env,
+                                            RateWeights{weights.V, weights.A}, out);
+        hand_over<false>(out, e, 0.0, weights.T_inv, slots);
+      }
+    }
+  }
+
   // Loads are linear in the load factor.
   void load_rate(const State& state, VecX& r) const override {
     if constexpr (requires { E::scales_with_load; }) {
@@ -176,26 +191,32 @@ class ElementBatch : public Base {
       const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
       for (int a = 0; a < count(); ++a)
         r.segment<6>(6 * node[a]) += out.r.template segment<6>(6 * a);
-      if constexpr (want == Want::tangent) {
-        const auto n = static_cast<std::size_t>(n_);
-        const Slot* slot = &slots[first_slot_ + e * n * n];
-        for (int b = 0; b < count(); ++b) {
-          for (int a = 0; a < count(); ++a, ++slot) {
-            Eigen::Map<Mat6, 0, Eigen::OuterStride<>> S(slot->data, Eigen::OuterStride<>(slot->ld));
-            if constexpr (E::has_K) S += weights.U * out.K.template block<6, 6>(6 * a, 6 * b);
-            if constexpr (E::has_D) {
-              if (weights.T_inv.empty()) {
-                S += out.D.template block<6, 6>(6 * a, 6 * b);
-              } else {
-                S += out.D.template block<6, 6>(6 * a, 6 * b)
-                         .lazyProduct(weights.T_inv[static_cast<std::size_t>(node[b])]);
-              }
-            }
+      if constexpr (want == Want::tangent) hand_over(out, e, weights.U, weights.T_inv, slots);
+    }
+    return margin > 0.0;
+  }
+
+  // Adds U K + D T_inv of an element to its slots, or D T_inv alone.
+  template <bool with_K = E::has_K>
+  void hand_over(const typename E::template Output<double>& out, std::size_t e, double U,
+                 std::span<const Mat6> T_inv, std::span<const Slot> slots) const {
+    const auto n = static_cast<std::size_t>(n_);
+    const int* node = &nodes_[e * n];
+    const Slot* slot = &slots[first_slot_ + e * n * n];
+    for (int b = 0; b < count(); ++b) {
+      for (int a = 0; a < count(); ++a, ++slot) {
+        Eigen::Map<Mat6, 0, Eigen::OuterStride<>> S(slot->data, Eigen::OuterStride<>(slot->ld));
+        if constexpr (with_K) S += U * out.K.template block<6, 6>(6 * a, 6 * b);
+        if constexpr (E::has_D) {
+          if (T_inv.empty()) {
+            S += out.D.template block<6, 6>(6 * a, 6 * b);
+          } else {
+            S += out.D.template block<6, 6>(6 * a, 6 * b)
+                     .lazyProduct(T_inv[static_cast<std::size_t>(node[b])]);
           }
         }
       }
     }
-    return margin > 0.0;
   }
 
   std::string type_;

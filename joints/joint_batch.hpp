@@ -130,19 +130,25 @@ class JointBatch final : public AnyJointBatch {
     using D2 = Dual<Dual<double>>;
     const D2 tau{Dual<double>{0.0, 1.0}, Dual<double>{1.0, 0.0}};
     for (const Data& d : data_) {
-      const auto moved = [&](int node) {
-        const auto n = static_cast<std::size_t>(node);
-        const Vector6<D2> V = state.V[n].template cast<D2>() * tau;
-        return state.pose[n].template cast<D2>() * exp_se3<D2>(V);
-      };
-      const auto s = [&](std::size_t i) {
-        const SignalValue x = signal(state, d, i);
+      const auto g = constraint_along(state, d, tau, [](const SignalValue& x) {
         return D2{Dual<double>{x.f, x.fdot}, Dual<double>{x.fdot, x.fddot}};
-      };
-      const auto g = constraint_at<D2>(state, d, moved(d.P), moved(d.Q), s);
+      });
       for (Index i = 0; i < m; ++i) {
         gdot(d.multiplier + i) = g(i).v.d;
         gddot_rest(d.multiplier + i) = g(i).d.d;
+      }
+    }
+  }
+
+  void constraints(const State& state, VecX& g, VecX& gdot) const override {
+    using D1 = Dual<double>;
+    for (const Data& d : data_) {
+      const auto both = constraint_along(state, d, D1{0.0, 1.0}, [](const SignalValue& x) {
+        return D1{x.f, x.fdot};
+      });
+      for (Index i = 0; i < m; ++i) {
+        g(d.multiplier + i) = both(i).v;
+        gdot(d.multiplier + i) = both(i).d;
       }
     }
   }
@@ -243,6 +249,19 @@ class JointBatch final : public AnyJointBatch {
     Given<S> given{S(0.0), d.parameter, near_of(state, d)};
     if constexpr (law == Law::coordinate) given.s = s(0);
     return constraint<J, S>(relative(a, Q * d.b.template cast<S>()), given);
+  }
+
+  // At H exp(tau V), with the signals that `value` makes of theirs.
+  template <class S, class F>
+  static Matrix<S, m, 1> constraint_along(const State& state, const Data& d, const S& tau,
+                                          const F& value) {
+    const auto moved = [&](int node) {
+      const auto n = static_cast<std::size_t>(node);
+      const Vector6<S> V = state.V[n].template cast<S>() * tau;
+      return state.pose[n].template cast<S>() * exp_se3<S>(V);
+    };
+    return constraint_at<S>(state, d, moved(d.P), moved(d.Q),
+                            [&](std::size_t i) { return value(signal(state, d, i)); });
   }
 
   static void add_residual(const Data& d, const Mat6& A, const Pose<double>& g,

@@ -26,6 +26,12 @@ constexpr double rank_tolerance = 1e-3;
 constexpr double multiplier_slack = 1e5;
 constexpr int successes_double = 4;     // so many small steps in a row: back to twice the size
 constexpr int iterations_refactor = 3;  // this many: a new tangent at the next step
+// Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
+// the dynamic models are about the tolerance.
+constexpr int error_order = 3;
+constexpr double local_tolerance = 1.0;
+constexpr double longest = 0.05;      // step, of the time until the end
+constexpr double time_floor = 1e-12;  // round-off of times, of the time until the end
 
 }  // namespace
 
@@ -44,9 +50,12 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
       solver_(std::move(solver)),
       options_(options),
       a_(generalized_alpha_parameters(options.rho_infinity)),
-      norm_(system, options.newton) {
-  if (!(options.step > 0.0) || !std::isfinite(options.step))
+      norm_(system, options.newton),
+      dense_(system, HermiteStep::Degree::cubic) {
+  const bool adaptive = options.step == 0.0 && options.tolerances.relative != 0.0;
+  if (!adaptive && (!(options.step > 0.0) || !std::isfinite(options.step)))
     throw Error(fmt::format("the time step must be positive, not {}", options.step));
+  if (adaptive && !(options.end > 0.0)) throw Error("adaptive steps need a time at which they end");
   if (!(options.rho_infinity >= 0.0 && options.rho_infinity <= 1.0))
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   if (!system.with_rates())
@@ -65,6 +74,7 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
   Vdot_old_.assign(n, Vec6::Zero());
   T_inv_.assign(n, Mat6::Identity());
   x_.resize(system.unknowns());
+  if (adaptive) error_.assign(n, Vec6::Zero());
 }
 
 // The system's graph, then what the stepper adds: diagonal blocks of the nodes for a balance of momenta, and of
@@ -82,49 +92,29 @@ BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
 
 StepReport GeneralizedAlpha::start(State& state) {
   origin_ = state.t;
+  if (!error_.empty()) {
+    const double span = options_.end - origin_;
+    if (!(span > 0.0))
+      throw Error(fmt::format("the end {} s is not after the start {} s", options_.end, origin_));
+    error_norm_ = std::make_unique<ErrorNorm>(system_, options_.tolerances, span);
+    controller_ = std::make_unique<StepController>(
+        error_order, options_.max_step > 0.0 ? options_.max_step : longest * span);
+    slack_ = time_floor * span;
+  } else {
+    slack_ = time_rounding * options_.step;
+  }
   for (const Breakpoint& b : system_.breakpoints())  // one that is here but for round-off
-    if (b.t > origin_ && b.t <= origin_ + time_rounding * options_.step) state.t = b.t;
+    if (b.t > origin_ && b.t <= origin_ + slack_) state.t = b.t;
   count_ = 0;
   halvings_ = 0;
+  sizes_ = {};
   return restart(state);
 }
 
 StepReport GeneralizedAlpha::restart(State& state) {
   StepReport report;
-  system_.set_time(state, state.t, Side::right);
-  // r is linear in Vdot and lambda: one solve, and one more against round-off.
-  for (Vec6& a : state.Vdot) a.setZero();
-  state.lambda.setZero();
-  system_.constraint_rates(state, gdot_, gddot_rest_);
-  system_.linearize(state, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, r_, *solver_);
-  mass_ = largest_stiffness(system_, *solver_);
-  ++counters_.tangents;
-  ++counters_.factorizations;
-  if (solver_->factor() != FactorStatus::ok) {
-    const Index row = solver_->singular_row();
-    report.failure = fmt::format(
-        "the initial accelerations are not determined{}: a node without inertia that no joint "
-        "holds, or redundant "
-        "constraints",
-        row >= 0 ? " at " + system_.name_of(row + 6) : std::string());
-    return report;
-  }
-  const Index motions = 6 * (system_.nodes() - 1);
-  for (int pass = 0; pass < 2; ++pass) {
-    if (pass > 0) system_.residual(state, r_);
-    x_ = -r_.tail(x_.size());
-    x_.tail(gddot_rest_.size()) = -gddot_rest_;
-    // B Vdot + gddot_rest, with B Vdot from what has been solved: the residual's constraint rows are g.
-    if (pass > 0) x_.tail(gddot_rest_.size()).setZero();
-    solver_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
-    for (Index n = 1; n < system_.nodes(); ++n)
-      state.Vdot[static_cast<std::size_t>(n)] += x_.segment<6>(6 * (n - 1));
-    state.lambda += x_.tail(x_.size() - motions);
-  }
-  if (!x_.allFinite()) {
-    report.failure = "the initial accelerations are not finite";
-    return report;
-  }
+  report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
+  if (!report.failure.empty()) return report;
   system_.linearize(state, {.U = 1.0, .V = 0.0, .A = 0.0, .T_inv = {}}, r_, *solver_);
   stiffness_ = largest_stiffness(system_, *solver_);
   ++counters_.tangents;
@@ -152,6 +142,7 @@ StepReport GeneralizedAlpha::restart(State& state) {
   h_ = 0.0;
   factored_ = false;
   refactor_next_ = true;
+  if (controller_) controller_->start(first_step(system_, state, options_.end - state.t));
   report.converged = true;
   return report;
 }
@@ -334,38 +325,86 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
 }
 
 StepReport GeneralizedAlpha::step(State& state) {
+  if (controller_) return adaptive_step(state);
   StepReport report;
-  const double slack = time_rounding * options_.step;
-  const std::vector<Breakpoint>& breakpoints = system_.breakpoints();
-  double end = origin_ + static_cast<double>(count_ + 1) * options_.step;
-  while (state.t < end - slack) {
-    // The next breakpoints, if they come before the end: those closer than round-off count as one.
-    auto first = std::upper_bound(breakpoints.begin(), breakpoints.end(), state.t + slack,
-                                  [](double t, const Breakpoint& b) { return t < b.t; });
-    auto last = first;
-    bool jumps = false;
-    for (; last != breakpoints.end() && last->t <= std::min(first->t, end) + slack; ++last)
-      jumps = jumps || last->restart;
-    double t = end;
-    if (last != first) {
-      t = first->t;
-      if (t > end - slack) end = t;  // so that its left limit is taken
-    }
-    if (!advance(state, t, report)) return report;
-    if (!jumps) continue;
-    state.t = std::prev(last)->t;
-    const StepReport again = restart(state);
-    ++counters_.restarts;
-    if (!again.converged) {
-      report.failure =
-          fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", t, again.failure);
-      return report;
-    }
+  const double end = origin_ + static_cast<double>(count_ + 1) * options_.step;
+  double reached = state.t;
+  while (reached < end - slack_) {
+    const Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
+    reached = landing.t;
+    if (!advance(state, landing.t, report) || !land(state, landing, report)) return report;
   }
   ++count_;
   ++counters_.steps;
   report.converged = true;
   return report;
+}
+
+// What happens at the end of a step: a restart, if what accelerates jumps there.
+bool GeneralizedAlpha::land(State& state, const Landing& landing, StepReport& report) {
+  if (!landing.restart) return true;
+  const double t = state.t;
+  state.t = landing.restart_at;
+  const StepReport again = restart(state);
+  ++counters_.restarts;
+  if (again.converged) return true;
+  report.converged = false;
+  report.failure =
+      fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", t, again.failure);
+  return false;
+}
+
+StepReport GeneralizedAlpha::adaptive_step(State& state) {
+  StepReport report;
+  const Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
+  const double factor =
+      local_tolerance * std::sqrt(options_.tolerances.relative);  // of tolerance^(3/2)
+  for (;;) {
+    double h = controller_->step();
+    const double rest = landing.t - state.t;
+    const bool last = h > rest * (1.0 - same_step);
+    if (last)
+      h = rest;
+    else if (2.0 * h > rest)
+      h = 0.5 * rest;  // two alike, rather than a whole one and a rest
+    if (!(h > slack_)) {
+      report.failure = fmt::format(
+          "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
+          h,
+          report.failure.empty() ? "the estimated error stays too large at " +
+                                       system_.name_of(error_norm_->worst_row())
+                                 : report.failure);
+      report.converged = false;
+      return report;
+    }
+    if (!try_step(state, last ? landing.t : state.t + h, report)) {
+      ++counters_.retries;
+      controller_->failed(h);
+      continue;
+    }
+    estimate_error();
+    error_norm_->measure(begin_, end_);
+    const double error = (*error_norm_)(error_, {}, factor);
+    report.error = error;
+    if (!(error <= 1.0)) {
+      ++counters_.rejected;
+      controller_->rejected(h, error);
+      refactor_next_ = true;
+      continue;
+    }
+    controller_->accepted(h, error);
+    if (!last && (sizes_.least == 0.0 || h < sizes_.least)) sizes_.least = h;
+    sizes_.most = std::max(sizes_.most, h);
+    sizes_.worst_error = std::max(sizes_.worst_error, error);
+    sizes_.position_error += error_norm_->position();
+    sizes_.rotation_error += error_norm_->rotation();
+    accept(state);
+    ++counters_.steps;
+    report.failure.clear();
+    if (last && !land(state, landing, report)) return report;
+    report.converged = true;
+    return report;
+  }
 }
 
 // To time t, in one step or in pieces.
@@ -375,6 +414,7 @@ bool GeneralizedAlpha::advance(State& state, double t, StepReport& report) {
     const double h = std::ldexp(whole, -halvings_);
     const bool last = h > (t - state.t) * (1.0 - time_rounding);
     if (try_step(state, last ? t : state.t + h, report)) {
+      accept(state);
       if (halvings_ > 0 && ++good_ == successes_double) {
         --halvings_;
         good_ = 0;
@@ -397,11 +437,13 @@ bool GeneralizedAlpha::advance(State& state, double t, StepReport& report) {
   return false;
 }
 
-bool GeneralizedAlpha::try_step(State& state, double t, StepReport& report) {
+// Solves a step from `state` to t: end_ is then a solution, not yet accepted.
+bool GeneralizedAlpha::try_step(const State& state, double t, StepReport& report) {
   begin_ = state;
   set_step(begin_, t - begin_.t);
   const int before = report.iterations;
   report.iterations = 0;
+  report.failure.clear();
   predict(begin_, t, true);
   bool converged = iterate(report);
   if (!converged) {  // once more without extrapolation, with a tangent of its own
@@ -412,15 +454,35 @@ bool GeneralizedAlpha::try_step(State& state, double t, StepReport& report) {
   }
   if (!converged && system_.multipliers() > 0) converged = try_tolerantly(t, report);
   report.iterations += before;
-  if (converged) {
-    accept(state);
+  if (converged)
     report.failure.clear();
-    if (!tolerant_) return true;
-  }
+  else
+    settle(false);
+  return converged;
+}
+
+// After a step has been accepted, or has failed: the rank-tolerant tangent is not kept.
+void GeneralizedAlpha::settle(bool accepted) {
+  if (accepted && !tolerant_) return;
   tolerant_ = false;
   factored_ = false;  // or by the other solver
   refactor_next_ = true;
-  return converged;
+}
+
+// The filtered error (4) of the step that has converged.
+void GeneralizedAlpha::estimate_error() {
+  const double h = h_, c = h * h * (a_.beta - 1.0 / 6.0 - 0.5 * (a_.gamma - 0.5));
+  const double m = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f);
+  scratch_ = end_;
+  for (std::size_t n = 1; n < error_.size(); ++n)
+    scratch_.V[n] = c * m * (end_.Vdot[n] - begin_.Vdot[n]);
+  system_.momenta(scratch_, error_);
+  x_.setZero();
+  for (std::size_t n = 1; n < error_.size(); ++n)
+    x_.segment<6>(6 * static_cast<Index>(n - 1)) = error_[n];
+  solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
+  for (std::size_t n = 1; n < error_.size(); ++n)
+    error_[n] = x_.segment<6>(6 * static_cast<Index>(n - 1));
 }
 
 // Once more with the block -eps I. What it leaves of the constraints must be as small as increments may be.
@@ -475,6 +537,10 @@ void GeneralizedAlpha::accept(State& state) {
   end_.work.drives += 0.5 * h_ * (drive_power_ + drive_power);
   power_ = power;
   drive_power_ = drive_power;
+  if (observer_) {
+    dense_.set(begin_, end_, Q_);
+    observer_(dense_);
+  }
   std::swap(Vdot_old_, begin_.Vdot);
   std::swap(lambda_older_, lambda_old_);
   std::swap(lambda_old_, begin_.lambda);
@@ -484,6 +550,7 @@ void GeneralizedAlpha::accept(State& state) {
   state = end_;
   history_ = tolerant_ ? 0 : std::min(history_ + 1, 2);  // nothing to extrapolate multipliers from
   ++counters_.substeps;
+  settle(true);
 }
 
 }  // namespace mbd

@@ -34,19 +34,31 @@
 // eps a iteration; where it is not, the motion is still determined, and multipliers stay finite.
 // A step that fails so too is tried in halves, down to 2^-max_halvings. Where the step changes, A - Vdot, which
 // is proportional to h, is scaled with it.
+//
+// Adaptive steps. With A(t) = Vdot(t + (alpha_m - alpha_f) h) to first order, (1) leaves of the motion
+//   e = h^2 (beta - 1/6 - (gamma - 1/2)/2) (Vdot_f - Vdot_i) + O(h^4)                              (4)
+// a step, which is of order h^3. What is stiffer than the step resolves is damped in it as in the step
+// itself, e := S^-1 M' e with S and M' of (2). The error of the whole goes with h^2, so the tolerance of (4) is
+// taken as tolerance^(3/2), times a constant: the error then goes with the tolerance. Velocities are not
+// estimated: their error is of the same order.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "libmbd/core/system.hpp"
+#include "solvers/dense_output.hpp"
+#include "solvers/error_control.hpp"
 #include "solvers/increments.hpp"
-#include "solvers/report.hpp"
+#include "solvers/stepper.hpp"
 
 namespace mbd {
 
 struct GeneralizedAlphaOptions {
-  double step = 0.0;          // h [s]
+  double step = 0.0;  // h [s]; 0: adaptive, by the tolerances
+  ErrorTolerances tolerances{};
+  double end = 0.0;  // [s] of adaptive steps
+  double max_step = 0.0;      // [s] of adaptive ones; 0: a twentieth of the time until the end
   double rho_infinity = 0.0;  // [0, 1]
   Balance balance = Balance::acceleration;
   int max_halvings = 5;  // of a step that fails
@@ -59,30 +71,28 @@ struct GeneralizedAlphaParameters {
 };
 GeneralizedAlphaParameters generalized_alpha_parameters(double rho_infinity);
 
-class GeneralizedAlpha {
+class GeneralizedAlpha final : public Stepper {
  public:
-  // Throws Error for a step that is not positive or rho_infinity outside [0, 1]. Refers to `system`.
+  // Throws Error for a step that is not positive, rho_infinity outside [0, 1], or adaptive steps without
+  // tolerance or end. Refers to `system`.
   GeneralizedAlpha(const System& system, std::unique_ptr<LinearSolver> solver,
                    const GeneralizedAlphaOptions& options);
 
-  // Consistent accelerations and multipliers at state.t (the state must satisfy its constraints at
-  // position and velocity level: check_initial_state), and the algorithmic acceleration. Also after a
-  // user has changed the state. Steps are counted from here.
-  StepReport start(State& state);
+  StepReport start(State& state) override;
+  StepReport step(State& state) override;
 
-  // From the last multiple of the step, counted from start(), to the next. On failure the state is the last
-  // one that was reached, which may lie inside the step.
-  StepReport step(State& state);
-
-  const Counters& counters() const { return counters_; }
   const LinearSolver& linear_solver() const { return *solver_; }
 
  private:
   BlockGraph own_graph(bool tolerant) const;
   StepReport restart(State& state);
+  StepReport adaptive_step(State& state);
+  bool land(State& state, const Landing& landing, StepReport& report);
+  void estimate_error();
   bool advance(State& state, double t, StepReport& report);
-  bool try_step(State& state, double t, StepReport& report);
+  bool try_step(const State& state, double t, StepReport& report);
   bool try_tolerantly(double t, StepReport& report);
+  void settle(bool accepted);
   void set_step(const State& state, double h);
   void predict(const State& state, double t, bool extrapolate);
   void update_poses();
@@ -97,9 +107,12 @@ class GeneralizedAlpha {
   GeneralizedAlphaOptions options_;
   GeneralizedAlphaParameters a_;
   IncrementNorm norm_;
-  Counters counters_;
+  HermiteStep dense_;
+  std::unique_ptr<ErrorNorm> error_norm_;  // of adaptive steps
+  std::unique_ptr<StepController> controller_;
 
   double origin_ = 0.0;  // time of start() [s]
+  double slack_ = 0.0;   // round-off of times [s]
   long count_ = 0;       // whole steps since
   double h_ = 0.0;       // step under way [s]
   int halvings_ = 0;     // of the steps now tried, and how many in a row have gone well
@@ -124,6 +137,8 @@ class GeneralizedAlpha {
   };
   std::vector<Momentum> momentum_;  // empty for Balance::acceleration
   std::vector<Vec6> p_;             // M V, body axes
+  State scratch_;                   // adaptive: its V is what M is applied to
+  std::vector<Vec6> error_;
 
   VecX r_, x_, gdot_, gddot_rest_;
   // With the block -eps I; made when it is first needed.

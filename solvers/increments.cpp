@@ -26,12 +26,12 @@ void IncrementNorm::set_floor(const State& state, double stiffness) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   double farthest = length_;
   for (const Pose<double>& H : state.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
-  tolerance_ = std::max(tolerance_, units * eps * farthest / length_);
+  floor_ = units * eps * farthest / length_;
   force_floor_ = units * eps * farthest * stiffness;
 }
 
 double IncrementNorm::operator()(std::span<const double> increment, double multiplier_scale,
-                                 double slack) const {
+                                 double slack, double share) const {
   double linear = 0.0, angular = 0.0, multipliers = 0.0;
   double sum = 0.0;  // not finite if any component is not: max() would hide a NaN
   const auto motions = static_cast<std::size_t>(motions_);
@@ -49,7 +49,7 @@ double IncrementNorm::operator()(std::span<const double> increment, double multi
     sum += l;
   }
   if (!std::isfinite(sum)) return std::numeric_limits<double>::quiet_NaN();
-  double e = std::max(linear / length_, angular) / tolerance_;
+  double e = std::max(linear / length_, angular) / std::max(share * tolerance_, floor_);
   multipliers /= multiplier_scale;
   if (multipliers > 0.0) {
     // Before any multiplier has been met, the first increment is its own measure.
@@ -60,6 +60,10 @@ double IncrementNorm::operator()(std::span<const double> increment, double multi
 }
 
 double largest_stiffness(const System& system, const LinearSolver& S) {
+  return largest_stiffness(system, S.slots());
+}
+
+double largest_stiffness(const System& system, std::span<const Slot> slots) {
   double largest = 0.0;
   const BlockGraph& graph = system.graph();
   for (std::size_t i = 0; i < graph.contributions.size(); ++i) {
@@ -68,7 +72,7 @@ double largest_stiffness(const System& system, const LinearSolver& S) {
     const auto& r = graph.blocks[static_cast<std::size_t>(row)];
     const auto& c = graph.blocks[static_cast<std::size_t>(column)];
     if (r.kind != BlockGraph::Kind::node || c.kind != BlockGraph::Kind::node) continue;
-    const Slot slot = S.slots()[i];
+    const Slot slot = slots[i];
     for (Index k = 0; k < c.size; ++k)
       for (Index j = 0; j < r.size; ++j)
         largest = std::max(largest, std::abs(slot.data[k * slot.ld + j]));

@@ -19,9 +19,9 @@ class IncrementNorm {
 
   // Largest weighted component of an increment [dU; dlambda] of the unknowns, dlambda divided by
   // `multiplier_scale`; NaN if any component is not finite. `slack` is a factor on the tolerance of
-  // multipliers.
-  double operator()(std::span<const double> increment, double multiplier_scale,
-                    double slack = 1.0) const;
+  // multipliers, `share` one on that of motion.
+  double operator()(std::span<const double> increment, double multiplier_scale, double slack = 1.0,
+                    double share = 1.0) const;
 
   // Follows the size of the multipliers, against which their increments are measured.
   void observe(const VecX& lambda);
@@ -34,12 +34,14 @@ class IncrementNorm {
  private:
   Index motions_;
   double length_, tolerance_, multiplier_tolerance_;
+  double floor_ = 0.0;           // of the tolerance on motion
   std::vector<bool> is_moment_;  // by multiplier: a moment counts as force times length
   double force_ = 0.0;           // largest multiplier met [N]
   double force_floor_ = 0.0;     // [N]
 };
 
-// Largest entry of the node-node blocks of what has been added to a solver; not after factor().
+// Largest entry of the node-node blocks of what has been added to slots; not after factor().
+double largest_stiffness(const System& system, std::span<const Slot> slots);
 double largest_stiffness(const System& system, const LinearSolver& S);
 
 // What to say of the element or joint that System::out_of_range names.

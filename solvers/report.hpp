@@ -26,17 +26,33 @@ enum class PathEvent { none, limit, bifurcation, crossing };
 // (generalized_alpha.hpp).
 enum class Balance { acceleration, momentum };
 
+// How a scene is integrated in time.
+enum class TimeMethod { generalized_alpha, radau, ida };
+
 struct Counters {
   long steps = 0;  // whole ones
   long substeps =
       0;  // accepted, among them those that end at a breakpoint or are parts of a failed step
   long retries = 0;   // steps that failed and were tried in halves
+  long rejected = 0;  // steps whose estimated error was too large
   long tolerant = 0;  // steps near a singular configuration, done with a rank-tolerant tangent
   long restarts = 0;  // at jumps of loads and drives
   long iterations = 0;
   long residuals = 0;
   long tangents = 0;
   long factorizations = 0;
+};
+
+// What step control did, and what it believes of the error.
+struct StepSizes {
+  double least = 0.0,
+         most =
+             0.0;  // accepted steps [s]; those cut by a breakpoint or the end not counted in least
+  // Largest estimated local error of an accepted step, of what was allowed.
+  double worst_error = 0.0;
+  // Sums of the estimated local errors of all accepted steps: positions [m], rotations [rad]. Of the error at
+  // the end they are a bound only where nothing amplifies errors.
+  double position_error = 0.0, rotation_error = 0.0;
 };
 
 struct StepReport {

@@ -50,11 +50,18 @@ class Batch {
   virtual bool linearize(const State& state, const TangentWeights& weights, VecX& r,
                          std::span<const Slot> slots) const = 0;
 
+  // Adds (V dr/dV + A dr/dVdot) T_inv to the tangent and nothing else; `weights.U` is not used.
+  virtual void add_rate_tangent(const State& /*state*/, const TangentWeights& /*weights*/,
+                                std::span<const Slot> /*slots*/) const {}
+
   // Adds dr/d(load factor) at fixed motion and multipliers: what loads and prescribed motions contribute.
   virtual void load_rate(const State& /*state*/, VecX& /*r*/) const {}
 
   // The first element out of range, or an empty string.
   virtual std::string out_of_range(const State& /*state*/) const { return {}; }
+
+  // Constraint rows at position and velocity level: g [m, rad] and gdot = B V + g_t.
+  virtual void constraints(const State& /*state*/, VecX& /*g*/, VecX& /*gdot*/) const {}
 
   // Constraint rows at velocity level, gdot = B V + g_t, and the part of gddot without Vdot,
   // (d/dt B) V + (d/dt) g_t. Only joints have them.

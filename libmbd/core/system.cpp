@@ -85,11 +85,21 @@ bool System::residual(const State& state, VecX& r) const {
 
 bool System::linearize(const State& state, const TangentWeights& weights, VecX& r,
                        LinearSolver& S) const {
-  r.setZero(rows());
   S.set_zero();
+  return linearize(state, weights, r, S.slots());
+}
+
+bool System::linearize(const State& state, const TangentWeights& weights, VecX& r,
+                       std::span<const Slot> slots) const {
+  r.setZero(rows());
   bool in_range = true;
-  for (const auto& batch : batches_) in_range &= batch->linearize(state, weights, r, S.slots());
+  for (const auto& batch : batches_) in_range &= batch->linearize(state, weights, r, slots);
   return in_range;
+}
+
+void System::add_rate_tangent(const State& state, const TangentWeights& weights,
+                              std::span<const Slot> slots) const {
+  for (const auto& batch : batches_) batch->add_rate_tangent(state, weights, slots);
 }
 
 void System::load_rate(const State& state, VecX& r) const {
@@ -102,6 +112,12 @@ std::string System::out_of_range(const State& state) const {
     if (std::string name = batch->out_of_range(state); !name.empty()) return name;
   }
   return {};
+}
+
+void System::constraints(const State& state, VecX& g, VecX& gdot) const {
+  g.setZero(multipliers_);
+  gdot.setZero(multipliers_);
+  for (const auto& batch : batches_) batch->constraints(state, g, gdot);
 }
 
 void System::constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const {

@@ -67,13 +67,19 @@ class System {
   // Both return false if an element is outside the range of its formulation; out_of_range() names it.
   bool residual(const State& state, VecX& r) const;
   bool linearize(const State& state, const TangentWeights& weights, VecX& r, LinearSolver& S) const;
+  bool linearize(const State& state, const TangentWeights& weights, VecX& r,
+                 std::span<const Slot> slots) const;  // adds to what the slots hold
+  // (V dr/dV + A dr/dVdot) T_inv alone, added to what the slots hold: no stiffness, no constraints.
+  void add_rate_tangent(const State& state, const TangentWeights& weights,
+                        std::span<const Slot> slots) const;
   // dr/d(load factor): the loads, with the sign of the residual, and how constraints move with
   // prescribed motions. Exact for loads; of motions to 1e-12 of themselves.
   void load_rate(const State& state, VecX& r) const;
   std::string out_of_range(const State& state) const;
-  void constraint_rates(const State& state, VecX& gdot,
-                        VecX& gddot_rest) const;  // size multipliers()
-  void follow_angles(State& state) const;         // on accepted states only
+  // All of size multipliers().
+  void constraints(const State& state, VecX& g, VecX& gdot) const;
+  void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const;
+  void follow_angles(State& state) const;  // on accepted states only
   Energies energies(const State& state) const;
   double load_power(const State& state) const;   // of external loads, gravity excepted [W]
   double drive_power(const State& state) const;  // of drives and prescribed motions [W]

@@ -1,0 +1,124 @@
+#include "solvers/error_control.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libmbd/core/error.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double finest = 1e-14;  // relative tolerance
+
+}  // namespace
+
+ErrorNorm::ErrorNorm(const System& system, const ErrorTolerances& tolerances, double duration)
+    : tolerances_(tolerances), length_(system.length_scale()), duration_(duration) {
+  const auto check = [](double value, std::string_view what, bool optional) {
+    if (!(std::isfinite(value) && (value > 0.0 || (optional && value == 0.0))))
+      throw Error(fmt::format("the {} must be positive, not {}", what, value));
+  };
+  check(tolerances.relative, "tolerance", false);
+  check(tolerances.position, "position_tolerance", true);
+  check(tolerances.rotation, "rotation_tolerance", true);
+  check(tolerances.velocity, "velocity_tolerance", true);
+  check(tolerances.angular_velocity, "angular_velocity_tolerance", true);
+  if (tolerances.relative < finest)
+    throw Error(
+        fmt::format("a tolerance of {} is below round-off; {} is the finest that makes sense",
+                    tolerances.relative, finest));
+  speed_ = length_ / duration_;
+  spin_ = 1.0 / duration_;
+}
+
+void ErrorNorm::measure(const State& begin, const State& end) {
+  speed_ = length_ / duration_;
+  spin_ = 1.0 / duration_;
+  for (const State* state : {&begin, &end})
+    for (const Vec6& V : state->V) {
+      speed_ = std::max(speed_, V.head<3>().norm());
+      spin_ = std::max(spin_, V.tail<3>().norm());
+    }
+  // A part that only turns moves its points, and one that only moves turns what it drives.
+  speed_ = std::max(speed_, 1e-3 * spin_ * length_);
+  spin_ = std::max(spin_, 1e-3 * speed_ / length_);
+}
+
+double ErrorNorm::operator()(std::span<const Vec6> eU, std::span<const Vec6> eV,
+                             double factor) const {
+  position_ = rotation_ = 0.0;
+  worst_row_ = -1;
+  double worst = 0.0, sum = 0.0;
+  const auto limit = [](double given, double relative) { return given > 0.0 ? given : relative; };
+  const double r = tolerances_.relative;
+  const double limits[4] = {limit(tolerances_.position, r * length_),
+                            limit(tolerances_.rotation, r), limit(tolerances_.velocity, r * speed_),
+                            limit(tolerances_.angular_velocity, r * spin_)};
+  const auto look = [&](const Vec6& e, std::size_t n, std::size_t kind) {
+    for (Index i = 0; i < 6; ++i) {
+      const double size = std::abs(e(i)) / limits[kind + (i < 3 ? 0 : 1)];
+      sum += size;
+      if (size > worst) {
+        worst = size;
+        worst_row_ = 6 * static_cast<Index>(n) + i;
+      }
+    }
+  };
+  for (std::size_t n = 1; n < eU.size(); ++n) {
+    position_ = std::max(position_, eU[n].head<3>().norm());
+    rotation_ = std::max(rotation_, eU[n].tail<3>().norm());
+    look(eU[n], n, 0);
+    if (!eV.empty()) look(eV[n], n, 2);
+  }
+  if (!std::isfinite(sum)) return std::numeric_limits<double>::quiet_NaN();
+  return worst / factor;
+}
+
+double ErrorNorm::velocity_share(double rate) const {
+  return std::min({1.0, speed_ / (rate * length_), spin_ / rate});
+}
+
+double first_step(const System& system, const State& state, double span) {
+  constexpr double share = 1e-3;  // of the scene's length, of a radian
+  const double length = system.length_scale();
+  double h = 1e-2 * span;
+  for (std::size_t n = 1; n < state.V.size(); ++n) {
+    const Vec6 &V = state.V[n], &A = state.Vdot[n];
+    const double speed = std::max(V.head<3>().norm() / length, V.tail<3>().norm());
+    const double rise = std::max(A.head<3>().norm() / length, A.tail<3>().norm());
+    if (speed * h > 10.0 * share) h = 10.0 * share / speed;
+    if (rise * h * h > share) h = std::sqrt(share / rise);
+  }
+  return h;
+}
+
+void StepController::accepted(double h, double error) {
+  constexpr double safety = 0.85, least = 0.2, most = 6.0;
+  constexpr double keep_below = 1.15;  // gains not worth a factorisation
+  const double e = std::max(error, 1e-8);
+  double factor = safety * std::pow(e, -0.7 / order_) * std::pow(previous_, 0.4 / order_);
+  // Never more than the error itself allows.
+  factor = std::min(factor, std::pow(e, -1.0 / order_));
+  factor = std::clamp(factor, least, rejected_ ? 1.0 : most);
+  if (factor >= 1.0 && factor < keep_below) factor = 1.0;
+  h_ = std::min(h * factor, most_);
+  previous_ = e;
+  rejected_ = false;
+}
+
+void StepController::rejected(double h, double error) {
+  constexpr double safety = 0.8, least = 0.1, most = 0.8;
+  h_ = h * std::clamp(std::isfinite(error) ? safety * std::pow(error, -1.0 / order_) : least, least,
+                      most);
+  rejected_ = true;
+}
+
+void StepController::failed(double h) {
+  h_ = 0.4 * h;
+  rejected_ = true;
+}
+
+}  // namespace mbd

@@ -1,0 +1,82 @@
+// Step control: the size of an estimated error, and the step that it asks for.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libmbd/core/system.hpp"
+
+namespace mbd {
+
+// What is tolerated of the error of the motion. Errors of positions are measured in lengths of the scene and
+// rotations in radians, velocities in what moves fastest at the time; `relative` is of those. Limits in
+// physical units, where given, take the place of the relative one for their kind.
+struct ErrorTolerances {
+  double relative = 0.0;          // 0: no error control
+  double position = 0.0;          // [m], 0: relative
+  double rotation = 0.0;          // [rad]
+  double velocity = 0.0;          // [m/s]
+  double angular_velocity = 0.0;  // [rad/s]
+};
+
+class ErrorNorm {
+ public:
+  // `duration` [s]: what moves slower than a length of the scene, or a radian, in that time is at rest.
+  // Throws Error for a tolerance that is negative, not finite, or finer than round-off.
+  ErrorNorm(const System& system, const ErrorTolerances& tolerances, double duration);
+
+  // The velocities against which errors are measured: the largest of two states.
+  void measure(const State& begin, const State& end);
+
+  // Largest component of an error by node, in units of what is tolerated times `factor`; NaN if one is not
+  // finite. An empty `eV` is not measured.
+  double operator()(std::span<const Vec6> eU, std::span<const Vec6> eV, double factor) const;
+
+  // Of the last call: the largest errors, and the row of the residual (System::name_of) where the norm was.
+  double position() const { return position_; }  // [m]
+  double rotation() const { return rotation_; }  // [rad]
+  Index worst_row() const { return worst_row_; }
+
+  // Fraction of lengths and radians at which velocities, changed by `rate` [1/s] times the motion, are as
+  // wrong as tolerated: Newton's increments of motion have to be that small. At most 1.
+  double velocity_share(double rate) const;
+
+  double relative() const { return tolerances_.relative; }
+
+ private:
+  ErrorTolerances tolerances_;
+  double length_, duration_;
+  double speed_ = 0.0, spin_ = 0.0;  // [m/s], [rad/s]
+  mutable double position_ = 0.0, rotation_ = 0.0;
+  mutable Index worst_row_ = -1;
+};
+
+// A first step [s] within which nothing moves or changes its velocity much; `span` [s] is the time to come.
+double first_step(const System& system, const State& state, double span);
+
+// Steps from errors e = (local error)/(what is allowed), which go with h^order: a proportional-integral
+// controller (Gustafsson). Keeps the step where the gain would be small, since a new step is a new
+// factorisation.
+class StepController {
+ public:
+  StepController(int order, double most) : order_(order), most_(most) {}
+  void start(double h) {
+    h_ = h;
+    previous_ = 1.0;
+    rejected_ = false;
+  }
+  double step() const { return h_; }  // [s] to be tried next
+  void accepted(double h, double error);
+  void rejected(double h, double error);
+  void failed(double h);  // Newton's iterations did not converge
+
+ private:
+  int order_;
+  double most_;
+  double h_ = 0.0;
+  double previous_ = 1.0;
+  bool rejected_ = false;
+};
+
+}  // namespace mbd

@@ -1,0 +1,627 @@
+#include "solvers/radau.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libmbd/core/error.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double theta_floor = 0.05;
+constexpr double theta_memory = 0.3;  // how fast a good contraction is believed
+constexpr double theta_renew = 0.35;  // worse: new tangents inside the step
+constexpr double theta_fresh = 0.05;  // assumed of new ones
+constexpr int iterations_renew = 6;   // this many: new tangents at the next step
+constexpr double time_rounding =
+    1e-6;  // of a fixed step: what sums of steps can be wrong by, and more
+constexpr double time_floor = 1e-12;  // of adaptive ones, of the time until the end
+constexpr double same_step = 1e-3;    // steps that differ less share a factorisation
+constexpr int most_halvings = 40;
+constexpr int successes_double = 4;  // so many small steps in a row: back to twice the size
+constexpr double longest = 0.05;     // adaptive step, of the time until the end
+constexpr double most_turn = 2.5;    // [rad] in a step: T^-1(Q) is singular at 2 pi
+// Adaptive steps: the estimate goes with h^4, the error with h^5; the constant was chosen so that errors of
+// the dynamic models are about the tolerance.
+constexpr int error_order = 4;
+constexpr double local_tolerance = 0.1;
+constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increments
+constexpr double velocity_gain = 4.0;  // h dV/dU of a stage: about |gamma|, |mu|
+
+// The tableau, its inverse, and the transformation that uncouples the stages.
+struct Tableau {
+  Vec3 c, b, e;
+  Mat3 D, T, T_inv;
+  double gamma;
+  std::complex<double> mu;
+
+  Tableau() {
+    const double q = std::sqrt(6.0);
+    c << (4.0 - q) / 10.0, (4.0 + q) / 10.0, 1.0;
+    Mat3 A;
+    A << (88.0 - 7.0 * q) / 360.0, (296.0 - 169.0 * q) / 1800.0, (-2.0 + 3.0 * q) / 225.0,
+        (296.0 + 169.0 * q) / 1800.0, (88.0 + 7.0 * q) / 360.0, (-2.0 - 3.0 * q) / 225.0,
+        (16.0 - q) / 36.0, (16.0 + q) / 36.0, 1.0 / 9.0;
+    b = A.row(2).transpose();
+    D = A.inverse();
+    e << -(13.0 + 7.0 * q) / 3.0, (-13.0 + 7.0 * q) / 3.0, -1.0 / 3.0;
+    const Eigen::EigenSolver<Mat3> eigen(D);
+    for (Index k = 0; k < 3; ++k) {
+      const std::complex<double> value = eigen.eigenvalues()(k);
+      const Eigen::Vector3cd v = eigen.eigenvectors().col(k);
+      if (std::abs(value.imag()) < 1e-8) {
+        gamma = value.real();
+        T.col(0) = v.real();
+      } else if (value.imag() > 0.0) {
+        mu = value;
+        T.col(1) = v.real();
+        T.col(2) = v.imag();
+      }
+    }
+    T_inv = T.inverse();
+  }
+};
+const Tableau& tableau() {
+  static const Tableau t;
+  return t;
+}
+
+// Lagrange weights at x of the nodes 0, c_1, c_2, 1.
+std::array<double, 4> collocation_weights(double x) {
+  const Vec3& c = tableau().c;
+  const std::array<double, 4> nodes{0.0, c(0), c(1), c(2)};
+  std::array<double, 4> w{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    w[i] = 1.0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (k != i) w[i] *= (x - nodes[k]) / (nodes[i] - nodes[k]);
+  }
+  return w;
+}
+std::array<double, 3> stage_weights(double x) {
+  const Vec3& c = tableau().c;
+  std::array<double, 3> w{};
+  for (Index i = 0; i < 3; ++i) {
+    double product = 1.0;
+    for (Index k = 0; k < 3; ++k)
+      if (k != i) product *= (x - c(k)) / (c(i) - c(k));
+    w[static_cast<std::size_t>(i)] = product;
+  }
+  return w;
+}
+
+}  // namespace
+
+Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
+             std::unique_ptr<PencilSolver> pencil, const RadauOptions& options)
+    : system_(system),
+      solver_(std::move(solver)),
+      pencil_(std::move(pencil)),
+      options_(options),
+      norm_(system, options.newton),
+      dense_(system, HermiteStep::Degree::quintic),
+      adaptive_(options.step == 0.0 && options.tolerances.relative != 0.0) {
+  if (!adaptive_ && (!(options.step > 0.0) || !std::isfinite(options.step)))
+    throw Error(fmt::format("the time step must be positive, not {}", options.step));
+  if (adaptive_ && !(options.end > 0.0))
+    throw Error("adaptive steps need a time at which they end");
+  if (!system.with_rates())
+    throw Error("the system was compiled for statics: it has no inertia to integrate");
+  if (!(options.max_halvings >= 0 && options.max_halvings <= most_halvings))
+    throw Error(fmt::format("max_halvings must lie in 0 … {}, not {}", most_halvings,
+                            options.max_halvings));
+  if (adaptive_) {
+    options_.newton.tolerance = newton_share * options.tolerances.relative;
+    options_.newton.multiplier_tolerance = std::clamp(10.0 * options_.newton.tolerance, 1e-9, 1e-5);
+    norm_ = IncrementNorm(system, options_.newton);
+  }
+  solver_->analyze(system.graph());
+  pencil_->analyze(system.graph());
+  const auto n = static_cast<std::size_t>(system.nodes());
+  for (std::size_t j = 0; j < stages; ++j) {
+    Q_[j].assign(n, Vec6::Zero());
+    Qdot_[j].assign(n, Vec6::Zero());
+    Q_old_[j].assign(n, Vec6::Zero());
+    delta_[j].resize(system.unknowns());
+  }
+  V_hat_.assign(n, Mat6::Zero());
+  eQ_.assign(n, Vec6::Zero());
+  eV_.assign(n, Vec6::Zero());
+  x_.resize(system.unknowns());
+  y_.resize(system.unknowns());
+  z_.resize(static_cast<std::size_t>(system.unknowns()));
+}
+
+StepReport Radau::start(State& state) {
+  origin_ = state.t;
+  const double span = options_.end - origin_;
+  if (adaptive_ && !(span > 0.0))
+    throw Error(fmt::format("the end {} s is not after the start {} s", options_.end, origin_));
+  slack_ = adaptive_ ? time_floor * span : time_rounding * options_.step;
+  // Fixed steps have no end: what moves less than a length, or a radian, in a thousand of them is at rest.
+  const double duration = adaptive_ ? span : 1000.0 * options_.step;
+  ErrorTolerances tolerances = options_.tolerances;
+  if (!adaptive_) tolerances = {.relative = options_.newton.tolerance};
+  error_norm_ = std::make_unique<ErrorNorm>(system_, tolerances, duration);
+  controller_ = std::make_unique<StepController>(
+      error_order, options_.max_step > 0.0 ? options_.max_step : longest * span);
+  for (const Breakpoint& b : system_.breakpoints())  // one that is here but for round-off
+    if (b.t > origin_ && b.t <= origin_ + slack_) state.t = b.t;
+  count_ = 0;
+  halvings_ = 0;
+  sizes_ = {};
+  return restart(state);
+}
+
+StepReport Radau::restart(State& state) {
+  StepReport report;
+  report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
+  if (!report.failure.empty()) return report;
+  norm_.observe(state.lambda);
+  history_ = false;
+  linearized_ = false;
+  factored_step_ = 0.0;
+  if (adaptive_) controller_->start(first_step(system_, state, options_.end - state.t));
+  report.converged = true;
+  return report;
+}
+
+double Radau::time_of(std::size_t stage) const {
+  return begin_.t + tableau().c(static_cast<Index>(stage)) * h_;
+}
+
+// Stages from the polynomial of the last step, or from the rates at the start.
+void Radau::predict(bool extrapolate) {
+  const bool known = extrapolate && history_;
+  for (std::size_t j = 0; j < stages; ++j) {
+    State& stage = stage_[j];
+    const double tau = time_of(j) - begin_.t;
+    if (known) {
+      const double x = (time_of(j) - t_old_) / h_old_;
+      const auto w = collocation_weights(x);
+      for (std::size_t n = 1; n < eQ_.size(); ++n) {
+        const Vec6 Q = w[1] * Q_old_[0][n] + w[2] * Q_old_[1][n] + w[3] * Q_old_[2][n];
+        Q_[j][n] = log_se3<double>(relative(begin_.pose[n], pose_old_[n] * exp_se3<double>(Q)));
+      }
+      const auto v = stage_weights(x);
+      stage.lambda = v[0] * lambda_old_[0] + v[1] * lambda_old_[1] + v[2] * lambda_old_[2];
+    } else {
+      for (std::size_t n = 1; n < eQ_.size(); ++n)
+        Q_[j][n] = tau * begin_.V[n] + 0.5 * tau * tau * begin_.Vdot[n];
+      stage.lambda = begin_.lambda;
+    }
+  }
+  update_stages();
+}
+
+// Poses and rates of the stages from Q.
+void Radau::update_stages() {
+  const Mat3& D = tableau().D;
+  const double rate = 1.0 / h_;
+  for (std::size_t n = 1; n < eQ_.size(); ++n) {
+    for (std::size_t j = 0; j < stages; ++j) {
+      const auto J = static_cast<Index>(j);
+      Qdot_[j][n] = rate * (D(J, 0) * Q_[0][n] + D(J, 1) * Q_[1][n] + D(J, 2) * Q_[2][n]);
+      stage_[j].pose[n] = begin_.pose[n] * exp_se3<double>(Q_[j][n]);
+      stage_[j].V[n] = T_of<double>(Q_[j][n]) * Qdot_[j][n];
+    }
+    const Vec6& V = begin_.V[n];
+    const Vec6 d0 = stage_[0].V[n] - V, d1 = stage_[1].V[n] - V, d2 = stage_[2].V[n] - V;
+    for (std::size_t j = 0; j < stages; ++j) {
+      const auto J = static_cast<Index>(j);
+      stage_[j].Vdot[n] = rate * (D(J, 0) * d0 + D(J, 1) * d1 + D(J, 2) * d2);
+    }
+  }
+}
+
+// r and gdot of all stages. False if an element is out of its range.
+bool Radau::residuals() {
+  bool in_range = true;
+  for (std::size_t j = 0; j < stages; ++j) {
+    in_range &= system_.residual(stage_[j], r_[j]);
+    system_.constraints(stage_[j], g_, gdot_);
+    r_[j].tail(gdot_.size()) = gdot_;
+  }
+  return in_range;
+}
+
+// P0, P1, P2 at the middle stage.
+bool Radau::linearize() {
+  const State& at = stage_[1];
+  pencil_->set_zero();
+  for (std::size_t n = 1; n < V_hat_.size(); ++n) V_hat_[n] = twist_hat<double>(at.V[n]);
+  const bool in_range = system_.linearize(at, {}, x_, pencil_->slots(0));
+  system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = V_hat_}, pencil_->slots(0));
+  system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = {}}, pencil_->slots(1));
+  system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = V_hat_}, pencil_->slots(1));
+  system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, pencil_->slots(2));
+  stiffness_ = largest_stiffness(system_, pencil_->slots(0));
+  ++counters_.tangents;
+  linearized_ = true;
+  factored_step_ = 0.0;
+  theta_ = theta_fresh;
+  return in_range;
+}
+
+bool Radau::factorize(StepReport& report) {
+  const double x = tableau().gamma / h_;
+  ++counters_.factorizations;
+  if (pencil_->factor(1.0 / (x * x), x, tableau().mu / h_) != FactorStatus::ok) {
+    const Index row = pencil_->singular_row();
+    report.failure =
+        fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
+                    row >= 0 ? " at " + system_.name_of(row + 6) : std::string());
+    factored_step_ = 0.0;
+    return false;
+  }
+  factored_step_ = h_;
+  return true;
+}
+
+bool Radau::iterate(StepReport& report) {
+  const Tableau& t = tableau();
+  const double x = t.gamma / h_, s = 1.0 / (x * x);
+  const std::complex<double> z = t.mu / h_;
+  const Index size = system_.unknowns(), motions = 6 * (system_.nodes() - 1);
+  double previous = 0.0;
+  fresh_ = false;
+  report.iterations = 0;
+  if (relinearize_next_ || !linearized_) {
+    linearize();
+    fresh_ = true;
+    relinearize_next_ = false;
+  }
+  if (factored_step_ == 0.0 || std::abs(h_ - factored_step_) > same_step * factored_step_)
+    if (!factorize(report)) return false;
+  norm_.set_floor(begin_, stiffness_ + mass_ * x * x);
+  const double share = error_norm_->velocity_share(velocity_gain / h_);
+  for (int k = 0; k < options_.newton.max_iterations; ++k) {
+    const bool in_range = residuals();
+    counters_.residuals += 3;
+    // Right-hand sides of (2).
+    for (Index i = 0; i < size; ++i) {
+      const double r0 = r_[0](i + 6), r1 = r_[1](i + 6), r2 = r_[2](i + 6);
+      const auto weighted = [&](Index row) {
+        return t.T_inv(row, 0) * r0 + t.T_inv(row, 1) * r1 + t.T_inv(row, 2) * r2;
+      };
+      const std::complex<double> c(weighted(1), -weighted(2));
+      const auto I = static_cast<std::size_t>(i);
+      if (i < motions) {
+        x_(i) = -s * weighted(0);
+        z_[I] = -s * c;
+      } else {
+        x_(i) = -weighted(0) / x;
+        z_[I] = -c / z;
+      }
+    }
+    pencil_->solve({x_.data(), static_cast<std::size_t>(size)});
+    pencil_->solve(std::span<std::complex<double>>(z_));
+    ++report.iterations;
+    ++counters_.iterations;
+    double e = 0.0;
+    for (std::size_t j = 0; j < stages; ++j) {
+      const auto J = static_cast<Index>(j);
+      for (Index i = 0; i < size; ++i) {
+        const std::complex<double>& w = z_[static_cast<std::size_t>(i)];
+        delta_[j](i) = t.T(J, 0) * x_(i) + t.T(J, 1) * w.real() - t.T(J, 2) * w.imag();
+      }
+      const double one = norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, 1.0, share);
+      e = one <= e ? e : one;  // a NaN stays
+    }
+    if (static_cast<std::size_t>(k) < report.increments.size())
+      report.increments[static_cast<std::size_t>(k)] = e;
+    report.error = e;
+    if (!std::isfinite(e)) {
+      std::size_t bad = 0;
+      while (bad < 2 && r_[bad].allFinite()) ++bad;
+      report.failure = fmt::format("the residual is not finite at {}",
+                                   system_.name_of(worst_row(system_, r_[bad])));
+      return false;
+    }
+    bool renew = false;
+    if (previous > 0.0) {
+      theta_ = std::max({e / previous, theta_memory * theta_, theta_floor});
+      if (e > 2.0 * previous && e > 1.0) {
+        if (fresh_ && k > 2) break;  // diverges with its own tangents
+        renew = !fresh_;
+      }
+    }
+    if (!renew) {
+      previous = e;
+      for (std::size_t j = 0; j < stages; ++j) {
+        for (Index n = 1; n < system_.nodes(); ++n) {
+          const auto N = static_cast<std::size_t>(n);
+          Q_[j][N] += T_inverse_times<double>(Q_[j][N], delta_[j].segment<6>(6 * (n - 1)));
+        }
+        stage_[j].lambda += delta_[j].tail(size - motions) / s;
+      }
+      update_stages();
+      const double left = e * std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999)));
+      report.error = left;
+      if (left < 1.0) {
+        if (!in_range) break;
+        if (report.iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
+        relinearize_next_ = report.iterations >= iterations_renew && !fresh_;
+        return true;
+      }
+      if (theta_ > theta_renew && !fresh_) renew = true;
+    }
+    if (renew) {
+      linearize();
+      fresh_ = true;
+      previous = 0.0;
+      if (!factorize(report)) return false;
+    }
+  }
+  if (report.failure.empty()) {
+    residuals();
+    std::string element;
+    for (std::size_t j = 0; j < stages && element.empty(); ++j)
+      element = system_.out_of_range(stage_[j]);
+    report.failure =
+        element.empty()
+            ? fmt::format(
+                  "Newton's iterations do not converge (worst equation: {}); look for a lock, a "
+                  "jump or an instability there, or try a smaller step",
+                  system_.name_of(worst_row(system_, r_[2])))
+            : range_failure(element);
+  }
+  return false;
+}
+
+// Solves a step from `state` to t; its end is not yet projected, nor accepted.
+bool Radau::try_step(const State& state, double t, StepReport& report) {
+  begin_ = state;
+  h_ = t - begin_.t;
+  if (!adaptive_ && std::abs(h_ - options_.step) <= time_rounding * options_.step)
+    h_ = options_.step;  // not the round-off of times
+  for (std::size_t j = 0; j < stages; ++j) {
+    stage_[j] = begin_;
+    system_.set_time(stage_[j], j + 1 == stages ? t : time_of(j), Side::left);
+  }
+  error_norm_->measure(begin_, begin_);
+  const int before = report.iterations;
+  report.iterations = 0;
+  report.failure.clear();
+  predict(true);
+  bool converged = iterate(report);
+  if (!converged &&
+      !(fresh_ && !history_)) {  // once more from the start of the step, with new tangents
+    report.failure.clear();
+    relinearize_next_ = true;
+    predict(false);
+    converged = iterate(report);
+  }
+  report.iterations += before;
+  if (converged)
+    for (std::size_t n = 1; n < eQ_.size() && converged; ++n)
+      if (!(Q_[2][n].tail<3>().norm() < most_turn)) {
+        converged = false;
+        report.failure = fmt::format("{} turns by more than {} rad in a step",
+                                     system_.node_name(static_cast<Index>(n)), most_turn);
+      }
+  if (!converged) relinearize_next_ = true;
+  return converged;
+}
+
+// Equation (3) into eQ_ and eV_.
+void Radau::estimate_error() {
+  const Tableau& t = tableau();
+  const double x = t.gamma / h_, s = 1.0 / (x * x), rate = 1.0 / h_;
+  const Index size = system_.unknowns(), motions = 6 * (system_.nodes() - 1);
+  VecX& rhs = delta_[0];
+  VecX &first = delta_[1], &second = delta_[2];
+  first.setZero();   // what P1 is applied to
+  second.setZero();  // what P2 is applied to
+  for (Index n = 1; n < system_.nodes(); ++n) {
+    const auto N = static_cast<std::size_t>(n);
+    const Vec6& V = begin_.V[N];
+    const Vec6 dQ = V + rate * (t.e(0) * Q_[0][N] + t.e(1) * Q_[1][N] + t.e(2) * Q_[2][N]);
+    const Vec6 dV =
+        begin_.Vdot[N] + rate * (t.e(0) * (stage_[0].V[N] - V) + t.e(1) * (stage_[1].V[N] - V) +
+                                 t.e(2) * (stage_[2].V[N] - V));
+    eV_[N] = dQ;
+    first.segment<6>(6 * (n - 1)) = dQ;
+    second.segment<6>(6 * (n - 1)) = dV + x * dQ - V_hat_[N] * dQ;
+  }
+  const auto span_of = [&](VecX& v) {
+    return std::span<double>(v.data(), static_cast<std::size_t>(v.size()));
+  };
+  rhs.setZero();
+  pencil_->multiply(1, span_of(first), span_of(rhs));
+  pencil_->multiply(2, span_of(second), span_of(rhs));
+  rhs.head(motions) *= s;
+  y_.setZero();
+  pencil_->multiply(0, span_of(first), span_of(y_));
+  rhs.tail(size - motions) = y_.tail(size - motions) / x;  // B dQ
+  pencil_->solve(span_of(rhs));
+  for (Index n = 1; n < system_.nodes(); ++n) {
+    const auto N = static_cast<std::size_t>(n);
+    eQ_[N] = rhs.segment<6>(6 * (n - 1));
+    eV_[N] = x * eQ_[N] + V_hat_[N] * eQ_[N] - eV_[N];
+  }
+}
+
+// Puts the end of the step on the constraints, at both levels. end_ is the state there.
+void Radau::project() {
+  end_ = stage_[2];
+  if (system_.multipliers() == 0) return;
+  constexpr int most_passes = 3;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  double farthest = system_.length_scale(), fastest = 0.0;
+  for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
+  for (const Vec6& V : end_.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
+  const Index motions = 6 * (system_.nodes() - 1);
+  const auto correct = [&](const VecX& violation) {
+    x_.setZero();
+    x_.tail(violation.size()) = -violation;
+    pencil_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
+    (void)motions;
+  };
+  double last = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < most_passes; ++pass) {
+    system_.constraints(end_, g_, gdot_);
+    const double size = g_.cwiseAbs().maxCoeff();
+    if (size <= 2.0 * eps * farthest || !(size < 0.5 * last)) break;
+    last = size;
+    correct(g_);
+    for (Index n = 1; n < system_.nodes(); ++n) {
+      const auto N = static_cast<std::size_t>(n);
+      Q_[2][N] += T_inverse_times<double>(Q_[2][N], x_.segment<6>(6 * (n - 1)));
+      end_.pose[N] = begin_.pose[N] * exp_se3<double>(Q_[2][N]);
+    }
+  }
+  last = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < most_passes; ++pass) {
+    system_.constraints(end_, g_, gdot_);
+    const double size = gdot_.cwiseAbs().maxCoeff();
+    if (size <= 4.0 * eps * fastest || !(size < 0.5 * last)) break;
+    last = size;
+    correct(gdot_);
+    for (Index n = 1; n < system_.nodes(); ++n)
+      end_.V[static_cast<std::size_t>(n)] += x_.segment<6>(6 * (n - 1));
+  }
+}
+
+void Radau::accept(State& state) {
+  const Tableau& t = tableau();
+  for (std::size_t n = 1; n < eQ_.size(); ++n) renormalize(end_.pose[n]);
+  system_.follow_angles(end_);
+  for (std::size_t j = 0; j < stages; ++j) {
+    const Power power = power_of(system_, j + 1 == stages ? end_ : stage_[j]);
+    const double weight = h_ * t.b(static_cast<Index>(j));
+    end_.work.loads += weight * power.loads;
+    end_.work.drives += weight * power.drives;
+  }
+  norm_.observe(end_.lambda);
+  if (observer_) {
+    dense_.set(begin_, end_, Q_[2]);
+    dense_.set_inner_multipliers({time_of(0), time_of(1)}, {&stage_[0].lambda, &stage_[1].lambda});
+    observer_(dense_);
+  }
+  std::swap(Q_, Q_old_);
+  std::swap(pose_old_, begin_.pose);
+  for (std::size_t j = 0; j < stages; ++j) std::swap(lambda_old_[j], stage_[j].lambda);
+  t_old_ = begin_.t;
+  h_old_ = h_;
+  history_ = true;
+  state = end_;
+  ++counters_.substeps;
+}
+
+bool Radau::land(State& state, const Landing& landing, StepReport& report) {
+  if (!landing.restart) return true;
+  const double t = state.t;
+  state.t = landing.restart_at;
+  const StepReport again = restart(state);
+  ++counters_.restarts;
+  if (again.converged) return true;
+  report.converged = false;
+  report.failure =
+      fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", t, again.failure);
+  return false;
+}
+
+StepReport Radau::step(State& state) {
+  return adaptive_ ? adaptive_step(state) : fixed_step(state);
+}
+
+StepReport Radau::fixed_step(State& state) {
+  StepReport report;
+  const double end = origin_ + static_cast<double>(count_ + 1) * options_.step;
+  double reached = state.t;
+  while (reached < end - slack_) {
+    const Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
+    reached = landing.t;
+    const double whole = landing.t - state.t;
+    for (bool last = false; !last;) {  // in one step, or in pieces
+      const double h = std::ldexp(whole, -halvings_);
+      last = h > (landing.t - state.t) * (1.0 - time_rounding);
+      if (try_step(state, last ? landing.t : state.t + h, report)) {
+        project();
+        accept(state);
+        if (halvings_ > 0 && ++good_ == successes_double) {
+          --halvings_;
+          good_ = 0;
+        }
+        continue;
+      }
+      last = false;
+      good_ = 0;
+      if (halvings_ == options_.max_halvings) {
+        report.failure =
+            fmt::format("from t = {:.9g} s{}: {}", state.t,
+                        options_.max_halvings > 0 ? fmt::format(", even with a step of {:.3g} s", h)
+                                                  : std::string(),
+                        report.failure);
+        return report;
+      }
+      ++halvings_;
+      ++counters_.retries;
+    }
+    if (!land(state, landing, report)) return report;
+  }
+  ++count_;
+  ++counters_.steps;
+  report.failure.clear();
+  report.converged = true;
+  return report;
+}
+
+StepReport Radau::adaptive_step(State& state) {
+  StepReport report;
+  const Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
+  // Of tolerance^(4/5).
+  const double factor = local_tolerance * std::pow(options_.tolerances.relative, -0.2);
+  for (;;) {
+    double h = controller_->step();
+    const double rest = landing.t - state.t;
+    const bool last = h > rest * (1.0 - same_step);
+    if (last)
+      h = rest;
+    else if (2.0 * h > rest)
+      h = 0.5 * rest;  // two alike, rather than a whole one and a rest
+    if (!(h > slack_)) {
+      report.failure = fmt::format(
+          "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
+          h,
+          report.failure.empty() ? "the estimated error stays too large at " +
+                                       system_.name_of(error_norm_->worst_row())
+                                 : report.failure);
+      return report;
+    }
+    if (!try_step(state, last ? landing.t : state.t + h, report)) {
+      ++counters_.retries;
+      controller_->failed(h);
+      continue;
+    }
+    estimate_error();
+    error_norm_->measure(begin_, stage_[2]);
+    const double error = (*error_norm_)(eQ_, eV_, factor);
+    if (!(error <= 1.0)) {
+      ++counters_.rejected;
+      controller_->rejected(h, error);
+      continue;
+    }
+    controller_->accepted(h, error);
+    if (!last && (sizes_.least == 0.0 || h < sizes_.least)) sizes_.least = h;
+    sizes_.most = std::max(sizes_.most, h);
+    sizes_.worst_error = std::max(sizes_.worst_error, error);
+    sizes_.position_error += error_norm_->position();
+    sizes_.rotation_error += error_norm_->rotation();
+    project();
+    accept(state);
+    ++counters_.steps;
+    report.failure.clear();
+    report.error = error;
+    if (last && !land(state, landing, report)) return report;
+    report.converged = true;
+    return report;
+  }
+}
+
+}  // namespace mbd

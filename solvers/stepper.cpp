@@ -1,0 +1,66 @@
+#include "solvers/stepper.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "solvers/increments.hpp"
+
+namespace mbd {
+
+Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack) {
+  auto first = std::upper_bound(breakpoints.begin(), breakpoints.end(), t + slack,
+                                [](double at, const Breakpoint& b) { return at < b.t; });
+  Landing landing{end, false, end};
+  if (first == breakpoints.end() || first->t > end + slack) return landing;
+  auto last = first;
+  for (; last != breakpoints.end() && last->t <= std::min(first->t, end) + slack; ++last)
+    landing.restart = landing.restart || last->restart;
+  landing.t = first->t;
+  landing.restart_at = std::prev(last)->t;
+  return landing;
+}
+
+std::string initial_accelerations(const System& system, LinearSolver& solver, State& state,
+                                  double& mass, Counters& counters) {
+  VecX r, gdot, gddot_rest;
+  VecX x(system.unknowns());
+  system.set_time(state, state.t, Side::right);
+  // r is linear in Vdot and lambda: one solve, and one more against round-off.
+  for (Vec6& a : state.Vdot) a.setZero();
+  state.lambda.setZero();
+  system.constraint_rates(state, gdot, gddot_rest);
+  system.linearize(state, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, r, solver);
+  mass = largest_stiffness(system, solver);
+  ++counters.tangents;
+  ++counters.factorizations;
+  if (solver.factor() != FactorStatus::ok) {
+    const Index row = solver.singular_row();
+    return fmt::format(
+        "the initial accelerations are not determined{}: a node without inertia that no joint "
+        "holds, or redundant constraints",
+        row >= 0 ? " at " + system.name_of(row + 6) : std::string());
+  }
+  const Index motions = 6 * (system.nodes() - 1);
+  for (int pass = 0; pass < 2; ++pass) {
+    if (pass > 0) system.residual(state, r);
+    x = -r.tail(x.size());
+    // B Vdot + gddot_rest, with B Vdot from what has been solved: the residual's constraint rows are g.
+    if (pass == 0)
+      x.tail(gddot_rest.size()) = -gddot_rest;
+    else
+      x.tail(gddot_rest.size()).setZero();
+    solver.solve({x.data(), static_cast<std::size_t>(x.size())});
+    for (Index n = 1; n < system.nodes(); ++n)
+      state.Vdot[static_cast<std::size_t>(n)] += x.segment<6>(6 * (n - 1));
+    state.lambda += x.tail(x.size() - motions);
+  }
+  if (!x.allFinite()) return "the initial accelerations are not finite";
+  return {};
+}
+
+Power power_of(const System& system, const State& state) {
+  return {system.load_power(state), system.drive_power(state)};
+}
+
+}  // namespace mbd

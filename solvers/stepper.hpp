@@ -1,0 +1,74 @@
+// What advances a State over a System in time: generalized-alpha, Radau IIA, IDA.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/report.hpp"
+
+namespace mbd {
+
+// A step that has been accepted, as a function of time.
+class DenseStep {
+ public:
+  virtual ~DenseStep() = default;
+  virtual double begin() const = 0;  // [s]
+  virtual double end() const = 0;
+  // The state at t in [begin, end], with the signals at t; at a jump at the end of the step their left limits.
+  // `out` must be a state of the same System.
+  virtual void at(double t, State& out) const = 0;
+};
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  // Consistent accelerations and multipliers at state.t (the state must satisfy its constraints at
+  // position and velocity level: check_initial_state). Also after a user has changed the state.
+  virtual StepReport start(State& state) = 0;
+
+  // Fixed steps: from the last multiple of the step, counted from start(), to the next. Adaptive steps: one
+  // step of the method, which ends at options.end at the latest, and there exactly. On failure the state is
+  // the last one that was reached, which may lie inside the step.
+  virtual StepReport step(State& state) = 0;
+
+  const Counters& counters() const { return counters_; }
+  const StepSizes& sizes() const { return sizes_; }
+
+  // Shown each accepted piece of a step, before what happens at its end (a restart at a jump).
+  void on_substep(std::function<void(const DenseStep&)> observer) {
+    observer_ = std::move(observer);
+  }
+
+ protected:
+  Counters counters_;
+  StepSizes sizes_;
+  std::function<void(const DenseStep&)> observer_;
+};
+
+// Where a step that would end at `end` has to stop.
+struct Landing {
+  double t = 0.0;        // [s] `end`, or a breakpoint before it
+  bool restart = false;  // what accelerates jumps there,
+  double restart_at =
+      0.0;  // at this time: the last of the breakpoints that are one but for `slack`
+};
+// `slack` is the round-off of times: breakpoints closer than that to the start have been passed.
+Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack);
+
+// Vdot and multipliers that satisfy the equations of motion at state.t, from the right, and the constraints
+// at the level of accelerations. Returns an empty string, or why there are none. `mass` becomes the largest
+// entry of dr/dVdot; the solver holds [M B^T; B 0] then.
+std::string initial_accelerations(const System& system, LinearSolver& solver, State& state,
+                                  double& mass, Counters& counters);
+
+// Work of loads and drives over a step by a rule of weights and powers [W].
+struct Power {
+  double loads = 0.0;
+  double drives = 0.0;
+};
+Power power_of(const System& system, const State& state);
+
+}  // namespace mbd
