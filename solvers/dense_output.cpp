@@ -1,6 +1,7 @@
 #include "solvers/dense_output.hpp"
 
 #include "libmbd/core/dual.hpp"
+#include "libmbd/core/se3_rates.hpp"
 
 namespace mbd {
 namespace {
@@ -75,7 +76,7 @@ void HermiteStep::at(double t, State& out) const {
         (c[0] + s * (2.0 * c[1] + s * (3.0 * c[2] + s * (4.0 * c[3] + s * 5.0 * c[4])))) / h;
     const Vec6 acceleration =
         (2.0 * c[1] + s * (6.0 * c[2] + s * (12.0 * c[3] + s * 20.0 * c[4]))) / (h * h);
-    const Vector6<D> V = T_of<D>(dual(Q, rate)) * dual(rate, acceleration);
+    const Vector6<D> V = T_times<D>(dual(Q, rate), dual(rate, acceleration));
     for (Index i = 0; i < 6; ++i) {
       out.V[n](i) = V(i).v;
       out.Vdot[n](i) = V(i).d;

@@ -95,30 +95,50 @@ double first_step(const System& system, const State& state, double span) {
   return h;
 }
 
+void StepController::start(double h) {
+  h_ = h;
+  steady_ = 0;
+  rising_ = true;
+}
+
 void StepController::accepted(double h, double error) {
-  constexpr double safety = 0.85, least = 0.2, most = 6.0;
-  constexpr double keep_below = 1.15;  // gains not worth a factorisation
+  constexpr double safety = 0.85, most = 6.0, least = 0.5;
+  constexpr double worth = 1.1;  // gains below are not worth a factorisation,
+  constexpr double much = 2.0;   // above are not waited for
+  constexpr int patience = 8;    // steps that a gain between is waited for
+  constexpr double tight = 0.9;  // an error above: the next one would be too large
   const double e = std::max(error, 1e-8);
-  double factor = safety * std::pow(e, -0.7 / order_) * std::pow(previous_, 0.4 / order_);
-  // Never more than the error itself allows.
-  factor = std::min(factor, std::pow(e, -1.0 / order_));
-  factor = std::clamp(factor, least, rejected_ ? 1.0 : most);
-  if (factor >= 1.0 && factor < keep_below) factor = 1.0;
-  h_ = std::min(h * factor, most_);
-  previous_ = e;
-  rejected_ = false;
+  const double gain = safety * std::pow(e, -1.0 / order_);
+  if (h < h_ * 0.999) return;  // cut short by a breakpoint: says little
+  if (e > tight) {
+    h_ = h * std::clamp(gain, least, 1.0);
+    steady_ = 0;
+    rising_ = false;
+    return;
+  }
+  allowed_ = steady_ == 0 ? gain : std::min(allowed_, gain);
+  ++steady_;
+  if (allowed_ < worth && rising_) rising_ = false;
+  if (allowed_ >= worth && (rising_ || steady_ >= patience || (allowed_ >= much && steady_ >= 2))) {
+    h_ = std::min(h * std::min(allowed_, most), most_);
+    steady_ = 0;
+  } else if (steady_ >= patience) {
+    steady_ = 0;
+  }
 }
 
 void StepController::rejected(double h, double error) {
   constexpr double safety = 0.8, least = 0.1, most = 0.8;
   h_ = h * std::clamp(std::isfinite(error) ? safety * std::pow(error, -1.0 / order_) : least, least,
                       most);
-  rejected_ = true;
+  steady_ = 0;
+  rising_ = false;
 }
 
 void StepController::failed(double h) {
   h_ = 0.4 * h;
-  rejected_ = true;
+  steady_ = 0;
+  rising_ = false;
 }
 
 }  // namespace mbd

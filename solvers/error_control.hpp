@@ -55,17 +55,13 @@ class ErrorNorm {
 // A first step [s] within which nothing moves or changes its velocity much; `span` [s] is the time to come.
 double first_step(const System& system, const State& state, double span);
 
-// Steps from errors e = (local error)/(what is allowed), which go with h^order: a proportional-integral
-// controller (Gustafsson). Keeps the step where the gain would be small, since a new step is a new
-// factorisation.
+// Steps from errors e = (local error)/(what is allowed), which go with h^order. A new step is a new
+// factorisation, and where something rings the error goes up and down with it: a step is shortened at once, but
+// lengthened only by what all of the last few would have allowed.
 class StepController {
  public:
   StepController(int order, double most) : order_(order), most_(most) {}
-  void start(double h) {
-    h_ = h;
-    previous_ = 1.0;
-    rejected_ = false;
-  }
+  void start(double h);
   double step() const { return h_; }  // [s] to be tried next
   void accepted(double h, double error);
   void rejected(double h, double error);
@@ -75,8 +71,9 @@ class StepController {
   int order_;
   double most_;
   double h_ = 0.0;
-  double previous_ = 1.0;
-  bool rejected_ = false;
+  double allowed_ = 0.0;  // smallest gain that the steps since the last change would have allowed
+  int steady_ = 0;        // how many they are
+  bool rising_ = true;    // at the start: no gain is too large, nor waited for
 };
 
 }  // namespace mbd

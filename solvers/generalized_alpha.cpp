@@ -29,7 +29,7 @@ constexpr int iterations_refactor = 3;  // this many: a new tangent at the next 
 // Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 3;
-constexpr double local_tolerance = 1.0;
+constexpr double local_tolerance = 0.03;
 constexpr double longest = 0.05;      // step, of the time until the end
 constexpr double time_floor = 1e-12;  // round-off of times, of the time until the end
 

@@ -57,7 +57,7 @@ namespace mbd {
 struct GeneralizedAlphaOptions {
   double step = 0.0;  // h [s]; 0: adaptive, by the tolerances
   ErrorTolerances tolerances{};
-  double end = 0.0;  // [s] of adaptive steps
+  double end = 0.0;           // [s] of adaptive steps
   double max_step = 0.0;      // [s] of adaptive ones; 0: a twentieth of the time until the end
   double rho_infinity = 0.0;  // [0, 1]
   Balance balance = Balance::acceleration;

@@ -31,7 +31,7 @@ void IncrementNorm::set_floor(const State& state, double stiffness) {
 }
 
 double IncrementNorm::operator()(std::span<const double> increment, double multiplier_scale,
-                                 double slack, double share) const {
+                                 double slack, double share, double* exact) const {
   double linear = 0.0, angular = 0.0, multipliers = 0.0;
   double sum = 0.0;  // not finite if any component is not: max() would hide a NaN
   const auto motions = static_cast<std::size_t>(motions_);
@@ -49,12 +49,16 @@ double IncrementNorm::operator()(std::span<const double> increment, double multi
     sum += l;
   }
   if (!std::isfinite(sum)) return std::numeric_limits<double>::quiet_NaN();
-  double e = std::max(linear / length_, angular) / std::max(share * tolerance_, floor_);
+  const double motion = std::max(linear / length_, angular);
+  double e = motion / std::max(share * tolerance_, floor_);
+  if (exact != nullptr) *exact = motion / (share * tolerance_);
   multipliers /= multiplier_scale;
   if (multipliers > 0.0) {
     // Before any multiplier has been met, the first increment is its own measure.
     const double force = std::max(force_, multipliers);
-    e = std::max(e, multipliers / std::max(slack * multiplier_tolerance_ * force, force_floor_));
+    const double m = multipliers / std::max(slack * multiplier_tolerance_ * force, force_floor_);
+    e = std::max(e, m);
+    if (exact != nullptr) *exact = std::max(*exact, m);
   }
   return e;
 }

@@ -19,9 +19,10 @@ class IncrementNorm {
 
   // Largest weighted component of an increment [dU; dlambda] of the unknowns, dlambda divided by
   // `multiplier_scale`; NaN if any component is not finite. `slack` is a factor on the tolerance of
-  // multipliers, `share` one on that of motion.
+  // multipliers, `share` one on that of motion. `exact` becomes the same without the floor of round-off under
+  // the tolerance of motion.
   double operator()(std::span<const double> increment, double multiplier_scale, double slack = 1.0,
-                    double share = 1.0) const;
+                    double share = 1.0, double* exact = nullptr) const;
 
   // Follows the size of the multipliers, against which their increments are measured.
   void observe(const VecX& lambda);

@@ -8,13 +8,15 @@
 #include <limits>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/se3_rates.hpp"
 
 namespace mbd {
 namespace {
 
-constexpr double theta_floor = 0.05;
+constexpr double theta_floor = 0.02;
 constexpr double theta_memory = 0.3;  // how fast a good contraction is believed
 constexpr double theta_renew = 0.35;  // worse: new tangents inside the step
+constexpr double stagnation = 0.3;  // increments below round-off that fall no faster are round-off
 constexpr double theta_fresh = 0.05;  // assumed of new ones
 constexpr int iterations_renew = 6;   // this many: new tangents at the next step
 constexpr double time_rounding =
@@ -24,7 +26,7 @@ constexpr double same_step = 1e-3;    // steps that differ less share a factoris
 constexpr int most_halvings = 40;
 constexpr int successes_double = 4;  // so many small steps in a row: back to twice the size
 constexpr double longest = 0.05;     // adaptive step, of the time until the end
-constexpr double most_turn = 2.5;    // [rad] in a step: T^-1(Q) is singular at 2 pi
+constexpr double most_turn = 2.5;    // [rad] in a step: rotations are told apart up to pi
 // Adaptive steps: the estimate goes with h^4, the error with h^5; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 4;
@@ -123,11 +125,14 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
   pencil_->analyze(system.graph());
   const auto n = static_cast<std::size_t>(system.nodes());
   for (std::size_t j = 0; j < stages; ++j) {
-    Q_[j].assign(n, Vec6::Zero());
-    Qdot_[j].assign(n, Vec6::Zero());
-    Q_old_[j].assign(n, Vec6::Zero());
+    q_[j].assign(n, Vec6::Zero());
+    q_old_[j].assign(n, Vec6::Zero());
+    dV_[j].assign(n, Vec6::Zero());
+    reference_[j].resize(n);
     delta_[j].resize(system.unknowns());
   }
+  Q_.assign(n, Vec6::Zero());
+  carry_.assign(n, Vec6::Zero());
   V_hat_.assign(n, Mat6::Zero());
   eQ_.assign(n, Vec6::Zero());
   eV_.assign(n, Vec6::Zero());
@@ -164,6 +169,7 @@ StepReport Radau::restart(State& state) {
   norm_.observe(state.lambda);
   history_ = false;
   linearized_ = false;
+  for (Vec6& c : carry_) c.setZero();
   factored_step_ = 0.0;
   if (adaptive_) controller_->start(first_step(system_, state, options_.end - state.t));
   report.converged = true;
@@ -180,40 +186,47 @@ void Radau::predict(bool extrapolate) {
   for (std::size_t j = 0; j < stages; ++j) {
     State& stage = stage_[j];
     const double tau = time_of(j) - begin_.t;
+    for (std::size_t n = 1; n < eQ_.size(); ++n)
+      reference_[j][n] = begin_.pose[n] * exp_se3<double>(tau * begin_.V[n]);
     if (known) {
-      const double x = (time_of(j) - t_old_) / h_old_;
-      const auto w = collocation_weights(x);
+      const double since = time_of(j) - t_old_;
+      const auto w = collocation_weights(since / h_old_);
       for (std::size_t n = 1; n < eQ_.size(); ++n) {
-        const Vec6 Q = w[1] * Q_old_[0][n] + w[2] * Q_old_[1][n] + w[3] * Q_old_[2][n];
-        Q_[j][n] = log_se3<double>(relative(begin_.pose[n], pose_old_[n] * exp_se3<double>(Q)));
+        const Vec6 q = w[1] * q_old_[0][n] + w[2] * q_old_[1][n] + w[3] * q_old_[2][n];
+        const Pose<double> H =
+            pose_old_[n] * exp_se3<double>(since * V_old_[n]) * exp_se3<double>(q);
+        q_[j][n] = log_se3<double>(relative(reference_[j][n], H));
       }
-      const auto v = stage_weights(x);
+      const auto v = stage_weights(since / h_old_);
       stage.lambda = v[0] * lambda_old_[0] + v[1] * lambda_old_[1] + v[2] * lambda_old_[2];
     } else {
-      for (std::size_t n = 1; n < eQ_.size(); ++n)
-        Q_[j][n] = tau * begin_.V[n] + 0.5 * tau * tau * begin_.Vdot[n];
+      for (std::size_t n = 1; n < eQ_.size(); ++n) q_[j][n] = 0.5 * tau * tau * begin_.Vdot[n];
       stage.lambda = begin_.lambda;
     }
   }
   update_stages();
 }
 
-// Poses and rates of the stages from Q.
+// Poses and rates of the stages from q. With Ad(exp(-q)) - I = -T(q) q~ the change of velocity is
+// T(q) (q' - q~ V_i), without the round-off of V.
 void Radau::update_stages() {
   const Mat3& D = tableau().D;
   const double rate = 1.0 / h_;
   for (std::size_t n = 1; n < eQ_.size(); ++n) {
-    for (std::size_t j = 0; j < stages; ++j) {
-      const auto J = static_cast<Index>(j);
-      Qdot_[j][n] = rate * (D(J, 0) * Q_[0][n] + D(J, 1) * Q_[1][n] + D(J, 2) * Q_[2][n]);
-      stage_[j].pose[n] = begin_.pose[n] * exp_se3<double>(Q_[j][n]);
-      stage_[j].V[n] = T_of<double>(Q_[j][n]) * Qdot_[j][n];
-    }
     const Vec6& V = begin_.V[n];
-    const Vec6 d0 = stage_[0].V[n] - V, d1 = stage_[1].V[n] - V, d2 = stage_[2].V[n] - V;
     for (std::size_t j = 0; j < stages; ++j) {
       const auto J = static_cast<Index>(j);
-      stage_[j].Vdot[n] = rate * (D(J, 0) * d0 + D(J, 1) * d1 + D(J, 2) * d2);
+      const Vec6& q = q_[j][n];
+      Vec6 qdot = rate * (D(J, 0) * q_[0][n] + D(J, 1) * q_[1][n] + D(J, 2) * q_[2][n]);
+      qdot.head<3>() -= q.tail<3>().cross(V.head<3>()) + q.head<3>().cross(V.tail<3>());
+      qdot.tail<3>() -= q.tail<3>().cross(V.tail<3>());
+      dV_[j][n] = T_times<double>(q, qdot);
+      stage_[j].V[n] = V + dV_[j][n];
+      stage_[j].pose[n] = reference_[j][n] * exp_se3<double>(q);
+    }
+    for (std::size_t j = 0; j < stages; ++j) {
+      const auto J = static_cast<Index>(j);
+      stage_[j].Vdot[n] = rate * (D(J, 0) * dV_[0][n] + D(J, 1) * dV_[1][n] + D(J, 2) * dV_[2][n]);
     }
   }
 }
@@ -233,8 +246,8 @@ bool Radau::residuals() {
 bool Radau::linearize() {
   const State& at = stage_[1];
   pencil_->set_zero();
-  for (std::size_t n = 1; n < V_hat_.size(); ++n) V_hat_[n] = twist_hat<double>(at.V[n]);
-  const bool in_range = system_.linearize(at, {}, x_, pencil_->slots(0));
+  for (std::size_t n = 1; n < V_hat_.size(); ++n) V_hat_[n] = twist_hat<double>(begin_.V[n]);
+  const bool in_range = system_.linearize(at, {}, r_[1], pencil_->slots(0));
   system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = V_hat_}, pencil_->slots(0));
   system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = {}}, pencil_->slots(1));
   system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = V_hat_}, pencil_->slots(1));
@@ -302,15 +315,18 @@ bool Radau::iterate(StepReport& report) {
     pencil_->solve(std::span<std::complex<double>>(z_));
     ++report.iterations;
     ++counters_.iterations;
-    double e = 0.0;
+    double e = 0.0, exact = 0.0;
     for (std::size_t j = 0; j < stages; ++j) {
       const auto J = static_cast<Index>(j);
       for (Index i = 0; i < size; ++i) {
         const std::complex<double>& w = z_[static_cast<std::size_t>(i)];
         delta_[j](i) = t.T(J, 0) * x_(i) + t.T(J, 1) * w.real() - t.T(J, 2) * w.imag();
       }
-      const double one = norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, 1.0, share);
+      double one_exact = 0.0;
+      const double one =
+          norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, 1.0, share, &one_exact);
       e = one <= e ? e : one;  // a NaN stays
+      exact = std::max(exact, one_exact);
     }
     if (static_cast<std::size_t>(k) < report.increments.size())
       report.increments[static_cast<std::size_t>(k)] = e;
@@ -323,32 +339,34 @@ bool Radau::iterate(StepReport& report) {
       return false;
     }
     bool renew = false;
+    const bool stagnates = previous > 0.0 && exact > stagnation * previous;
     if (previous > 0.0) {
-      theta_ = std::max({e / previous, theta_memory * theta_, theta_floor});
-      if (e > 2.0 * previous && e > 1.0) {
+      theta_ = std::max({exact / previous, theta_memory * theta_, theta_floor});
+      if (e > 1.0 && exact > 2.0 * previous) {
         if (fresh_ && k > 2) break;  // diverges with its own tangents
         renew = !fresh_;
       }
     }
     if (!renew) {
-      previous = e;
+      previous = exact;
       for (std::size_t j = 0; j < stages; ++j) {
         for (Index n = 1; n < system_.nodes(); ++n) {
           const auto N = static_cast<std::size_t>(n);
-          Q_[j][N] += T_inverse_times<double>(Q_[j][N], delta_[j].segment<6>(6 * (n - 1)));
+          q_[j][N] += T_inverse_times<double>(q_[j][N], delta_[j].segment<6>(6 * (n - 1)));
         }
         stage_[j].lambda += delta_[j].tail(size - motions) / s;
       }
       update_stages();
-      const double left = e * std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999)));
-      report.error = left;
-      if (left < 1.0) {
+      const double factor = std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999)));
+      report.error = e * factor;
+      // As small as asked for; or as round-off lets it become.
+      if (exact * factor < 1.0 || (e * factor < 1.0 && stagnates)) {
         if (!in_range) break;
         if (report.iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
-        relinearize_next_ = report.iterations >= iterations_renew && !fresh_;
+        relinearize_next_ = report.iterations >= iterations_renew && !fresh_ && !stagnates;
         return true;
       }
-      if (theta_ > theta_renew && !fresh_) renew = true;
+      if (theta_ > theta_renew && !fresh_ && e > 1.0) renew = true;
     }
     if (renew) {
       linearize();
@@ -399,7 +417,7 @@ bool Radau::try_step(const State& state, double t, StepReport& report) {
   report.iterations += before;
   if (converged)
     for (std::size_t n = 1; n < eQ_.size() && converged; ++n)
-      if (!(Q_[2][n].tail<3>().norm() < most_turn)) {
+      if (!(h_ * begin_.V[n].tail<3>().norm() + q_[2][n].tail<3>().norm() < most_turn)) {
         converged = false;
         report.failure = fmt::format("{} turns by more than {} rad in a step",
                                      system_.node_name(static_cast<Index>(n)), most_turn);
@@ -419,11 +437,9 @@ void Radau::estimate_error() {
   second.setZero();  // what P2 is applied to
   for (Index n = 1; n < system_.nodes(); ++n) {
     const auto N = static_cast<std::size_t>(n);
-    const Vec6& V = begin_.V[N];
-    const Vec6 dQ = V + rate * (t.e(0) * Q_[0][N] + t.e(1) * Q_[1][N] + t.e(2) * Q_[2][N]);
+    const Vec6 dQ = rate * (t.e(0) * q_[0][N] + t.e(1) * q_[1][N] + t.e(2) * q_[2][N]);
     const Vec6 dV =
-        begin_.Vdot[N] + rate * (t.e(0) * (stage_[0].V[N] - V) + t.e(1) * (stage_[1].V[N] - V) +
-                                 t.e(2) * (stage_[2].V[N] - V));
+        begin_.Vdot[N] + rate * (t.e(0) * dV_[0][N] + t.e(1) * dV_[1][N] + t.e(2) * dV_[2][N]);
     eV_[N] = dQ;
     first.segment<6>(6 * (n - 1)) = dQ;
     second.segment<6>(6 * (n - 1)) = dV + x * dQ - V_hat_[N] * dQ;
@@ -450,17 +466,15 @@ void Radau::estimate_error() {
 void Radau::project() {
   end_ = stage_[2];
   if (system_.multipliers() == 0) return;
-  constexpr int most_passes = 3;
+  constexpr int most_passes = 8;
   constexpr double eps = std::numeric_limits<double>::epsilon();
   double farthest = system_.length_scale(), fastest = 0.0;
   for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
   for (const Vec6& V : end_.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
-  const Index motions = 6 * (system_.nodes() - 1);
   const auto correct = [&](const VecX& violation) {
     x_.setZero();
     x_.tail(violation.size()) = -violation;
     pencil_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
-    (void)motions;
   };
   double last = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < most_passes; ++pass) {
@@ -471,8 +485,8 @@ void Radau::project() {
     correct(g_);
     for (Index n = 1; n < system_.nodes(); ++n) {
       const auto N = static_cast<std::size_t>(n);
-      Q_[2][N] += T_inverse_times<double>(Q_[2][N], x_.segment<6>(6 * (n - 1)));
-      end_.pose[N] = begin_.pose[N] * exp_se3<double>(Q_[2][N]);
+      q_[2][N] += T_inverse_times<double>(q_[2][N], x_.segment<6>(6 * (n - 1)));
+      end_.pose[N] = reference_[2][N] * exp_se3<double>(q_[2][N]);
     }
   }
   last = std::numeric_limits<double>::infinity();
@@ -482,14 +496,22 @@ void Radau::project() {
     if (size <= 4.0 * eps * fastest || !(size < 0.5 * last)) break;
     last = size;
     correct(gdot_);
-    for (Index n = 1; n < system_.nodes(); ++n)
-      end_.V[static_cast<std::size_t>(n)] += x_.segment<6>(6 * (n - 1));
+    for (Index n = 1; n < system_.nodes(); ++n) {
+      const auto N = static_cast<std::size_t>(n);
+      dV_[2][N] += x_.segment<6>(6 * (n - 1));
+      end_.V[N] = begin_.V[N] + dV_[2][N];
+    }
   }
 }
 
 void Radau::accept(State& state) {
   const Tableau& t = tableau();
-  for (std::size_t n = 1; n < eQ_.size(); ++n) renormalize(end_.pose[n]);
+  for (std::size_t n = 1; n < eQ_.size(); ++n) {
+    renormalize(end_.pose[n]);
+    const Vec6 change = dV_[2][n] + carry_[n];
+    end_.V[n] = begin_.V[n] + change;
+    carry_[n] = change - (end_.V[n] - begin_.V[n]);
+  }
   system_.follow_angles(end_);
   for (std::size_t j = 0; j < stages; ++j) {
     const Power power = power_of(system_, j + 1 == stages ? end_ : stage_[j]);
@@ -499,12 +521,15 @@ void Radau::accept(State& state) {
   }
   norm_.observe(end_.lambda);
   if (observer_) {
-    dense_.set(begin_, end_, Q_[2]);
+    for (std::size_t n = 1; n < Q_.size(); ++n)
+      Q_[n] = log_se3<double>(relative(begin_.pose[n], end_.pose[n]));
+    dense_.set(begin_, end_, Q_);
     dense_.set_inner_multipliers({time_of(0), time_of(1)}, {&stage_[0].lambda, &stage_[1].lambda});
     observer_(dense_);
   }
-  std::swap(Q_, Q_old_);
+  std::swap(q_, q_old_);
   std::swap(pose_old_, begin_.pose);
+  std::swap(V_old_, begin_.V);
   for (std::size_t j = 0; j < stages; ++j) std::swap(lambda_old_[j], stage_[j].lambda);
   t_old_ = begin_.t;
   h_old_ = h_;
