@@ -32,6 +32,10 @@ constexpr double most_turn = 2.5;    // [rad] in a step: rotations are told apar
 constexpr int error_order = 4;
 constexpr double local_tolerance = 0.1;
 constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increments
+// Of a rank-tolerant step (generalized_alpha.hpp): eps in units of 1/mass, and a factor on the tolerance of
+// multipliers, of which some are not determined there.
+constexpr double rank_tolerance = 1e-3;
+constexpr double multiplier_slack = 1e5;
 constexpr double velocity_gain = 4.0;  // h dV/dU of a stage: about |gamma|, |mu|
 
 // The tableau, its inverse, and the transformation that uncouples the stages.
@@ -122,7 +126,11 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
     norm_ = IncrementNorm(system, options_.newton);
   }
   solver_->analyze(system.graph());
-  pencil_->analyze(system.graph());
+  BlockGraph graph = system.graph();  // and diagonal blocks of multipliers, for rank-tolerant steps
+  const int blocks = static_cast<int>(graph.blocks.size());
+  for (int k = static_cast<int>(system.nodes()) - 1; k < blocks; ++k)
+    graph.contributions.push_back({k, k});
+  pencil_->analyze(graph);
   const auto n = static_cast<std::size_t>(system.nodes());
   for (std::size_t j = 0; j < stages; ++j) {
     q_[j].assign(n, Vec6::Zero());
@@ -252,6 +260,12 @@ bool Radau::linearize() {
   system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = {}}, pencil_->slots(1));
   system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = V_hat_}, pencil_->slots(1));
   system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, pencil_->slots(2));
+  if (tolerant_) {
+    const auto own = pencil_->slots(0).subspan(system_.graph().contributions.size());
+    for (std::size_t k = 0; k < own.size(); ++k)
+      for (Index i = 0; i < system_.constraints()[k].rows; ++i)
+        own[k].data[i * (own[k].ld + 1)] -= rank_tolerance / mass_;
+  }
   stiffness_ = largest_stiffness(system_, pencil_->slots(0));
   ++counters_.tangents;
   linearized_ = true;
@@ -292,6 +306,7 @@ bool Radau::iterate(StepReport& report) {
     if (!factorize(report)) return false;
   norm_.set_floor(begin_, stiffness_ + mass_ * x * x);
   const double share = error_norm_->velocity_share(velocity_gain / h_);
+  const double slack = tolerant_ ? multiplier_slack : 1.0;
   for (int k = 0; k < options_.newton.max_iterations; ++k) {
     const bool in_range = residuals();
     counters_.residuals += 3;
@@ -324,7 +339,7 @@ bool Radau::iterate(StepReport& report) {
       }
       double one_exact = 0.0;
       const double one =
-          norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, 1.0, share, &one_exact);
+          norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, slack, share, &one_exact);
       e = one <= e ? e : one;  // a NaN stays
       exact = std::max(exact, one_exact);
     }
@@ -414,6 +429,15 @@ bool Radau::try_step(const State& state, double t, StepReport& report) {
     predict(false);
     converged = iterate(report);
   }
+  if (!converged && system_.multipliers() > 0) {
+    const std::string failure = report.failure;  // of the iterations that users know
+    tolerant_ = true;
+    relinearize_next_ = true;
+    report.failure.clear();
+    predict(true);
+    converged = iterate(report);
+    if (!converged) report.failure = failure;
+  }
   report.iterations += before;
   if (converged)
     for (std::size_t n = 1; n < eQ_.size() && converged; ++n)
@@ -422,8 +446,17 @@ bool Radau::try_step(const State& state, double t, StepReport& report) {
         report.failure = fmt::format("{} turns by more than {} rad in a step",
                                      system_.node_name(static_cast<Index>(n)), most_turn);
       }
-  if (!converged) relinearize_next_ = true;
+  if (!converged) settle();
   return converged;
+}
+
+// After a step has failed, or was rank-tolerant: its tangents are not kept.
+void Radau::settle() {
+  relinearize_next_ = true;
+  if (!tolerant_) return;
+  tolerant_ = false;
+  linearized_ = false;
+  history_ = false;  // nothing to extrapolate multipliers from
 }
 
 // Equation (3) into eQ_ and eV_.
@@ -536,6 +569,10 @@ void Radau::accept(State& state) {
   history_ = true;
   state = end_;
   ++counters_.substeps;
+  if (tolerant_) {
+    ++counters_.tolerant;
+    settle();
+  }
 }
 
 bool Radau::land(State& state, const Landing& landing, StepReport& report) {
@@ -630,6 +667,7 @@ StepReport Radau::adaptive_step(State& state) {
     if (!(error <= 1.0)) {
       ++counters_.rejected;
       controller_->rejected(h, error);
+      if (tolerant_) settle();
       continue;
     }
     controller_->accepted(h, error);

@@ -27,6 +27,9 @@
 // The step goes on with the solution of order 5, whose error goes with h^5; the tolerance of (3) is taken as
 // tolerance^(4/5) times a constant, so that the error goes with the tolerance.
 //
+// Near a singular configuration a step that fails is tried with -eps I in place of the zero block, as in
+// generalized_alpha.hpp.
+//
 // Orders: 5 of the motion, and of velocities; 3 of multipliers and accelerations (index 2; Hairer, Lubich,
 // Roche 1989). Dense output: dense_output.hpp, quintic, order 5; multipliers through the stages, order 3.
 // Stiffly accurate and L-stable: what is faster than the step resolves is damped.
@@ -78,6 +81,7 @@ class Radau final : public Stepper {
   StepReport fixed_step(State& state);
   StepReport adaptive_step(State& state);
   bool try_step(const State& state, double t, StepReport& report);
+  void settle();
   void predict(bool extrapolate);
   void update_stages();
   bool residuals();
@@ -130,6 +134,7 @@ class Radau final : public Stepper {
   double stiffness_ = 0.0;      // largest entry of K [N/m], of the last linearisation
   bool linearized_ = false;     // P0, P1, P2 are there
   bool fresh_ = false;          // and of this step
+  bool tolerant_ = false;       // with -eps I in place of the zero block of (2)
   double factored_step_ = 0.0;  // h of the last factorisation; 0: none
   double theta_ = 0.1;          // contraction of the kept tangent
   bool relinearize_next_ = true;
