@@ -19,10 +19,12 @@
 namespace mbd {
 namespace {
 
-constexpr double time_floor = 1e-12;     // round-off of times, of the time until the end
-constexpr double longest = 0.05;         // step, of the time until the end
-constexpr double newton_share = 0.1;     // of the error test, for what Newton's iterations leave
-constexpr double multiplier_slack = 10;  // on the relative tolerance, of Newton's increments of them
+constexpr double time_floor = 1e-12;   // round-off of times, of the time until the end
+constexpr long most_tiny_steps = 500;  // in a row, shorter than that: a start takes a tenth of it
+constexpr double longest = 0.05;       // step, of the time until the end
+constexpr double newton_share = 0.03;  // of the error test, for what Newton's iterations leave
+constexpr double multiplier_slack =
+    10;  // on the relative tolerance, of Newton's increments of them
 // cj = dydot/dy may change by this factor before the matrix is factorised anew. IDA's own 0.25 makes up for it
 // by scaling the increments, which is wrong for constraints and multipliers.
 constexpr double cj_change = 0.1;
@@ -71,7 +73,7 @@ class Ida::Integrator final : public DenseStep {
     ydot_ = vector();
     kinds_ = vector();
     work_ = vector();
-    weights_ = vector();
+    rates_ = vector();
     memory_.reset(IDACreate(context));
     matrix_.reset(SUNMatNewEmpty(context));
     linear_.reset(SUNLinSolNewEmpty(context));
@@ -183,9 +185,13 @@ class Ida::Integrator final : public DenseStep {
     out.pose[0] = begin_->pose[0];
     out.V[0] = begin_->V[0];
     out.Vdot[0] = begin_->Vdot[0];
-    IDAGetDky(memory_.get(), inside, 0, work_.get());
-    IDAGetDky(memory_.get(), inside, 1, weights_.get());
-    equations_.unpack(values(work_.get()), values(weights_.get()), out);
+    if (t < end_->t) {
+      IDAGetDky(memory_.get(), inside, 0, work_.get());
+      IDAGetDky(memory_.get(), inside, 1, rates_.get());
+      equations_.unpack(values(work_.get()), values(rates_.get()), out);
+    } else {
+      end_state(out);
+    }
     system_.set_time(out, t, t < end_->t ? Side::right : Side::left);
     const double s = (t - begin_->t) / (end_->t - begin_->t);
     out.work.loads = (1.0 - s) * begin_->work.loads + s * end_->work.loads;
@@ -194,13 +200,25 @@ class Ida::Integrator final : public DenseStep {
     system_.follow_angles(out);
   }
 
+  // Where the estimated error of the last step was largest.
+  std::string worst_error() const {
+    IDAGetEstLocalErrors(memory_.get(), work_.get());
+    IDAGetErrWeights(memory_.get(), rates_.get());
+    const auto e = values(work_.get()), w = values(rates_.get());
+    std::size_t worst = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(equations_.first_lambda()); ++i)
+      if (!(std::abs(e[i]) * w[i] <= std::abs(e[worst]) * w[worst])) worst = i;
+    return equations_.name_of(static_cast<Index>(worst));
+  }
+
   // Why a step ended with a negative status.
   std::string failure(int status) {
     if (!thrown_.empty()) return thrown_;
     if (singular_) {
       const std::string where = equations_.singular_unknown();
-      return fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
-                         where.empty() ? where : " at " + where);
+      return fmt::format(
+          "the tangent is singular{}: redundant constraints or a mechanism in a lock",
+          where.empty() ? where : " at " + where);
     }
     if (const std::string element = system_.out_of_range(equations_.at()); !element.empty())
       return range_failure(element);
@@ -209,18 +227,23 @@ class Ida::Integrator final : public DenseStep {
     switch (status) {
       case IDA_ERR_FAIL:
         return fmt::format(
-            "the estimated error stays too large at {}, with a step of {:.3g} s; look for a jump or "
+            "the estimated error stays too large at {}, with a step of {:.3g} s; look for a jump "
+            "or "
             "an impact there, or allow a larger tolerance",
             worst_error(), h);
       case IDA_TOO_MUCH_ACC:
-        return "the tolerance asks for more than round-off allows; allow a larger one";
+        return fmt::format(
+            "the tolerance asks for more than round-off allows, with a step of {:.3g} s (worst "
+            "equation: {}); look for a singularity there, or allow a larger tolerance",
+            h, equations_.worst_equation());
       case IDA_CONV_FAIL:
       case IDA_RES_FAIL:
       case IDA_REP_RES_ERR:
       case IDA_LSETUP_FAIL:
       case IDA_LSOLVE_FAIL:
         return fmt::format(
-            "Newton's iterations do not converge, with a step of {:.3g} s (worst equation: {}); look "
+            "Newton's iterations do not converge, with a step of {:.3g} s (worst equation: {}); "
+            "look "
             "for a lock, a jump or an instability there",
             h, equations_.worst_equation());
       default: {
@@ -260,9 +283,9 @@ class Ida::Integrator final : public DenseStep {
     return guarded([&] {
       ++counters_.residuals;
       const auto f = values(F);
-      const bool in_range =
-          equations_.residual(std::min(t, stop_), values(y), values(ydot), f);
-      const bool finite = std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); });
+      const bool in_range = equations_.residual(std::min(t, stop_), values(y), values(ydot), f);
+      const bool finite =
+          std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); });
       return in_range && finite ? 0 : 1;
     });
   }
@@ -305,7 +328,9 @@ class Ida::Integrator final : public DenseStep {
     // A part that only turns moves its points, and one that only moves turns what it drives.
     speed = std::max(speed, 1e-3 * spin * length);
     spin = std::max(spin, 1e-3 * speed / length);
-    const auto limit = [](double physical, double other) { return physical > 0.0 ? physical : other; };
+    const auto limit = [](double physical, double other) {
+      return physical > 0.0 ? physical : other;
+    };
     const double position = limit(given.position, relative * length),
                  rotation = limit(given.rotation, relative),
                  velocity = limit(given.velocity, relative * speed),
@@ -322,8 +347,7 @@ class Ida::Integrator final : public DenseStep {
     double force = 0.0;
     for (Index i = 0; i < m; ++i)
       force = std::max(force, std::abs(lambda[i]) / (moment(i) ? length : 1.0));
-    const double of_force =
-        multiplier_slack * relative * force + equations_.mass() * c_ * velocity;
+    const double of_force = multiplier_slack * relative * force + equations_.mass() * c_ * velocity;
     const double of_mu = c_ * std::min(position / length, rotation);
     for (Index i = 0; i < m; ++i) {
       // No matrix yet: c is not known.
@@ -333,16 +357,6 @@ class Ida::Integrator final : public DenseStep {
     }
   }
   bool moment(Index i) const { return is_moment_[static_cast<std::size_t>(i)]; }
-
-  std::string worst_error() const {
-    IDAGetEstLocalErrors(memory_.get(), work_.get());
-    IDAGetErrWeights(memory_.get(), weights_.get());
-    const auto e = values(work_.get()), w = values(weights_.get());
-    std::size_t worst = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(equations_.first_lambda()); ++i)
-      if (!(std::abs(e[i]) * w[i] <= std::abs(e[worst]) * w[worst])) worst = i;
-    return equations_.name_of(static_cast<Index>(worst));
-  }
 
   const System& system_;
   const IdaOptions& options_;
@@ -359,14 +373,17 @@ class Ida::Integrator final : public DenseStep {
   const State* begin_ = nullptr;
   const State* end_ = nullptr;
   Handle<SUNContext, ContextDeleter> context_;  // outlives what it made
-  Vector y_, ydot_, kinds_, work_, weights_;
+  Vector y_, ydot_, kinds_, work_, rates_;
   Handle<SUNMatrix, MatrixDeleter> matrix_;
   Handle<SUNLinearSolver, SolverDeleter> linear_;
   std::unique_ptr<void, IdaDeleter> memory_;
 };
 
 Ida::Ida(const System& system, std::unique_ptr<LinearSolver> solver, const IdaOptions& options)
-    : system_(system), solver_(std::move(solver)), options_(options) {
+    : system_(system),
+      solver_(std::move(solver)),
+      options_(options),
+      scratch_(system.reference_state()) {
   if (!system.with_rates())
     throw Error("the system was compiled for statics: it has no inertia to integrate");
   if (system.nodes() < 2) throw Error("there is nothing that moves");
@@ -392,6 +409,7 @@ StepReport Ida::start(State& state) {
   for (const Breakpoint& b : system_.breakpoints())  // one that is here but for round-off
     if (b.t > state.t && b.t <= state.t + slack_) state.t = b.t;
   sizes_ = {};
+  tiny_ = 0;
   return restart(state);
 }
 
@@ -441,9 +459,10 @@ StepReport Ida::step(State& state) {
   state.work = work;
   if (observer_) observer_(*integrator_);
 
-  if (landed && std::binary_search(system_.breakpoints().begin(), system_.breakpoints().end(),
-                                   Breakpoint{landing.t, false},
-                                   [](const Breakpoint& a, const Breakpoint& b) { return a.t < b.t; })) {
+  if (landed &&
+      std::binary_search(system_.breakpoints().begin(), system_.breakpoints().end(),
+                         Breakpoint{landing.t, false},
+                         [](const Breakpoint& a, const Breakpoint& b) { return a.t < b.t; })) {
     const double t = state.t;
     state.t = landing.restart_at;
     const StepReport again = restart(state);
@@ -453,6 +472,14 @@ StepReport Ida::step(State& state) {
           fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", t, again.failure);
       return report;
     }
+  }
+  tiny_ = h < slack_ && !landed ? tiny_ + 1 : 0;
+  if (tiny_ > most_tiny_steps) {
+    report.failure = fmt::format(
+        "at t = {:.9g} s the step has shrunk to {:.3g} s (worst equation: {}); look for a "
+        "singularity there",
+        state.t, h, integrator_->worst_error());
+    return report;
   }
   report.converged = true;
   return report;

@@ -8,11 +8,13 @@
 //   start to end), or the physical limits that are given instead.
 // A sum, not the mean that IDA takes: no component is wrong by more than its w in a step. Tolerances are of the
 // local error; the error at the end is what the motion makes of it.
-// g and gdot hold to Newton's tolerance, about a tenth of that of the error test, not to round-off.
-// Accelerations of accepted states are the derivative of IDA's interpolant: less accurate than V by 1/h.
+// g and gdot hold to Newton's tolerance, a few hundredths of that of the error test, not to round-off.
+// Accelerations and multipliers of accepted states satisfy the equations of motion to that tolerance, and are less
+// accurate than V by 1/h. Dense output: IDA's interpolant, of the order of the step; inside a step accelerations
+// are its derivative, which jumps from step to step by about the tolerance over h.
 // Work: Gauss's rule of three points over each step.
-// Limits: scenes without redundant constraints; BDF of order 3 and more amplifies undamped oscillations that
-// are resolved poorly, so stiff elastic scenes may need max_order 2, and take small steps in either case.
+// Limits: scenes without redundant constraints. BDF of order 3 and more amplifies some undamped oscillations,
+// until the steps resolve them: stiff elastic scenes (four_bar.xml) need max_order 2.
 #pragma once
 
 #include <memory>
@@ -57,6 +59,7 @@ class Ida final : public Stepper {
   std::unique_ptr<Integrator> integrator_;
   double span_ = 0.0;   // time from start() to the end [s]
   double slack_ = 0.0;  // round-off of times [s]
+  long tiny_ = 0;       // steps in a row that are shorter
   State begin_, scratch_;
 };
 

@@ -45,8 +45,11 @@ StabilizedIndex2::StabilizedIndex2(const System& system, std::unique_ptr<LinearS
     Source s;
     s.offset = values;
     s.first = all.contributions.size();
-    const auto size = [&](int b) { return b < 0 ? 6 : graph.blocks[static_cast<std::size_t>(b)].size; };
+    const auto size = [&](int b) {
+      return b < 0 ? 6 : graph.blocks[static_cast<std::size_t>(b)].size;
+    };
     s.rows = size(row), s.columns = size(column);
+    s.row = row, s.column = column;
     values += static_cast<std::size_t>(s.rows * s.columns);
     if (row >= 0 && column >= 0) {
       if (row < nodes && column < nodes) {
@@ -61,12 +64,14 @@ StabilizedIndex2::StabilizedIndex2(const System& system, std::unique_ptr<LinearS
         s.kind = Source::Kind::gradient;
         all.contributions.push_back({nodes + row, nodes + column});
         all.contributions.push_back({nodes + constraints + row, column});
+        all.contributions.push_back({nodes + row, column});
       }
     }
     sources_.push_back(s);
   }
   K_.assign(values, 0.0);
   D_.assign(values, 0.0);
+  G_.assign(values, 0.0);
   for (const Source& s : sources_) {
     K_slots_.push_back({K_.data() + s.offset, s.rows});
     D_slots_.push_back({D_.data() + s.offset, s.rows});
@@ -90,8 +95,67 @@ StabilizedIndex2::StabilizedIndex2(const System& system, std::unique_ptr<LinearS
   norm_.assign(n, 1.0);
   rate_.assign(n, Vec6::Zero());
   q0_.assign(n, 0.0);
-  pose_.resize(n);
   x_.resize(12 * nodes_ + 2 * system.multipliers());
+  for (const ConstraintInfo& c : system.constraints()) first_row_.push_back(c.first_row);
+  color_nodes();
+}
+
+// Nodes of one constraint differ in color.
+void StabilizedIndex2::color_nodes() {
+  std::vector<std::vector<int>> nodes_of(first_row_.size());
+  std::vector<std::vector<int>> constraints_of(static_cast<std::size_t>(nodes_));
+  for (const Source& s : sources_) {
+    if (s.kind != Source::Kind::gradient) continue;
+    const int c = s.row - static_cast<int>(nodes_);
+    nodes_of[static_cast<std::size_t>(c)].push_back(s.column);
+    constraints_of[static_cast<std::size_t>(s.column)].push_back(c);
+  }
+  color_.assign(static_cast<std::size_t>(nodes_), -1);
+  std::vector<bool> taken;
+  for (std::size_t n = 0; n < color_.size(); ++n) {
+    if (constraints_of[n].empty()) continue;
+    taken.assign(static_cast<std::size_t>(colors_) + 1, false);
+    for (const int c : constraints_of[n])
+      for (const int other : nodes_of[static_cast<std::size_t>(c)])
+        if (const int color = color_[static_cast<std::size_t>(other)]; color >= 0)
+          taken[static_cast<std::size_t>(color)] = true;
+    color_[n] = static_cast<int>(std::find(taken.begin(), taken.end(), false) - taken.begin());
+    colors_ = std::max(colors_, color_[n] + 1);
+  }
+}
+
+// G by equation (6), from B in K_.
+void StabilizedIndex2::set_gradient_of_rates() {
+  if (colors_ == 0) return;
+  mu_state_.pose = at_.pose;
+  mu_state_.signals = at_.signals;
+  double size = 1e-3;  // of W, near that of V: less round-off
+  for (const Vec6& V : at_.V) size = std::max(size, V.cwiseAbs().maxCoeff());
+  for (int color = 0; color < colors_; ++color)
+    for (Index k = 0; k < 6; ++k) {
+      for (const double sign : {1.0, -1.0}) {
+        mu_state_.V = at_.V;
+        for (std::size_t n = 0; n < color_.size(); ++n)
+          if (color_[n] == color) mu_state_.V[n + 1](k) += sign * size;
+        system_.constraint_rates(mu_state_, rates_, sign > 0.0 ? more_ : less_);
+      }
+      for (const Source& s : sources_)
+        if (s.kind == Source::Kind::gradient &&
+            color_[static_cast<std::size_t>(s.column)] == color) {
+          const Index first =
+              first_row_[static_cast<std::size_t>(s.row - static_cast<int>(nodes_))];
+          for (Index i = 0; i < s.rows; ++i)
+            G_[s.offset + static_cast<std::size_t>(k * s.rows + i)] =
+                (more_(first + i) - less_(first + i)) / (4.0 * size);
+        }
+    }
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const Source& s = sources_[i];
+    if (s.kind != Source::Kind::gradient) continue;
+    const Block B = block(K_slots_[i], s.rows, 6);
+    Block G = block({G_.data() + s.offset, s.rows}, s.rows, 6);
+    G -= 0.5 * B * twist_hat<double>(at_.V[static_cast<std::size_t>(s.column) + 1]);
+  }
 }
 
 void StabilizedIndex2::pack(const State& state, std::span<double> y, std::span<double> ydot) const {
@@ -104,7 +168,8 @@ void StabilizedIndex2::pack(const State& state, std::span<double> y, std::span<d
     const Pose<double>& H = state.pose[N];
     const Vec6& V = state.V[N];
     const Vec3 rdot = H.R() * V.head<3>();
-    const Quaternion<double> pdot = H.p * Quaternion<double>(0.0, 0.5 * V(3), 0.5 * V(4), 0.5 * V(5));
+    const Quaternion<double> pdot =
+        H.p * Quaternion<double>(0.0, 0.5 * V(3), 0.5 * V(4), 0.5 * V(5));
     std::copy_n(H.r.data(), 3, x);
     std::copy_n(rdot.data(), 3, xdot);
     put(H.p, x + 3);
@@ -183,7 +248,6 @@ bool StabilizedIndex2::residual(double t, std::span<const double> y, std::span<c
 bool StabilizedIndex2::linearize(double t, std::span<const double> y, std::span<const double> ydot,
                                  double c) {
   set(t, y, ydot);
-  pose_ = at_.pose;
   c_ = c;
   std::fill(K_.begin(), K_.end(), 0.0);
   std::fill(D_.begin(), D_.end(), 0.0);
@@ -194,6 +258,8 @@ bool StabilizedIndex2::linearize(double t, std::span<const double> y, std::span<
   if (!(mass_ > 0.0)) mass_ = 1.0;
   for (double& d : D_) d *= c;
   system_.add_rate_tangent(at_, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = {}}, D_slots_);
+
+  set_gradient_of_rates();
 
   solver_->set_zero();
   const auto slots = solver_->slots();
@@ -211,7 +277,8 @@ bool StabilizedIndex2::linearize(double t, std::span<const double> y, std::span<
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const Source& s = sources_[i];
     if (s.kind == Source::Kind::ground) continue;
-    const Block K = block(K_slots_[i], s.rows, s.columns), D = block(D_slots_[i], s.rows, s.columns);
+    const Block K = block(K_slots_[i], s.rows, s.columns),
+                D = block(D_slots_[i], s.rows, s.columns);
     Block one = block(slots[s.first], s.rows, s.columns);
     Block two = block(slots[s.first + 1], s.rows, s.columns);
     switch (s.kind) {
@@ -227,6 +294,8 @@ bool StabilizedIndex2::linearize(double t, std::span<const double> y, std::span<
       case Source::Kind::gradient:
         one += K;
         two += K;
+        block(slots[s.first + 2], s.rows, 6) +=
+            block({G_.data() + s.offset, s.rows}, s.rows, 6) / c;
         break;
       case Source::Kind::ground:
         break;
@@ -254,7 +323,7 @@ void StabilizedIndex2::solve(std::span<double> b) {
     auto f = y.segment<per_node>(per_node * n);
     const Vec6 U = x_.segment<6>(6 * n);
     const double ds = f(6) / norm_[N];
-    const Pose<double>& H = pose_[N];
+    const Pose<double>& H = at_.pose[N];
     const double half = 0.5 * norm_[N];
     f.head<3>() = H.R() * U.head<3>();
     put(H.p * Quaternion<double>(ds, half * U(3), half * U(4), half * U(5)), f.data() + 3);

@@ -13,11 +13,18 @@
 // with v = R^T rdot, q = (q0, w/2):
 //   [ A  -I   0   -N B^T ] dU        A = [ c I  v~ ; 0  (c - q0) I + w~/2 ]
 //   [ K   D   B^T   0    ] dV        D = C + c M = dr/dV + c dr/dVdot
-//   [ G   B   0     0    ] dlambda   G = d gdot/dU, left out: B V~ times what turns in a step
+//   [ G   B   0     0    ] dlambda   G = d gdot/dU
 //   [ B   0   0     0    ] dmu                                                                        (5)
 // and ds of its own, but for w ds in the rotational rows of (1). It is solved in dU, dV/c, dlambda/(m c^2), dmu/c with
 // rows divided alike and m the largest entry of M, so that entries are of order one whatever the step.
-// Also left out: the turning of B^T mu, as mu is 0.
+// Left out: the turning of B^T mu, as mu is 0. R and |p| are those of the last evaluation, not of the matrix:
+// in body frames it stays good while the nodes turn.
+//
+// G from the part of gddot without Vdot, Q(V) = dB[V] V + 2 B_t V + g_tt, which is quadratic in V:
+//   dgdot[W] = dB[W] V + B_t W,   Q(V + W) - Q(V - W) = 2 dB[W] V + 2 dB[V] W + 4 B_t W,
+//   dB[W] V - dB[V] W = B W~ V,   so   dgdot[W] = (Q(V + W) - Q(V - W))/4 - B V~ W/2,                (6)
+// exactly. Nodes that share no constraint are moved together. Without G multipliers do not converge in steps
+// that are small, where they correct what remains of gdot with a force m c gdot.
 // Not used: the equation of |p| with a term that pulls it to 1, one more constant to choose.
 #pragma once
 
@@ -56,9 +63,11 @@ class StabilizedIndex2 {
   // Assembles (5).
   bool linearize(double t, std::span<const double> y, std::span<const double> ydot, double c);
   FactorStatus factor() { return solver_->factor(); }
-  // b := (dF/dy + c dF/dydot)^-1 b, b as F before and as y after.
+  // b := (dF/dy + c dF/dydot)^-1 b, b as F before and as y after, at the y of the last evaluation.
   void solve(std::span<double> b);
-  double mass() const { return mass_; }  // m, the largest entry of dr/dVdot at the last linearisation
+  double mass() const {
+    return mass_;
+  }  // m, the largest entry of dr/dVdot at the last linearisation
 
   // Of the last evaluation.
   const State& at() const { return at_; }
@@ -70,6 +79,8 @@ class StabilizedIndex2 {
 
  private:
   void set(double t, std::span<const double> y, std::span<const double> ydot);
+  void color_nodes();
+  void set_gradient_of_rates();
 
   const System& system_;
   std::unique_ptr<LinearSolver> solver_;
@@ -83,17 +94,22 @@ class StabilizedIndex2 {
   struct Source {
     std::size_t offset = 0;  // in the blocks' values
     int rows = 0, columns = 0;
+    int row = -1, column = -1;  // blocks of the System's graph
     enum class Kind : char { ground, node, gradient, forces } kind = Kind::ground;
     std::size_t first = 0;  // where they go: places of the solver's graph
   };
   std::vector<Source> sources_;
   std::vector<double> K_, D_;
   std::vector<Slot> K_slots_, D_slots_;
+  std::vector<double> G_;         // in the places of B
+  std::vector<Index> first_row_;  // by constraint, in lambda
+  std::vector<int> color_;        // by node; -1: in no constraint
+  int colors_ = 0;
+  VecX rates_, more_, less_;
 
-  std::vector<double> norm_;      // by node: |p|
-  std::vector<Vec6> rate_;        // by node: v, w
-  std::vector<double> q0_;        // by node
-  std::vector<Pose<double>> pose_;  // of the last linearisation
+  std::vector<double> norm_;  // by node: |p|
+  std::vector<Vec6> rate_;    // by node: v, w
+  std::vector<double> q0_;    // by node
   double c_ = 0.0, mass_ = 1.0;
 };
 
