@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "libmbd/core/error.hpp"
@@ -106,6 +107,7 @@ class Ida::Integrator final : public DenseStep {
     void* const memory = memory_.get();
     if (initialized_) {
       check(IDAReInit(memory, state.t, y_.get(), ydot_.get()));
+      set_max_step();
       return;
     }
     check(IDASetErrHandlerFn(
@@ -124,7 +126,6 @@ class Ida::Integrator final : public DenseStep {
     check(IDASetId(memory, kinds_.get()));
     check(IDASetSuppressAlg(memory, SUNTRUE));
     check(IDASetMaxOrd(memory, options_.max_order));
-    check(IDASetMaxStep(memory, options_.max_step > 0.0 ? options_.max_step : longest * span));
     check(IDASetNonlinConvCoef(memory, newton_share));
     check(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
     check(IDASetJacFn(memory, [](realtype t, realtype c, N_Vector y, N_Vector ydot, N_Vector,
@@ -133,6 +134,7 @@ class Ida::Integrator final : public DenseStep {
     }));
     check(IDASetLinearSolutionScaling(memory, SUNFALSE));
     check(IDASetDeltaCjLSetup(memory, cj_change));
+    set_max_step();
     initialized_ = true;
   }
 
@@ -257,6 +259,11 @@ class Ida::Integrator final : public DenseStep {
   }
 
  private:
+  void set_max_step() {
+    check(IDASetMaxStep(memory_.get(),
+                        options_.max_step > 0.0 ? options_.max_step : longest * span_));
+  }
+
   struct Steps {
     long steps = 0, rejected = 0, iterations = 0, retries = 0;
   };

@@ -1,17 +1,19 @@
 // IDA of SUNDIALS over a System: BDF of variable order 1 … 5 and variable step, on the equations of
-// stabilized_index2.hpp, with our own tangent and sparse LU. Nothing of the time integration is shared with the
-// other steppers: a referee for them.
+// stabilized_index2.hpp, with our own tangent and sparse LU. Nothing of the time integration is shared with
+// the other steppers: a referee for them.
 //
-// Error test of IDA, on r, p and V of all nodes; not on multipliers, which are as accurate as their step allows:
-//   sqrt(sum (e_i/w_i)^2) <= 1,   w of positions relative x length of the scene, of rotations relative x 1 rad, of
-//   velocities relative x the fastest at the start of the step (at least a length, or a radian, in the time from
-//   start to end), or the physical limits that are given instead.
-// A sum, not the mean that IDA takes: no component is wrong by more than its w in a step. Tolerances are of the
-// local error; the error at the end is what the motion makes of it.
+// Error test of IDA, on r, p and V of all nodes and not on multipliers: sqrt(sum (e_i/w_i)^2) <= 1, with w
+//   of positions   relative x length of the scene
+//   of rotations   relative x 1 rad
+//   of velocities  relative x the fastest at the start of the step, which is at least a length, or a radian,
+//                  in the time from start() to the end
+// or the limits in physical units that are given instead (ErrorTolerances). It is a sum, not the mean that IDA
+// takes: no component is wrong by more than its w in a step. That is the local error; the error at the end is
+// what the motion makes of all of them.
 // g and gdot hold to Newton's tolerance, a few hundredths of that of the error test, not to round-off.
-// Accelerations and multipliers of accepted states satisfy the equations of motion to that tolerance, and are less
-// accurate than V by 1/h. Dense output: IDA's interpolant, of the order of the step; inside a step accelerations
-// are its derivative, which jumps from step to step by about the tolerance over h.
+// Accelerations and multipliers of accepted states satisfy the equations of motion to that tolerance, and are
+// less accurate than V by 1/h. Dense output: IDA's interpolant, of the order of the step; inside a step
+// accelerations are its derivative, which jumps from step to step by about the tolerance over h.
 // Work: Gauss's rule of three points over each step.
 // Limits: scenes without redundant constraints. BDF of order 3 and more amplifies some undamped oscillations,
 // until the steps resolve them: stiff elastic scenes (four_bar.xml) need max_order 2.

@@ -1,5 +1,5 @@
-// The equations of motion as a differential-algebraic system F(t, y, ydot) = 0 of index 2, constraints at position
-// and velocity level both (Gear, Gupta & Leimkuhler 1985), for integrators of general systems of that kind.
+// The equations of motion as a differential-algebraic system F(t, y, ydot) = 0 of index 2, constraints at
+// position and velocity level both (Gear, Gupta & Leimkuhler 1985), for integrators of such systems.
 //
 // y = [ r (3), p (4: w x y z), V (6) of each node but the ground; lambda; mu ]. With p^ = p/|p| and its R,
 // q = p* pdot/|p|^2, and N = diag(L^2, L^2, L^2, 1, 1, 1) with the scene's length L, so that units agree,
@@ -7,24 +7,25 @@
 //   (|p|^2 - 1)/2                         = 0      in place of the equation of |p|: no drift          (2)
 //   r(H, V, Vdot, lambda, t)              = 0      System::residual                                   (3)
 //   gdot(H, V, t) = 0,   g(H, t)          = 0                                                         (4)
-// (1) makes dg/dt = gdot + B N B^T mu, so mu = 0 where B has full rank: redundant constraints have no solution.
+// (1) makes dg/dt = gdot + B N B^T mu, so mu = 0 where B has full rank; redundant constraints leave lambda and
+// mu undetermined.
 //
-// Newton's matrix dF/dy + c dF/dydot, on body-frame increments (dr = R du, dp = p psi/2 + p^ ds, dU = [u; psi]),
+// Newton's matrix dF/dy + c dF/dydot, on body-frame increments dU = [u; psi], dr = R u, dp = p psi/2 + p^ ds,
 // with v = R^T rdot, q = (q0, w/2):
 //   [ A  -I   0   -N B^T ] dU        A = [ c I  v~ ; 0  (c - q0) I + w~/2 ]
 //   [ K   D   B^T   0    ] dV        D = C + c M = dr/dV + c dr/dVdot
-//   [ G   B   0     0    ] dlambda   G = d gdot/dU
+//   [ G   B   0     0    ] dlambda   G = dgdot/dU
 //   [ B   0   0     0    ] dmu                                                                        (5)
-// and ds of its own, but for w ds in the rotational rows of (1). It is solved in dU, dV/c, dlambda/(m c^2), dmu/c with
-// rows divided alike and m the largest entry of M, so that entries are of order one whatever the step.
+// and ds of its own, but for w ds in the rotational rows of (1). It is solved in dU, dV/c, dlambda/(m c^2) and
+// dmu/c with rows divided alike, m the largest entry of M, so that entries keep their size whatever the step.
 // Left out: the turning of B^T mu, as mu is 0. R and |p| are those of the last evaluation, not of the matrix:
 // in body frames it stays good while the nodes turn.
 //
 // G from the part of gddot without Vdot, Q(V) = dB[V] V + 2 B_t V + g_tt, which is quadratic in V:
 //   dgdot[W] = dB[W] V + B_t W,   Q(V + W) - Q(V - W) = 2 dB[W] V + 2 dB[V] W + 4 B_t W,
 //   dB[W] V - dB[V] W = B W~ V,   so   dgdot[W] = (Q(V + W) - Q(V - W))/4 - B V~ W/2,                (6)
-// exactly. Nodes that share no constraint are moved together. Without G multipliers do not converge in steps
-// that are small, where they correct what remains of gdot with a force m c gdot.
+// exactly. Nodes that share no constraint are moved together. Without G multipliers do not converge in small
+// steps, where they take what remains of gdot for a force m c gdot.
 // Not used: the equation of |p| with a term that pulls it to 1, one more constant to choose.
 #pragma once
 
@@ -65,9 +66,8 @@ class StabilizedIndex2 {
   FactorStatus factor() { return solver_->factor(); }
   // b := (dF/dy + c dF/dydot)^-1 b, b as F before and as y after, at the y of the last evaluation.
   void solve(std::span<double> b);
-  double mass() const {
-    return mass_;
-  }  // m, the largest entry of dr/dVdot at the last linearisation
+  // m, the largest entry of dr/dVdot at the last linearisation.
+  double mass() const { return mass_; }
 
   // Of the last evaluation.
   const State& at() const { return at_; }
