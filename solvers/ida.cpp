@@ -195,7 +195,7 @@ class Ida::Integrator final : public DenseStep {
       end_state(out);
     }
     system_.set_time(out, t, t < end_->t ? Side::right : Side::left);
-    const double s = (t - begin_->t) / (end_->t - begin_->t);
+    const double s = t < end_->t ? (t - begin_->t) / (end_->t - begin_->t) : 1.0;
     out.work.loads = (1.0 - s) * begin_->work.loads + s * end_->work.loads;
     out.work.drives = (1.0 - s) * begin_->work.drives + s * end_->work.drives;
     out.angles = begin_->angles;
