@@ -61,6 +61,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"suitesparse/klu.h", {"solvers/"}, true, true},
       {"dmumps_c.h", {"solvers/"}, true, true},
       {"kinsol/", {"solvers/"}, true, true},
+      {"ida/", {"solvers/"}, true, true},
       {"nvector/", {"solvers/"}, true, false},
       {"sundials/", {"solvers/"}, true, false},
       {"CLI/", {"tools/"}, false, false},
