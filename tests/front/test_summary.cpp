@@ -18,7 +18,7 @@ RunReport eventful() {
   RunReport report;
   report.model = "four_bar";
   report.statics = StaticScene{};
-  report.transient = TransientScene{{}, 36.0, 9e-3, 0.9, {}};
+  report.transient = TransientScene{.duration = 36.0, .step = 9e-3, .rho_infinity = 0.9};
   report.t = 36.0;
   report.rows = 4001;
   report.static_counters = {.steps = 1, .iterations = 4, .tangents = 4, .factorizations = 4};

@@ -133,11 +133,11 @@ void run(benchmark::State& bench, const std::string& name) {
         bench.SkipWithError("statics failed");
     }
     GeneralizedAlpha stepper(*model.system, make_klu_solver(),
-                             {.step = scene.transient->step,
-                              .rho_infinity = scene.transient->rho_infinity,
+                             {.step = scene.transient->step.value(),
+                              .rho_infinity = rho_infinity_of(*scene.transient),
                               .newton = {}});
     stepper.start(state);
-    const long steps = std::lround(scene.transient->duration / scene.transient->step);
+    const long steps = std::lround(scene.transient->duration / scene.transient->step.value());
     for (long i = 0; i < steps; ++i) {
       if (!stepper.step(state).converged) {
         bench.SkipWithError("a step failed");
