@@ -384,9 +384,8 @@ steps that follow an estimated error (`tolerance`). The methods:
 - `generalized_alpha`, the default, is of order 2, with numerical damping by choice
   (`rho_infinity`). A step costs least. For a few digits, for very many unknowns, for fixed steps.
 - `radau`, Radau IIA with three stages, is of order 5 and damps what its steps do not resolve. A
-  step costs about five times as much, and reaches in one what generalized-alpha does in tens or
-  hundreds once 4 digits or more are wanted. For smooth motions, for accuracy, for fast and slow
-  phases in one run.
+  step costs several times as much, and takes the place of the more steps of generalized-alpha the
+  more digits are wanted. For accuracy, and for fast and slow phases in one run.
 - `ida`, IDA of SUNDIALS, is a multistep method of variable order, 1 to 5, always with a tolerance.
   An independent check of the others; best where motions are smooth for many steps.
 
@@ -409,7 +408,7 @@ value must be at such a time; with `output="steps"` at any. Extremes are those o
 
 The command line has the last word: `mbd run MODEL --method radau --tolerance 1e-8` (rows stay where
 the model's own steps would give them), `--step "0.5 ms"`, `--output steps`.
-)md"
+)md",
      R"xml(<mbd name="released">
   <!-- A cantilever sags under its weight, then its tip is let go of a rope. -->
   <section name="strip">
