@@ -315,7 +315,7 @@ void check(const TransientScene& transient) {
                "step:" + method + " has no fixed steps; give \"tolerance\" in place of it");
   item.fail_if(
       !transient.step && !transient.tolerance,
-      ida ? "the attribute \"tolerance\" is missing, which" + method + " needs: the relative error"
+      ida ? "attribute \"tolerance\" is missing: the relative error, which" + method + " needs"
           : "give one of the attributes \"step\" (fixed steps) and \"tolerance\" (steps that "
             "follow the estimated error)");
   item.number("step", transient.step);
@@ -331,6 +331,12 @@ void check(const TransientScene& transient) {
         transient.step && *value,
         std::string(name) + " belongs to \"tolerance\", and the steps are fixed; leave it out");
   }
+  for (const auto& [name, value] :
+       {std::pair{"velocity_tolerance", &transient.velocity_tolerance},
+        {"angular_velocity_tolerance", &transient.angular_velocity_tolerance}})
+    item.fail_if(*value && alpha, std::string(name) + ":" + method +
+                                      " estimates errors of positions and rotations only; leave it "
+                                      "out, or give method=\"radau\"");
   item.number("rho_infinity", transient.rho_infinity);
   const auto of_alpha = [&](std::string_view name, bool given) {
     item.fail_if(given && !alpha, std::string(name) +

@@ -392,7 +392,8 @@ steps that follow an estimated error (`tolerance`). The methods:
 `tolerance="1e-6"` asks for errors of a millionth: of positions, relative to the size of the scene; of
 rotations, to a radian; of velocities, to what moves fastest at the time. Limits in units
 (`position_tolerance="1 um"`, `rotation_tolerance`, `velocity_tolerance`,
-`angular_velocity_tolerance`) take its place for one kind. The error of each step is estimated and
+`angular_velocity_tolerance`) take its place for one kind (of velocities not with generalized_alpha,
+which estimates errors of positions and rotations only). The error of each step is estimated and
 held below what makes the error of the whole go with the tolerance; the error at the end is of its
 size where the motion does not amplify errors, and larger where it does (a chaotic motion has no
 digits to offer after a while, with any method). So compare a run with one of a tolerance ten times

@@ -222,7 +222,7 @@ struct TransientScene {
   // With a tolerance only.
   std::optional<double> position_tolerance = {};          // [m]
   std::optional<double> rotation_tolerance = {};          // [rad]
-  std::optional<double> velocity_tolerance = {};          // [m/s]
+  std::optional<double> velocity_tolerance = {};          // [m/s]; not of generalized_alpha
   std::optional<double> angular_velocity_tolerance = {};  // [rad/s]
   std::optional<double> max_step = {};                    // [s]
   std::optional<double> newton_tolerance =

@@ -566,6 +566,10 @@ const std::vector<BadModel>& bad_models() {
       {"velocity_tolerance_without_tolerance", "pendulum", {8},
         "transient", {"velocity_tolerance", R"("tolerance")", "leave"},
        [](Scene& s) { s.transient->velocity_tolerance = 1e-6; }},
+      {"velocity_tolerance_of_generalized_alpha", "pendulum", {8},
+        "transient", {"velocity_tolerance", "generalized_alpha", "radau", "leave"},
+       [](Scene& s) { s.transient->step.reset(); s.transient->tolerance = 1e-6;
+         s.transient->velocity_tolerance = 1e-6; }},
       {"newton_tolerance_of_adaptive_radau", "pendulum", {8},
         "transient", {"newton_tolerance", "radau", "leave"},
        [](Scene& s) { s.transient->method = TimeMethod::radau; s.transient->rho_infinity.reset();
@@ -612,7 +616,7 @@ const std::vector<BadModel>& bad_models() {
       {"expect_between_samples", "pendulum", {12}, "expect", {"0.095", "0.09", "0.1", "step"},
        [](Scene& s) { s.expects[0].at = 0.095; }},
       {"expect_between_rows", "pendulum", {12}, "expect", {"0.05", "0.04", "0.08", "steps"},
-       [](Scene& s) { s.transient->output = 0.04; s.expects[0].at = 0.05; }},
+       [](Scene& s) { s.transient->output = 0.04; s.expects[0].at = 0.05; }, "", 5},
       {"expect_after_the_end", "pendulum", {12}, "expect", {"1", "end", "0.1"},
        [](Scene& s) { s.expects[0].at = 1.0; }},
       {"expect_before_the_start", "pendulum", {12}, "expect", {"at", "-0.1", "negative|0"},

@@ -133,6 +133,11 @@ std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
     if (transient.method == TimeMethod::ida && transient.step)
       throw Error("--method ida has no fixed steps; add --tolerance");
   }
+  if (transient.method == TimeMethod::generalized_alpha) {
+    const std::string why = "generalized_alpha estimates errors of positions and rotations only";
+    drop("velocity_tolerance", transient.velocity_tolerance, why);
+    drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+  }
   if (!takes_newton_tolerance(transient))
     drop("newton_tolerance", transient.newton_tolerance,
          fmt::format("{} derives its own from the tolerance", name_of(transient.method)));
