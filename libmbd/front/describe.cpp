@@ -149,13 +149,29 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
         counted(mechanism.freedoms(), "ways")));
 }
 
+// Limits that take the place of a relative tolerance: ", position_tolerance 1e-09 m".
+std::string limits(const TransientScene& transient) {
+  std::string text;
+  const auto add = [&text](std::string_view name, const std::optional<double>& value,
+                           std::string_view unit) {
+    if (value) text += fmt::format(", {} {} {}", name, shortest(*value), unit);
+  };
+  add("position_tolerance", transient.position_tolerance, "m");
+  add("rotation_tolerance", transient.rotation_tolerance, "rad");
+  add("velocity_tolerance", transient.velocity_tolerance, "m/s");
+  add("angular_velocity_tolerance", transient.angular_velocity_tolerance, "rad/s");
+  add("max_step", transient.max_step, "s");
+  return text;
+}
+
 std::string plan(const TransientScene& transient, long steps) {
   std::string text = fmt::format("transient of {} s by {}", shortest(transient.duration),
                                  name_of(transient.method));
   if (transient.step)
     text += fmt::format(" in {} of {} s", counted(steps, "steps"), shortest(*transient.step));
   else
-    text += fmt::format(", steps for a tolerance of {}", shortest(*transient.tolerance));
+    text += fmt::format(", steps for a tolerance of {}{}", shortest(*transient.tolerance),
+                        limits(transient));
   const std::optional<double> interval = row_interval(transient);
   if (!interval)
     text += ", rows where they end";
@@ -203,6 +219,14 @@ Json settings(const CheckReport& report) {
       of["steps"] = report.steps;
     } else {
       of["tolerance"] = *transient->tolerance;
+      const auto given = [&of](const char* name, const std::optional<double>& value) {
+        if (value) of[name] = *value;
+      };
+      given("position_tolerance", transient->position_tolerance);
+      given("rotation_tolerance", transient->rotation_tolerance);
+      given("velocity_tolerance", transient->velocity_tolerance);
+      given("angular_velocity_tolerance", transient->angular_velocity_tolerance);
+      given("max_step", transient->max_step);
     }
     const std::optional<double> interval = row_interval(*transient);
     of["output"] = interval ? Json(*interval) : Json("steps");
@@ -431,7 +455,8 @@ class Explainer {
     present(fmt::format("course in time by {}, {}{}", name_of(transient.method),
                         transient.step ? fmt::format("steps of {} s", shortest(*transient.step))
                                        : fmt::format("steps for a relative error of {}",
-                                                     shortest(*transient.tolerance)),
+                                                     shortest(*transient.tolerance)) +
+                                             limits(transient),
                         alpha ? ", balance of " + balance : ""),
             {here});
     if (const double rho = rho_infinity_of(transient); !alpha)

@@ -265,6 +265,20 @@ TEST(Rows, AtAJumpAreAfterIt) {
   }
 }
 
+// A step that ends at a breakpoint just before its time ends there, and its row is not lost.
+TEST(Rows, AtABreakpointBesideTheEndOfAStep) {
+  for (const char* const output : {"0.1", "0.2", "0.05"})
+    for (const char* const t : {"0.6", "0.59999999999", "0.60000000001"}) {
+      const History history =
+          run_to_table(ball(R"(duration="1" step="0.1" output=")" + std::string(output) + "\"",
+                            R"(<load at="ball" force="t&lt;)" + std::string(t) + R"(?0:3 0 0"/>)"));
+      const std::vector<double>& time = history.table["time"];
+      ASSERT_EQ(std::lround(1.0 / std::stod(output)) + 1, std::ssize(time)) << output << " " << t;
+      for (std::size_t k = 0; k < time.size(); ++k)
+        EXPECT_NEAR(time[k], std::stod(output) * static_cast<double>(k), 1e-10) << t;
+    }
+}
+
 TEST(Rows, UpToAFailureAreKept) {
   for (const char* const transient :
        {R"(duration="1" step="0.01" output="0.004")",
@@ -431,6 +445,9 @@ TEST(TransientReport, CheckAndExplainTellThePlan) {
   EXPECT_EQ(json["settings"]["transient"]["method"], "radau");
   EXPECT_EQ(json["settings"]["transient"]["tolerance"], 1e-6);
   EXPECT_FALSE(json["settings"]["transient"].contains("step"));
+  EXPECT_HAS(
+      plan(pendulum(R"(method="radau" tolerance="1e-6" velocity_tolerance="2" max_step="0.1")")),
+      "tolerance of 1e-06, velocity_tolerance 2 m/s, max_step 0.1 s, rows every 0.001 s");
   const std::string explained = to_text(explain_model(adaptive, compile(adaptive)));
   EXPECT_HAS(explained, "by radau");
   EXPECT_EQ(explained.find("rho_infinity"), std::string::npos) << explained;
