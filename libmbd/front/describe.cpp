@@ -150,7 +150,7 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
 }
 
 // Limits that take the place of a relative tolerance: ", position_tolerance 1e-09 m".
-std::string limits(const TransientScene& transient) {
+std::string error_limits(const TransientScene& transient) {
   std::string text;
   const auto add = [&text](std::string_view name, const std::optional<double>& value,
                            std::string_view unit) {
@@ -171,7 +171,7 @@ std::string plan(const TransientScene& transient, long steps) {
     text += fmt::format(" in {} of {} s", counted(steps, "steps"), shortest(*transient.step));
   else
     text += fmt::format(", steps for a tolerance of {}{}", shortest(*transient.tolerance),
-                        limits(transient));
+                        error_limits(transient));
   const std::optional<double> interval = row_interval(transient);
   if (!interval)
     text += ", rows where they end";
@@ -456,7 +456,7 @@ class Explainer {
                         transient.step ? fmt::format("steps of {} s", shortest(*transient.step))
                                        : fmt::format("steps for a relative error of {}",
                                                      shortest(*transient.tolerance)) +
-                                             limits(transient),
+                                             error_limits(transient),
                         alpha ? ", balance of " + balance : ""),
             {here});
     if (const double rho = rho_infinity_of(transient); !alpha)

@@ -14,6 +14,7 @@
 #include "elements/beam_elastic_batch.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/reader.hpp"
+#include "libmbd/front/time_stepping.hpp"
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/statics.hpp"
