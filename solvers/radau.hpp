@@ -88,7 +88,7 @@ class Radau final : public Stepper {
   bool linearize();
   bool factorize(StepReport& report);
   bool iterate(StepReport& report);
-  void estimate_error();
+  void estimate_error(bool again);
   void project();
   void accept(State& state);
   double time_of(std::size_t stage) const;
@@ -111,7 +111,7 @@ class Radau final : public Stepper {
   int good_ = 0;
   double mass_ = 0.0;  // largest entry of dr/dVdot at the last start
 
-  State begin_, end_;
+  State begin_, end_, moved_;
   std::array<State, stages> stage_;
   Stages q_, dV_;            // dV = V - V_i
   std::vector<Vec6> carry_;  // what the last V has lost by round-off (Kahan)
