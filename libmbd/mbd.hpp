@@ -28,6 +28,7 @@
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/scene.hpp"
 #include "libmbd/front/summary.hpp"
+#include "libmbd/front/time_stepping.hpp"
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/initial.hpp"
 #include "solvers/klu_solver.hpp"

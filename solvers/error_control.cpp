@@ -96,7 +96,7 @@ double first_step(const System& system, const State& state, double span) {
 }
 
 void StepController::start(double h) {
-  h_ = h;
+  h_ = std::min(h, most_);
   steady_ = 0;
   rising_ = true;
 }

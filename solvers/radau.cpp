@@ -32,10 +32,10 @@ constexpr double most_turn = 2.5;    // [rad] in a step: rotations are told apar
 constexpr int error_order = 4;
 constexpr double local_tolerance = 0.1;
 constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increments
-// Of a rank-tolerant step (generalized_alpha.hpp): eps in units of 1/mass, and a factor on the tolerance of
-// multipliers, of which some are not determined there.
+// Of a rank-tolerant step (generalized_alpha.hpp): eps in units of 1/mass, and the tolerance of multipliers, of
+// which some are not determined there.
 constexpr double rank_tolerance = 1e-3;
-constexpr double multiplier_slack = 1e5;
+constexpr double loose_multipliers = 1e-2;
 constexpr double velocity_gain = 4.0;  // h dV/dU of a stage: about |gamma|, |mu|
 
 // The tableau, its inverse, and the transformation that uncouples the stages.
@@ -306,7 +306,7 @@ bool Radau::iterate(StepReport& report) {
     if (!factorize(report)) return false;
   norm_.set_floor(begin_, stiffness_ + mass_ * x * x);
   const double share = error_norm_->velocity_share(velocity_gain / h_);
-  const double slack = tolerant_ ? multiplier_slack : 1.0;
+  const double slack = tolerant_ ? loose_multipliers / options_.newton.multiplier_tolerance : 1.0;
   for (int k = 0; k < options_.newton.max_iterations; ++k) {
     const bool in_range = residuals();
     counters_.residuals += 3;

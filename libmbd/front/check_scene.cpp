@@ -10,6 +10,7 @@
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/section_table.hpp"
 #include "libmbd/front/spelling.hpp"
+#include "libmbd/front/time_stepping.hpp"
 
 namespace mbd {
 namespace {
@@ -303,9 +304,55 @@ void check(const PathScene& path) {
 void check(const TransientScene& transient) {
   const Checked item("transient", {}, transient.source);
   item.number("duration", transient.duration);
+  const std::string method = " method=" + in_quotes(name_of(transient.method));
+  const bool alpha = transient.method == TimeMethod::generalized_alpha;
+  const bool ida = transient.method == TimeMethod::ida;
+  item.fail_if(
+      transient.step && transient.tolerance,
+      "give one of the attributes \"step\" (fixed steps) and \"tolerance\" (steps that follow "
+      "the estimated error), not both; that of Newton's increments is newton_tolerance");
+  item.fail_if(transient.step && ida,
+               "step:" + method + " has no fixed steps; give \"tolerance\" in place of it");
+  item.fail_if(
+      !transient.step && !transient.tolerance,
+      ida ? "attribute \"tolerance\" is missing: the relative error, which" + method + " needs"
+          : "give one of the attributes \"step\" (fixed steps) and \"tolerance\" (steps that "
+            "follow the estimated error)");
   item.number("step", transient.step);
-  item.number("rho_infinity", transient.rho_infinity);
   item.number("tolerance", transient.tolerance);
+  for (const auto& [name, value] :
+       {std::pair{"position_tolerance", &transient.position_tolerance},
+        {"rotation_tolerance", &transient.rotation_tolerance},
+        {"velocity_tolerance", &transient.velocity_tolerance},
+        {"angular_velocity_tolerance", &transient.angular_velocity_tolerance},
+        {"max_step", &transient.max_step}}) {
+    item.number(name, *value);
+    item.fail_if(
+        transient.step && *value,
+        std::string(name) + " belongs to \"tolerance\", and the steps are fixed; leave it out");
+  }
+  for (const auto& [name, value] :
+       {std::pair{"velocity_tolerance", &transient.velocity_tolerance},
+        {"angular_velocity_tolerance", &transient.angular_velocity_tolerance}})
+    item.fail_if(*value && alpha, std::string(name) + ":" + method +
+                                      " estimates errors of positions and rotations only; leave it "
+                                      "out, or give method=\"radau\"");
+  item.number("rho_infinity", transient.rho_infinity);
+  const auto of_alpha = [&](std::string_view name, bool given) {
+    item.fail_if(given && !alpha, std::string(name) +
+                                      " belongs to method=\"generalized_alpha\", not to" + method +
+                                      "; leave it out");
+  };
+  of_alpha("rho_infinity", transient.rho_infinity.has_value());
+  of_alpha("balance", transient.balance.has_value());
+  item.number("newton_tolerance", transient.newton_tolerance);
+  item.fail_if(transient.newton_tolerance && !takes_newton_tolerance(transient),
+               "newton_tolerance:" + method + (ida ? "" : " with a \"tolerance\"") +
+                   " derives its own from \"tolerance\"; leave it out");
+  item.number("output", transient.output);
+  item.fail_if(
+      transient.output && transient.output_steps,
+      "output is a time between rows or the ends of steps, not both; leave one of them out");
 }
 
 void check(const RecordScene& record) {

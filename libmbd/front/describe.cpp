@@ -149,6 +149,37 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
         counted(mechanism.freedoms(), "ways")));
 }
 
+// Limits that take the place of a relative tolerance: ", position_tolerance 1e-09 m".
+std::string error_limits(const TransientScene& transient) {
+  std::string text;
+  const auto add = [&text](std::string_view name, const std::optional<double>& value,
+                           std::string_view unit) {
+    if (value) text += fmt::format(", {} {} {}", name, shortest(*value), unit);
+  };
+  add("position_tolerance", transient.position_tolerance, "m");
+  add("rotation_tolerance", transient.rotation_tolerance, "rad");
+  add("velocity_tolerance", transient.velocity_tolerance, "m/s");
+  add("angular_velocity_tolerance", transient.angular_velocity_tolerance, "rad/s");
+  add("max_step", transient.max_step, "s");
+  return text;
+}
+
+std::string plan(const TransientScene& transient, long steps) {
+  std::string text = fmt::format("transient of {} s by {}", shortest(transient.duration),
+                                 name_of(transient.method));
+  if (transient.step)
+    text += fmt::format(" in {} of {} s", counted(steps, "steps"), shortest(*transient.step));
+  else
+    text += fmt::format(", steps for a tolerance of {}{}", shortest(*transient.tolerance),
+                        error_limits(transient));
+  const std::optional<double> interval = row_interval(transient);
+  if (!interval)
+    text += ", rows where they end";
+  else if (interval != transient.step)
+    text += fmt::format(", rows every {} s", shortest(*interval));
+  return text;
+}
+
 std::string plan(const CheckReport& report) {
   std::vector<std::string> parts;
   if (report.statics)
@@ -158,10 +189,7 @@ std::string plan(const CheckReport& report) {
     parts.push_back(fmt::format("path of equilibria, first step {} of the load, at most {}",
                                 shortest(report.path->step),
                                 counted(report.path->points, "points")));
-  if (report.transient)
-    parts.push_back(fmt::format("transient of {} s in {} of {} s",
-                                shortest(report.transient->duration),
-                                counted(report.steps, "steps"), shortest(report.transient->step)));
+  if (report.transient) parts.push_back(plan(*report.transient, report.steps));
   return joined(parts, ", then ");
 }
 
@@ -183,11 +211,28 @@ Json settings(const CheckReport& report) {
                    {"max_step", report.path->max_step},
                    {"points", report.path->points},
                    {"branch", report.path->branch}};
-  if (report.transient)
-    all["transient"] = {{"duration", report.transient->duration},
-                        {"step", report.transient->step},
-                        {"steps", report.steps},
-                        {"rho_infinity", report.transient->rho_infinity}};
+  if (const auto& transient = report.transient) {
+    Json& of = all["transient"] = {{"method", name_of(transient->method)},
+                                   {"duration", transient->duration}};
+    if (transient->step) {
+      of["step"] = *transient->step;
+      of["steps"] = report.steps;
+    } else {
+      of["tolerance"] = *transient->tolerance;
+      const auto given = [&of](const char* name, const std::optional<double>& value) {
+        if (value) of[name] = *value;
+      };
+      given("position_tolerance", transient->position_tolerance);
+      given("rotation_tolerance", transient->rotation_tolerance);
+      given("velocity_tolerance", transient->velocity_tolerance);
+      given("angular_velocity_tolerance", transient->angular_velocity_tolerance);
+      given("max_step", transient->max_step);
+    }
+    const std::optional<double> interval = row_interval(*transient);
+    of["output"] = interval ? Json(*interval) : Json("steps");
+    if (transient->method == TimeMethod::generalized_alpha)
+      of["rho_infinity"] = rho_infinity_of(*transient);
+  }
   return all;
 }
 
@@ -404,13 +449,21 @@ class Explainer {
     }
     const TransientScene& transient = *scene_.transient;
     const std::string here = at("<transient>", transient.source);
-    present(fmt::format("course in time by generalized-alpha, steps of {} s, balance of {}",
-                        shortest(transient.step),
-                        transient.balance == Balance::momentum ? "momenta" : "accelerations"),
+    const bool alpha = transient.method == TimeMethod::generalized_alpha;
+    const std::string balance =
+        balance_of(transient) == Balance::momentum ? "momenta" : "accelerations";
+    present(fmt::format("course in time by {}, {}{}", name_of(transient.method),
+                        transient.step ? fmt::format("steps of {} s", shortest(*transient.step))
+                                       : fmt::format("steps for a relative error of {}",
+                                                     shortest(*transient.tolerance)) +
+                                             error_limits(transient),
+                        alpha ? ", balance of " + balance : ""),
             {here});
-    if (transient.rho_infinity < 1.0)
+    if (const double rho = rho_infinity_of(transient); !alpha)
+      present("numerical damping of what the step does not resolve, by the method", {here});
+    else if (rho < 1.0)
       present(fmt::format("numerical damping of what the step does not resolve, rho_infinity = {}",
-                          shortest(transient.rho_infinity)),
+                          shortest(rho)),
               {here});
     else
       absent("numerical damping", here + ": rho_infinity = 1 damps nothing");
@@ -427,10 +480,12 @@ class Explainer {
   // What no model of this version can have. Said each time, as its absence is easily overlooked.
   void limits() {
     std::string damping = "this version has none";
-    if (scene_.transient)
-      damping += scene_.transient->rho_infinity < 1.0
+    if (scene_.transient && scene_.transient->method != TimeMethod::generalized_alpha)
+      damping += fmt::format("; {} damps numerically", name_of(scene_.transient->method));
+    else if (scene_.transient)
+      damping += rho_infinity_of(*scene_.transient) < 1.0
                      ? fmt::format("; rho_infinity = {} damps numerically",
-                                   shortest(scene_.transient->rho_infinity))
+                                   shortest(rho_infinity_of(*scene_.transient)))
                      : "; with rho_infinity = 1 nothing is damped";
     absent("structural damping", damping);
     absent("springs, friction, clearance and contact", "this version has none");
@@ -480,7 +535,8 @@ CheckReport check_model(const Scene& scene, const Model& model) {
   report.statics = scene.statics;
   report.transient = scene.transient;
   report.path = scene.path;
-  if (scene.transient) report.steps = number_of_steps(*scene.transient);
+  if (scene.transient) (void)RowTimes(scene);  // refuses what a run refuses
+  if (scene.transient && scene.transient->step) report.steps = number_of_steps(*scene.transient);
   check_outputs(scene, model);
   report.columns = static_cast<Index>(columns(model).size());
 

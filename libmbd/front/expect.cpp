@@ -7,6 +7,7 @@
 
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/spelling.hpp"
+#include "libmbd/front/time_stepping.hpp"
 
 namespace mbd {
 namespace {
@@ -46,19 +47,27 @@ void check_time(const ExpectScene& expect, const Scene& scene) {
                                              expect.at));
     return;
   }
-  const double duration = scene.transient->duration, step = scene.transient->step;
-  const double steps = std::round(expect.at / step);
+  const TransientScene& transient = *scene.transient;
+  const double duration = transient.duration;
   if (expect.at > duration * (1.0 + nearness))
     throw Error(expect.source,
                 fmt::format("expect: at is {}, after the end of the run; it must be at most {} s",
                             expect.at, duration));
-  if (std::abs(steps * step - expect.at) > nearness * duration)
-    throw Error(
-        expect.source,
-        fmt::format("expect: at is {}, must be a whole number of steps of {} s; the nearest "
-                    "are {} and {}",
-                    expect.at, step, std::floor(expect.at / step) * step,
-                    std::ceil(expect.at / step) * step));
+  const std::optional<double> interval = row_interval(transient);
+  if (!interval || std::abs(expect.at - duration) <= nearness * duration) return;
+  if (std::abs(std::round(expect.at / *interval) * *interval - expect.at) <= nearness * duration)
+    return;
+  const double below = std::floor(expect.at / *interval) * *interval;
+  const double above = std::min(std::ceil(expect.at / *interval) * *interval, duration);
+  throw Error(
+      expect.source,
+      transient.step && !transient.output
+          ? fmt::format("expect: at is {}, must be a whole number of steps of {} s; the nearest "
+                        "are {} and {}",
+                        expect.at, *interval, below, above)
+          : fmt::format("expect: at is {}, between rows of results, which are written every {} s; "
+                        "the nearest are at {} and {}; with output=\"steps\" it may be any time",
+                        expect.at, *interval, below, above));
 }
 
 }  // namespace
@@ -74,7 +83,11 @@ Expectations::Expectations(const Scene& scene, const Model& model) {
                   "expect: limit points, bifurcations and marks are those of a <path>, "
                   "which the model has not; write of=\"value\"");
     // Without a transient the value is that of the last row, at the whole load.
-    watches_.push_back({column, expect.of, scene.transient ? expect.at : 1.0, expect.number, 0});
+    Watch& watch = watches_.emplace_back();
+    watch.column = column;
+    watch.of = expect.of;
+    watch.at = scene.transient ? expect.at : 1.0;
+    watch.number = expect.number;
     results_.push_back({expect.source, describe(expect, scene.transient.has_value()), expect.value,
                         std::nullopt, expect.tolerance, expect.reference});
   }
@@ -87,7 +100,11 @@ void Expectations::accepted(const Sample& sample) {
     std::optional<double>& got = results_[i].got;
     switch (watch.of) {
       case ExpectScene::Of::value_at:
-        if (sample.model.path || std::abs(sample.row[0] - watch.at) <= nearness_) got = value;
+        if (const double off = std::abs(sample.row[0] - watch.at);
+            sample.model.path || (off <= nearness_ && off <= watch.off)) {
+          got = value;
+          watch.off = off;
+        }
         break;
       case ExpectScene::Of::limit:
       case ExpectScene::Of::bifurcation:

@@ -1,6 +1,7 @@
 // Expected numbers of a scene, checked while it runs.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "libmbd/front/observers.hpp"
@@ -11,8 +12,8 @@ namespace mbd {
 // Takes each expected value at its sample time, and extremes as the run goes; no history is kept.
 class Expectations : public Observer {
  public:
-  // Throws Error for a quantity that is not a column, or a time that is not a sample time of the scene
-  // to 1e-9 of its duration.
+  // Throws Error for a quantity that is not a column, or a time that is not one of a row of results
+  // (row_interval) to 1e-9 of the duration.
   Expectations(const Scene& scene, const Model& model);
 
   void accepted(const Sample& sample) override;
@@ -24,9 +25,10 @@ class Expectations : public Observer {
   struct Watch {
     std::size_t column = 0;
     ExpectScene::Of of = ExpectScene::Of::value_at;
-    double at = 0.0;  // [s], or a load factor
-    int number = 1;   // of an event of a path
-    int met = 0;      // events of that kind so far
+    double at = 0.0;                                       // [s], or a load factor
+    int number = 1;                                        // of an event of a path
+    int met = 0;                                           // events of that kind so far
+    double off = std::numeric_limits<double>::infinity();  // nearest row so far, from `at` [s]
   };
 
   std::vector<Watch> watches_;

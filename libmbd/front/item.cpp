@@ -167,7 +167,7 @@ void Item::try_attributes() const {
         places(a.name);
         break;
       case Kind::number:
-        number(a.name);
+        if (!is_word(a.name)) number(a.name);
         break;
       case Kind::count:
         count(a.name);
@@ -290,7 +290,10 @@ Expression Item::parse(std::string_view name, std::string_view text, Variables v
     try {
       return Expression::parse(of, context_.parameters, variables);
     } catch (const Error& error) {
-      fail(name, error.what());
+      const schema::Attribute* const entry = schema::find_attribute(*element_, name);
+      const bool words = entry && entry->kind == Kind::number && !entry->choices.empty();
+      fail(name, error.what() +
+                     (words ? "; besides a number it may be: " + std::string(entry->choices) : ""));
     }
   };
   const NumberAndUnit parts = split_unit(text);
@@ -308,6 +311,18 @@ double Item::evaluate(std::string_view name, std::string_view text, std::string_
 
 double Item::any_number(std::string_view name) const {
   return evaluate(name, raw(name, {Kind::number, Kind::count}), entry_of(name).unit);
+}
+
+bool Item::is_word(std::string_view name) const {
+  const std::string text = raw(name, {Kind::number});
+  const std::vector<std::string_view> parts = schema::words(text);
+  const std::vector<std::string_view> known = schema::words(entry_of(name).choices);
+  if (parts.size() != 1 || std::find(known.begin(), known.end(), parts[0]) == known.end())
+    return false;
+  if (context_.parameters.contains(parts[0]))
+    fail(name, "is a word of this attribute and a parameter of the model; write (" +
+                   std::string(parts[0]) + ") for the parameter, or give it another name");
+  return true;
 }
 
 double Item::number(std::string_view name) const {

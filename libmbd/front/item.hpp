@@ -60,6 +60,7 @@ class Item {
   std::vector<std::string> names(std::string_view attribute) const;
   double number(std::string_view name) const;      // in range, SI
   double any_number(std::string_view name) const;  // of any range, SI
+  bool is_word(std::string_view name) const;       // a word that the number may be instead
   int count(std::string_view name) const;
   std::vector<double> numbers(std::string_view name) const;
   Vec3 vector(std::string_view name) const;

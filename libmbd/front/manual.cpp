@@ -79,7 +79,8 @@ std::string value_of(const schema::Attribute& attribute) {
     case Kind::names:
       return "words";
     case Kind::number:
-      return "number" + of_range(attribute.range);
+      return "number" + of_range(attribute.range) +
+             (attribute.choices.empty() ? "" : ", or " + std::string(attribute.choices));
     case Kind::count:
       return "whole number" + of_range(attribute.range);
     case Kind::numbers: {

@@ -377,6 +377,38 @@ wide (`exp(-((s-v*t)/w)^2)`), with the beam divided finely enough.
      R"md(`<static>` alone is the equilibrium under the loads of t = 0; `<transient>` alone starts from the
 reference configuration with the velocities given; both, from the equilibrium. A transient needs
 mass in every beam.
+
+A `<transient>` goes in fixed steps (`step`), of which the duration must be a whole number, or in
+steps that follow an estimated error (`tolerance`). The methods:
+
+- `generalized_alpha`, the default, is of order 2, with numerical damping by choice
+  (`rho_infinity`). A step costs least. For a few digits, for very many unknowns, for fixed steps.
+- `radau`, Radau IIA with three stages, is of order 5 and damps what its steps do not resolve. A
+  step costs several times as much, and takes the place of the more steps of generalized-alpha the
+  more digits are wanted. For accuracy, and for fast and slow phases in one run.
+- `ida`, IDA of SUNDIALS, is a multistep method of variable order, 1 to 5, always with a tolerance.
+  An independent check of the others; best where motions are smooth for many steps.
+
+`tolerance="1e-6"` asks for errors of a millionth: of positions, relative to the size of the scene; of
+rotations, to a radian; of velocities, to what moves fastest at the time. Limits in units
+(`position_tolerance="1 um"`, `rotation_tolerance`, `velocity_tolerance`,
+`angular_velocity_tolerance`) take its place for one kind (of velocities not with generalized_alpha,
+which estimates errors of positions and rotations only). The error of each step is estimated and
+held below what makes the error of the whole go with the tolerance; the error at the end is of its
+size where the motion does not amplify errors, and larger where it does (a chaotic motion has no
+digits to offer after a while, with any method). So compare a run with one of a tolerance ten times
+smaller. `report.json` and the summary have the steps accepted and rejected, the shortest and the
+longest, and the sum of the estimated errors.
+
+Results are rows of `history.csv` at the times of `output`: every so many seconds, interpolated
+within steps to the order of the method without disturbing them (positions and velocities; constraint
+forces and accelerations to lower order), or `output="steps"`, where each step ends. Without `output`
+there is a row at each fixed step, or with a tolerance a thousand rows. There is one at t = 0 and one
+at the end always, and after a jump of a load the row has the state after it. An `<expect>` of a
+value must be at such a time; with `output="steps"` at any. Extremes are those of the rows.
+
+The command line has the last word: `mbd run MODEL --method radau --tolerance 1e-8` (rows stay where
+the model's own steps would give them), `--step "0.5 ms"`, `--output steps`.
 )md",
      R"xml(<mbd name="released">
   <!-- A cantilever sags under its weight, then its tip is let go of a rope. -->

@@ -1,5 +1,5 @@
-// Those who watch a run. A run shows each accepted state to its observers, in order, with the numbers
-// the model records of it.
+// Those who watch a run. A run shows the states of which it writes rows to its observers, in order, with the
+// numbers the model records of them: accepted ones, and (row_interval) interpolated between those.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace mbd {
 
 struct RunReport;
 
-// One accepted state.
+// One of those states.
 struct Sample {
   const Model& model;
   const State& state;

@@ -514,10 +514,22 @@ class Reader {
     TransientScene transient;
     transient.source = item.source();
     transient.duration = item.number("duration");
-    transient.step = item.number("step");
-    transient.rho_infinity = item.number("rho_infinity");
-    transient.balance = item.choice<Balance>("balance");
-    if (item.has("tolerance")) transient.tolerance = item.number("tolerance");
+    transient.method = item.choice<TimeMethod>("method");
+    const auto read = [&item](std::string_view name, std::optional<double>& value) {
+      if (item.has(name)) value = item.number(name);
+    };
+    read("step", transient.step);
+    read("tolerance", transient.tolerance);
+    read("position_tolerance", transient.position_tolerance);
+    read("rotation_tolerance", transient.rotation_tolerance);
+    read("velocity_tolerance", transient.velocity_tolerance);
+    read("angular_velocity_tolerance", transient.angular_velocity_tolerance);
+    read("max_step", transient.max_step);
+    read("newton_tolerance", transient.newton_tolerance);
+    read("rho_infinity", transient.rho_infinity);
+    if (item.has("balance")) transient.balance = item.choice<Balance>("balance");
+    transient.output_steps = item.has("output") && item.is_word("output");
+    if (!transient.output_steps) read("output", transient.output);
     set_once(scene_.transient, item, std::move(transient));
   }
 

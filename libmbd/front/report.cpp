@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libmbd/front/build_facts.hpp"
+#include "libmbd/front/time_stepping.hpp"
 
 namespace mbd {
 namespace {
@@ -33,12 +34,41 @@ Json json(const Counters& c) {
   return {{"steps", c.steps},
           {"substeps", c.substeps},
           {"retries", c.retries},
+          {"rejected", c.rejected},
           {"rank_tolerant_steps", c.tolerant},
           {"restarts", c.restarts},
           {"iterations", c.iterations},
           {"residuals", c.residuals},
           {"tangents", c.tangents},
           {"factorizations", c.factorizations}};
+}
+
+// Those that a run with this transient uses, and no others.
+Json settings(const TransientScene& transient) {
+  Json all = {{"method", name_of(transient.method)}, {"duration", transient.duration}};
+  const auto given = [&all](const char* name, const std::optional<double>& value) {
+    if (value) all[name] = *value;
+  };
+  given("step", transient.step);
+  given("tolerance", transient.tolerance);
+  given("position_tolerance", transient.position_tolerance);
+  given("rotation_tolerance", transient.rotation_tolerance);
+  given("velocity_tolerance", transient.velocity_tolerance);
+  given("angular_velocity_tolerance", transient.angular_velocity_tolerance);
+  given("max_step", transient.max_step);
+  const std::optional<double> interval = row_interval(transient);
+  all["output"] = interval ? Json(*interval) : Json("steps");
+  if (transient.method == TimeMethod::generalized_alpha) {
+    all["rho_infinity"] = rho_infinity_of(transient);
+    all["balance"] = balance_of(transient) == Balance::momentum ? "momentum" : "acceleration";
+  }
+  if (takes_newton_tolerance(transient)) {
+    const NewtonOptions newton = newton_options(transient);
+    all["newton_tolerance"] = newton.tolerance;
+    all["multiplier_tolerance"] = newton.multiplier_tolerance;
+    all["max_iterations"] = newton.max_iterations;
+  }
+  return all;
 }
 
 Json settings(const RunReport& report) {
@@ -60,16 +90,7 @@ Json settings(const RunReport& report) {
         {"points", report.path->points},
         {"branch", report.path->branch},
         {"tolerance", report.path->tolerance}};
-  if (report.transient)
-    all["transient"] = {
-        {"method", "generalized-alpha"},
-        {"duration", report.transient->duration},
-        {"step", report.transient->step},
-        {"rho_infinity", report.transient->rho_infinity},
-        {"balance", report.transient->balance == Balance::momentum ? "momentum" : "acceleration"},
-        {"tolerance", report.newton.tolerance},
-        {"multiplier_tolerance", report.newton.multiplier_tolerance},
-        {"max_iterations", report.newton.max_iterations}};
+  if (report.transient) all["transient"] = settings(*report.transient);
   return all;
 }
 
@@ -140,6 +161,14 @@ std::string to_json(const RunReport& report) {
   if (report.transient) {
     solver["transient"] = json(report.transient_counters);
     solver["transient"]["most_iterations_in_a_step"] = report.most_iterations;
+    if (report.transient->tolerance) {
+      const StepSizes& sizes = report.step_sizes;
+      solver["transient"]["least_step"] = sizes.least;
+      solver["transient"]["most_step"] = sizes.most;
+      solver["transient"]["largest_error_of_a_step"] = sizes.worst_error;
+      solver["transient"]["sum_of_errors"] = {{"position", sizes.position_error},
+                                              {"rotation", sizes.rotation_error}};
+    }
   }
   all["solver"] = solver;
   if (report.statics)

@@ -54,17 +54,17 @@ struct RunReport {
   std::optional<StaticScene> statics;
   std::optional<TransientScene> transient;
   std::optional<PathScene> path;
-  NewtonOptions newton;  // of the transient
 
   std::string failure;             // empty: all went well (expectations apart)
   std::vector<std::string> notes;  // what a user should know of a run that went well
   double t = 0.0;                  // reached [s]
   double load_factor = 1.0;        // reached
-  long rows = 0;                   // of history.csv: accepted states
+  long rows = 0;                   // of history.csv
 
   Index nodes = 0, unknowns = 0, multipliers = 0;
   std::vector<BatchReport> batches;
   Counters static_counters, transient_counters;
+  StepSizes step_sizes;                                 // of a transient
   int searched_steps = 0;                               // load steps that the line search saved
   int most_static_iterations = 0, most_iterations = 0;  // in one load step, one time step
 

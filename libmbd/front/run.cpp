@@ -13,7 +13,7 @@
 #include "libmbd/front/plot.hpp"
 #include "libmbd/front/redundancy.hpp"
 #include "libmbd/front/shapes.hpp"
-#include "solvers/generalized_alpha.hpp"
+#include "libmbd/front/time_stepping.hpp"
 #include "solvers/initial.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/mechanism.hpp"
@@ -24,7 +24,6 @@
 namespace mbd {
 namespace {
 
-constexpr double largest_steps = 1e12;
 constexpr double much_energy = 0.1;   // of the largest kinetic energy, change or work: worth a note
 constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
 
@@ -126,11 +125,10 @@ class Run {
     report_.statics = scene.statics;
     report_.transient = scene.transient;
     report_.path = scene.path;
-    if (scene.transient && scene.transient->tolerance)
-      report_.newton.tolerance = *scene.transient->tolerance;
+    report_.notes = options.notes;
 
     model_ = compile(scene);  // which checks the scene first
-    if (scene.transient) steps_ = number_of_steps(*scene.transient);
+    if (scene.transient) rows_.emplace(scene);
     columns_ = columns(model_);
     row_.resize(columns_.size());
     expectations_ = std::make_unique<Expectations>(scene, model_);
@@ -317,46 +315,81 @@ class Run {
   }
 
   void integrate(State& state) {
-    const System& system = *model_.system;
     const TransientScene& transient = *scene_.transient;
-    check_initial_state(system, state);
+    check_initial_state(*model_.system, state);
     if (transient.rho_infinity == 1.0)
       report_.notes.push_back(
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
-          "and may "
-          "diverge in long runs; 0.9 is safer");
-    GeneralizedAlpha integrator(system, make_klu_solver(),
-                                {.step = transient.step,
-                                 .rho_infinity = transient.rho_infinity,
-                                 .balance = transient.balance,
-                                 .newton = report_.newton});
-    const long every = (steps_ + most_monitored - 1) / most_monitored;
+          "and may diverge in long runs; 0.9 is safer");
+    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
+    const long steps = transient.step ? number_of_steps(transient) : 0;
+    // Monitored: some of the fixed steps, or the first step that ends after each of equal times.
+    const long every = (steps + most_monitored - 1) / most_monitored;
+    const double pause = transient.duration / static_cast<double>(most_monitored);
+    double monitor_at = pause;
+    bool going = true;
 
-    StepReport step = integrator.start(state);
+    State inside = state;  // where steps are interpolated
+    if (steps == 0 || rows_->inside_steps())
+      stepper->on_substep([&](const DenseStep& step) {
+        // What lies at the end of the step is left to the state there, after a restart if there is one; what
+        // lies at the end of a piece, to the beginning of the next.
+        const double before = step.end() - rows_->slack();
+        if (!going || !(rows_->next() < before)) return;
+        report_.integration += watch_.lap();
+        for (; going && rows_->next() < before; rows_->advance()) {
+          step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
+          going = write_row(inside);
+        }
+        report_.output += watch_.lap();
+      });
+
+    StepReport step = stepper->start(state);
     if (!step.converged) fail_to_start(step.failure);
     report_.integration += watch_.lap();
-    bool going = accept(state, true);
+    going = accept(state, true);
     report_.output += watch_.lap();
-    for (long n = 1; n <= steps_ && going; ++n) {
-      step = integrator.step(state);
+    bool at_end = false;
+    for (long n = 1; going && !at_end; ++n) {
+      step = stepper->step(state);
+      if (!going) break;  // a row inside the step ended it
       if (!step.converged) {
-        report_.failure = fmt::format("step {} of {}, {}", n, steps_, step.failure);
+        report_.failure = steps > 0 ? fmt::format("step {} of {}, {}", n, steps, step.failure)
+                                    : fmt::format("after {} steps, {}", n - 1, step.failure);
         break;
       }
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
       report_.integration += watch_.lap();
-      going = accept(state, n % every == 0 || n == steps_);
+      at_end = steps > 0 ? n == steps : state.t > rows_->end() - rows_->slack();
+      // A fixed step may end beside its time, at a breakpoint.
+      const double t = steps > 0 ? static_cast<double>(n) * *transient.step : state.t;
+      const bool due = rows_->next() <= t + rows_->slack();
+      while (rows_->next() <= t + rows_->slack()) rows_->advance();
+      bool monitored = at_end || (steps > 0 && n % every == 0);
+      if (steps == 0 && state.t >= monitor_at) {
+        monitored = true;
+        monitor_at = pause * (std::floor(state.t / pause) + 1.0);
+      }
+      if (due || at_end || rows_->at_steps())
+        going = accept(state, monitored);
+      else if (monitored)
+        going = monitor_finite(state);
       if (options_.progress)
-        options_.progress({state.t, transient.duration, n, steps_, step.iterations});
+        options_.progress({state.t, transient.duration, n, steps, step.iterations});
       report_.output += watch_.lap();
     }
     if (!report_.complete() && report_.rows > 0) monitor(state);
     report_.integration += watch_.lap();
-    report_.transient_counters = integrator.counters();
+    report_.transient_counters = stepper->counters();
+    report_.step_sizes = stepper->sizes();
   }
 
   // Shows a state to the observers. False ends the run.
   bool accept(const State& state, bool monitored) {
+    return write_row(state) && (!monitored || monitor_finite(state));
+  }
+
+  bool write_row(const State& state) {
     if (const Index bad = sample_row(model_, state, row_); bad >= 0) {
       const std::string name = columns_[static_cast<std::size_t>(bad)].name;
       const std::string failure =
@@ -376,14 +409,16 @@ class Run {
       return false;
     }
     ++report_.rows;
-    if (monitored) monitor(state);
-    if (monitored &&
-        !std::isfinite(report_.energy_end.total() + report_.work.loads + report_.work.drives)) {
-      report_.failure = fmt::format(
-          "the energy is not finite at t = {:.9g} s; look at the loads and drives", state.t);
-      return false;
-    }
     return true;
+  }
+
+  bool monitor_finite(const State& state) {
+    monitor(state);
+    if (std::isfinite(report_.energy_end.total() + report_.work.loads + report_.work.drives))
+      return true;
+    report_.failure = fmt::format(
+        "the energy is not finite at t = {:.9g} s; look at the loads and drives", state.t);
+    return false;
   }
 
   void monitor(const State& state) {
@@ -398,10 +433,10 @@ class Run {
     if (std::abs(report_.dissipated()) > much_energy * size)
       report_.notes.push_back(fmt::format(
           "the integrator {} {:.3g} J, {:.0f} % of the energy that moved; if it is not meant to "
-          "damp "
-          "that much, take smaller steps",
+          "damp that much, take {}",
           report_.dissipated() > 0.0 ? "took out" : "put in", std::abs(report_.dissipated()),
-          100.0 * std::abs(report_.dissipated()) / size));
+          100.0 * std::abs(report_.dissipated()) / size,
+          report_.transient->tolerance ? "a smaller tolerance" : "smaller steps"));
   }
 
   void finish() {
@@ -428,7 +463,7 @@ class Run {
   const RunOptions& options_;
   Stopwatch watch_;
   RunReport report_;
-  long steps_ = 0;
+  std::optional<RowTimes> rows_;  // of a transient
   bool in_statics_ = false;
   Model model_;
   std::vector<Column> columns_;
@@ -442,28 +477,6 @@ class Run {
 };
 
 }  // namespace
-
-long number_of_steps(const TransientScene& transient) {
-  if (!(transient.duration > 0.0) || !(transient.step > 0.0))
-    throw Error(transient.source,
-                fmt::format("transient: duration={} and step={} must both be positive",
-                            transient.duration, transient.step));
-  const double steps = std::round(transient.duration / transient.step);
-  if (!(steps <= largest_steps))
-    throw Error(transient.source,
-                fmt::format("transient: {} s in steps of {} s are too many steps; take larger ones",
-                            transient.duration, transient.step));
-  if (steps < 1.0 ||
-      std::abs(steps * transient.step - transient.duration) > 1e-9 * transient.duration) {
-    const double above = std::ceil(transient.duration / transient.step);
-    throw Error(transient.source,
-                fmt::format("transient: duration={} is not a whole number of steps of {} s; with "
-                            "step=\"{}/{:.0f}\" it is, or with duration=\"{:.0f}*{}\"",
-                            transient.duration, transient.step, transient.duration, above, above,
-                            transient.step));
-  }
-  return static_cast<long>(steps);
-}
 
 RunReport run(const Scene& scene, const RunOptions& options) { return Run(scene, options).go(); }
 

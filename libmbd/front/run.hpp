@@ -9,18 +9,20 @@
 #include "libmbd/front/observers.hpp"
 #include "libmbd/front/report.hpp"
 #include "libmbd/front/scene.hpp"
+#include "libmbd/front/time_stepping.hpp"
 
 namespace mbd {
 
 struct Progress {
   double t = 0.0, duration = 0.0;  // [s]
-  long step = 0, steps = 0;
-  int iterations = 0;  // of this step
+  long step = 0, steps = 0;        // done, and to do: 0 if not known
+  int iterations = 0;              // of this step
 };
 
 struct RunOptions {
   std::optional<std::filesystem::path> output = {};  // directory of history.csv, .svg, report.json
   std::vector<Observer*> observers = {};             // more of them; they must outlive the run
+  std::vector<std::string> notes = {};               // that the report begins with
   std::function<void(const Progress&)> progress = {};  // after each time step
 };
 
@@ -28,12 +30,10 @@ struct RunOptions {
 // initial accelerations, the first load step or the equilibrium before a transient fail. Nothing is
 // written then, and an earlier result stays. What goes wrong later ends the run and is told in
 // RunReport::failure; the results up to there are kept.
+// Of a transient, observers see the states of which rows are written (row_interval): where steps end, or
+// interpolated to the order of the method (DenseStep).
 // A scene without <transient> has for accepted states its reference state, at load factor 0, and each
 // load step. The equilibrium before a transient has none of its own.
 RunReport run(const Scene& scene, const RunOptions& options = {});
-
-// Number of steps of a transient. Throws Error when the duration is not a whole number of steps to 1e-9
-// of itself: a shorter last step would change the integrator's error and is not what was asked for.
-long number_of_steps(const TransientScene& transient);
 
 }  // namespace mbd

@@ -211,18 +211,35 @@ struct PathScene {
   std::vector<PathMarkScene> marks;
 };
 
+// Integration in time. What is absent is chosen by the method, or not used.
 struct TransientScene {
-  Source source;
-  double duration = 0.0;            // [s]
-  double step = 0.0;                // [s]
-  double rho_infinity = 0.0;        // spectral radius at infinite frequency, [0, 1]
-  std::optional<double> tolerance;  // of Newton's increments, relative; default: the stepper's own
-  Balance balance =
-      Balance::acceleration;  // of inertia: in body axes, or of momenta in inertial ones
+  Source source = {};
+  double duration = 0.0;  // [s]
+  TimeMethod method = TimeMethod::generalized_alpha;
+  // One of both: fixed steps, of which the duration is a whole number, or steps that follow an estimated error.
+  std::optional<double> step = {};       // [s]
+  std::optional<double> tolerance = {};  // relative (ErrorTolerances)
+  // With a tolerance only.
+  std::optional<double> position_tolerance = {};          // [m]
+  std::optional<double> rotation_tolerance = {};          // [rad]
+  std::optional<double> velocity_tolerance = {};          // [m/s]; not of generalized_alpha
+  std::optional<double> angular_velocity_tolerance = {};  // [rad/s]
+  std::optional<double> max_step = {};                    // [s]
+  std::optional<double> newton_tolerance =
+      {};  // of Newton's increments, relative; of ida there is none
+  // Of generalized_alpha only.
+  std::optional<double> rho_infinity =
+      {};  // spectral radius at infinite frequency, [0, 1]; default 0
+  std::optional<Balance> balance =
+      {};  // of inertia: in body axes (default), or of momenta in inertial ones
+  // When rows of results are written: in intervals [s], or (output_steps) where steps end and at the times of
+  // expected values. With neither: where fixed steps end; with a tolerance, a thousand times.
+  std::optional<double> output = {};
+  bool output_steps = false;
 };
 
 // One line of output: quantities of a place, of a joint or motion, or (with neither) of the whole system,
-// at every accepted step (or every n-th).
+// whenever a row of results is written.
 struct RecordScene {
   Source source;
   std::string name;

@@ -16,11 +16,13 @@ constexpr std::string_view anywhere = "mbd repeat defaults";
 constexpr std::string_view once = "mbd defaults";
 
 constexpr Range unit_interval{0.0, 1.0};
+constexpr Range error_range{1e-14, 0.1};  // finer is round-off, coarser is no result
 constexpr Range at_least_one{1.0, 1e6};
 constexpr std::string_view kinematics = "motion classical";
 constexpr std::string_view metrics = "matrix quaternion geodesic";
 constexpr std::string_view rules = "gauss gauss_lobatto";
 constexpr std::string_view forms = "energy paper";
+constexpr std::string_view time_methods = "generalized_alpha radau ida";
 constexpr std::string_view balances = "acceleration momentum";
 constexpr std::string_view static_solvers = "newton kinsol";
 constexpr std::string_view path_methods = "bordered crisfield";
@@ -327,22 +329,53 @@ constexpr Attribute mark_attributes[] = {
 };
 
 constexpr Attribute transient_attributes[] = {
-    {"duration", Kind::number, "s", required, "simulated time, a whole number of steps", positive},
-    {"step", Kind::number, "s", required, "time step", positive},
+    {"duration", Kind::number, "s", required,
+     "simulated time; of fixed steps, a whole number of them", positive},
+    {"method",
+     Kind::choice,
+     "",
+     "generalized_alpha",
+     "integrator: of order 2; Radau IIA, of order 5; or IDA of SUNDIALS, of variable order",
+     any,
+     {3, 3},
+     time_methods},
+    {"step", Kind::number, "s", optional, "time step, of fixed steps (one of step, tolerance)",
+     positive},
+    {"tolerance", Kind::number, "", optional,
+     "or the relative error that steps are chosen for: of lengths of the scene, of radians, and of "
+     "the fastest velocities",
+     error_range},
+    {"position_tolerance", Kind::number, "m", optional,
+     "in place of the relative one, of positions", positive},
+    {"rotation_tolerance", Kind::number, "rad", optional, "the same, of rotations", positive},
+    {"velocity_tolerance", Kind::number, "m/s", optional,
+     "the same, of velocities; not of generalized_alpha, which does not estimate them", positive},
+    {"angular_velocity_tolerance", Kind::number, "rad/s", optional,
+     "the same, of angular velocities", positive},
+    {"max_step", Kind::number, "s", optional,
+     "longest step that a tolerance may lead to (default: a part of the duration)", positive},
+    {"output",
+     Kind::number,
+     "s",
+     optional,
+     "time between rows of results, or steps: where steps end, and at the times of expected values "
+     "(default: where fixed steps end; with a tolerance, a thousandth of the duration)",
+     positive,
+     {3, 3},
+     "steps"},
     {"rho_infinity", Kind::number, "", "0",
-     "spectral radius of the integrator at infinite frequency: 0 damps most, 1 nothing",
+     "of generalized_alpha: spectral radius at infinite frequency; 0 damps most, 1 nothing",
      unit_interval},
     {"balance",
      Kind::choice,
      "",
      "acceleration",
-     "of inertia: accelerations in body axes, or momenta in inertial axes, which keeps those of "
-     "free "
-     "systems to round-off",
+     "of inertia, of generalized_alpha: accelerations in body axes, or momenta in inertial axes, "
+     "which keeps those of free systems to round-off",
      any,
      {3, 3},
      balances},
-    {"tolerance", Kind::number, "", optional,
+    {"newton_tolerance", Kind::number, "", optional,
      "of Newton's increments, relative (default: the integrator's own)", positive},
 };
 
@@ -378,7 +411,8 @@ constexpr Attribute expect_attributes[] = {
      "value minimum maximum limit bifurcation mark"},
     {"number", Kind::count, "", "1", "of the limit point, bifurcation or mark, in order",
      at_least_one},
-    {"at", Kind::number, "s", optional, "time of the value, a whole number of steps", not_negative},
+    {"at", Kind::number, "s", optional,
+     "time of the value, one at which a row of results is written", not_negative},
     {"value", Kind::number, any_unit, required, "what it must be"},
     {"tolerance", Kind::number, any_unit, required, "by how much it may differ", positive},
     {"source", Kind::text, "", required, "where the number comes from"},
@@ -520,7 +554,8 @@ const std::vector<Element>& table() {
          "A point of the path to be located, shown and drawn: where a column passes a value.",
          of(mark_attributes)},
         {"stop", "path repeat defaults", "A mark at which the path ends.", of(mark_attributes)},
-        {"transient", once, "Integration in time by the generalized-alpha method.",
+        {"transient", once,
+         "Integration in time, in fixed steps or in steps that follow an estimated error.",
          of(transient_attributes)},
         {"record", anywhere, "Columns of history.csv.", of(record_attributes)},
         {"plot", anywhere, "A panel of history.svg.", of(plot_attributes)},

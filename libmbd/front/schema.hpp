@@ -53,7 +53,8 @@ struct Attribute {
   std::string_view doc;
   Range range = any;                  // of number, count and each of numbers
   std::array<int, 2> sizes = {3, 3};  // of numbers: either
-  std::string_view choices = {};  // separated by blanks, in the order of the enum they stand for
+  // Separated by blanks, in the order of the enum they stand for; of a number: words it may be instead.
+  std::string_view choices = {};
 };
 
 struct Element {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libmbd/front/label.hpp"
+#include "libmbd/front/time_stepping.hpp"
 
 namespace mbd {
 namespace {
@@ -52,6 +53,7 @@ std::string steps(const Counters& c, std::string_view one, std::string_view many
     if (n > 0) text += ", " + plural(n, single, several);
   };
   more(c.substeps == c.steps ? 0 : c.substeps, "substep", "substeps");
+  if (c.rejected > 0) text += fmt::format(", {}\trejected", c.rejected);
   more(c.retries, "retry", "retries");
   more(c.restarts, "restart", "restarts");
   more(c.tolerant, "rank-tolerant\tstep", "rank-tolerant\tsteps");
@@ -68,6 +70,26 @@ void solver(std::string& text, std::string_view name, const std::string& steps, 
                          static_cast<double>(c.iterations) / static_cast<double>(c.steps), most);
   words += "; " + plural(c.tangents, "tangent") + ", " + plural(c.factorizations, "factorisation");
   item(text, name, words);
+}
+
+// "radau, tolerance 1e-08".
+std::string method(const TransientScene& transient) {
+  const std::string_view name = name_of(transient.method);
+  if (transient.tolerance) return fmt::format("{}, tolerance\t{:g}", name, *transient.tolerance);
+  return fmt::format("{}, step\t{:g}\ts", name, transient.step.value_or(0.0));
+}
+
+void step_sizes(std::string& text, const RunReport& report) {
+  const StepSizes& sizes = report.step_sizes;
+  if (!report.transient->tolerance || report.transient_counters.steps == 0) return;
+  std::string words;
+  // All steps may have been cut, by a breakpoint or the end.
+  if (sizes.least > 0.0) words = fmt::format("from\t{:.2g}\ts ", sizes.least);
+  words += fmt::format(
+      "to\t{:.2g}\ts; estimated errors: {:.2g} of what is allowed in a step, at most; in all, "
+      "{:.1e}\tm and\t{:.1e}\trad",
+      sizes.most, sizes.worst_error, sizes.position_error, sizes.rotation_error);
+  item(text, "step sizes", words);
 }
 
 void seconds(std::string& text, const RunReport& report) {
@@ -239,9 +261,12 @@ std::string summary(const RunReport& report) {
            report.most_static_iterations);
     special_points(text, report);
   }
-  if (report.transient)
-    solver(text, "transient", steps(report.transient_counters, "step", "steps"),
+  if (report.transient) {
+    solver(text, "transient",
+           method(*report.transient) + "; " + steps(report.transient_counters, "step", "steps"),
            report.transient_counters, report.most_iterations);
+    step_sizes(text, report);
+  }
   seconds(text, report);
   constraints(text, report);
   energy(text, report);

@@ -469,8 +469,20 @@ const std::vector<NotFinite>& not_finite() {
       {"pendulum", "transient", "step", [](Scene& s, double x) { s.transient->step = x; }},
       {"pendulum", "transient", "rho_infinity",
        [](Scene& s, double x) { s.transient->rho_infinity = x; }},
+      {"pendulum", "transient", "newton_tolerance",
+       [](Scene& s, double x) { s.transient->newton_tolerance = x; }},
+      {"pendulum", "transient", "output", [](Scene& s, double x) { s.transient->output = x; }},
       {"pendulum", "transient", "tolerance",
-       [](Scene& s, double x) { s.transient->tolerance = x; }},
+       [](Scene& s, double x) {
+         s.transient->step.reset();
+         s.transient->tolerance = x;
+       }},
+      {"pendulum", "transient", "max_step",
+       [](Scene& s, double x) {
+         s.transient->step.reset();
+         s.transient->tolerance = 1e-6;
+         s.transient->max_step = x;
+       }},
       {"cantilever", "static", "tolerance", [](Scene& s, double x) { s.statics->tolerance = x; }},
       {"pendulum", "plot", "x_scale", [](Scene& s, double x) { s.plots[0].x_scale = x; }},
       {"pendulum", "plot", "y_scale", [](Scene& s, double x) { s.plots[0].y_scale = x; }},

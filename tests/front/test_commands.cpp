@@ -168,7 +168,7 @@ TEST(WrongUse, IsAnsweredWithTheNearestAndARefusal) {
       {"schem", "did you mean \"schema\"?", "mbd --help"},
       {"--verson", "mbd: unknown option --verson; did you mean \"--version\"?", "mbd --help"},
       {"run --ouput=x model.xml",
-       "mbd run: unknown option --ouput; did you mean \"--out\"? The options of mbd run are: ",
+       "mbd run: unknown option --ouput; did you mean \"--output\"? The options of mbd run are: ",
        "mbd run --help"},
       {"run --ouput x model.xml", "unknown option --ouput", "mbd run --help"},
       {"run", "mbd run: MODEL is required", "mbd run --help"},
@@ -249,8 +249,8 @@ TEST_F(Completion, OffersCommandsAndOptions) {
   EXPECT_EQ(offers({""}), all);
   EXPECT_EQ(offers({"sch"}), (Words{"schema"}));
   EXPECT_EQ(offers({"--v"}), (Words{"--version"}));
-  EXPECT_EQ(offers({"run", "--o"}), (Words{"--out"}));
-  EXPECT_EQ(offers({"run", "arm.xml", "--s"}), (Words{"--set"}));
+  EXPECT_EQ(offers({"run", "--o"}), (Words{"--out", "--output"}));
+  EXPECT_EQ(offers({"run", "arm.xml", "--s"}), (Words{"--set", "--step"}));
   EXPECT_EQ(offers({"nonsense", ""}), Words{});
   // every option of every command's help
   for (const std::string& command : commands()) {

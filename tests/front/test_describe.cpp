@@ -149,7 +149,7 @@ TEST(Check, TellsSizeAndMass) {
 TEST(Check, TellsEnergiesOfTheStart) {
   const CheckReport top = check_of("heavy_top");
   Scene scene = test::model_scene("heavy_top");
-  scene.transient->duration = 2.0 * scene.transient->step;
+  scene.transient->duration = 2.0 * scene.transient->step.value();
   const test::History history = test::run_to_table(scene);
   EXPECT_GT(top.energy.kinetic, 5000.0);
   EXPECT_NEAR(top.energy.total(), history.report.energy_start.total(), 1e-9);

@@ -66,10 +66,12 @@ TEST(Manual, ListsJointsAndQuantities) {
     for (const schema::Quantity& quantity : all)
       EXPECT_HAS(page, "| `" + std::string(quantity.name) + "` ");
   const std::string transient = to_markdown(*schema::find_element("transient"));
-  EXPECT_HAS(transient,
-             "| `step`         | s    | required     | number > 0               | time step |");
-  EXPECT_HAS(transient, "| acceleration or momentum |");
-  EXPECT_HAS(transient, "| number from 0 to 1       |");
+  EXPECT_HAS(
+      transient,
+      "| `duration`                   | s     | required           | number > 0              ");
+  EXPECT_HAS(transient, "| acceleration or momentum         |");
+  EXPECT_HAS(transient, "| number from 0 to 1               |");
+  EXPECT_HAS(transient, "| number > 0, or steps             |");
 }
 
 TEST(Manual, LinksLeadToHeadings) {

@@ -130,7 +130,7 @@ TEST_F(WrittenFile, DirectoryMustBeUsable) {
 TEST(Report, IsJsonAndTellsTheFailure) {
   RunReport report;
   report.model = "a \"name\" \xff";  // not UTF-8
-  report.transient = TransientScene{{}, 1.0, 0.1, 0.9, {}};
+  report.transient = TransientScene{.duration = 1.0, .step = 0.1, .rho_infinity = 0.9};
   report.batches = {{"revolute", 3, 100}};
   report.expects = {{{}, "C.x at 1", 1.0, 1.05, 0.1, "calc"},
                     {{}, "C.y at 1", 1.0, std::nullopt, 0.1, "calc"}};
@@ -156,14 +156,15 @@ TEST(Report, NothingPassesThatIsNotANumber) {
 }
 
 TEST(Run, DurationIsAWholeNumberOfSteps) {
-  EXPECT_EQ(number_of_steps({{}, 36.0, 9e-3, 0.0, {}}), 4000);
-  EXPECT_EQ(number_of_steps({{}, 1.0, 0.1, 0.0, {}}), 10);
-  EXPECT_EQ(number_of_steps({{}, 0.3, 0.1, 0.0, {}}), 3);
+  EXPECT_EQ(number_of_steps({.duration = 36.0, .step = 9e-3}), 4000);
+  EXPECT_EQ(number_of_steps({.duration = 1.0, .step = 0.1}), 10);
+  EXPECT_EQ(number_of_steps({.duration = 0.3, .step = 0.1}), 3);
   for (const auto& [duration, step] :
        {std::pair{1.0, 0.3}, {1.0, 2.0}, {1.0, 1.00001}, {1.0, 1e-300}})
-    EXPECT_THROW(number_of_steps({{}, duration, step, 0.0, {}}), Error) << duration << " " << step;
+    EXPECT_THROW(number_of_steps({.duration = duration, .step = step}), Error)
+        << duration << " " << step;
   try {
-    number_of_steps({{"m.xml", 7}, 1.0, 0.3, 0.0, {}});
+    number_of_steps({.source = {"m.xml", 7}, .duration = 1.0, .step = 0.3});
     FAIL();
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),

@@ -72,8 +72,8 @@ TEST_P(AllocationFree, Steps) {
     if (scene.beams.size() > 1) scene.beams.back().kinematics = Kinematics::classical;
     const Model model = compile(scene);
     GeneralizedAlpha stepper(*model.system, make_klu_solver(),
-                             {.step = scene.transient->step,
-                              .rho_infinity = scene.transient->rho_infinity,
+                             {.step = scene.transient->step.value(),
+                              .rho_infinity = rho_infinity_of(*scene.transient),
                               .balance = balance,
                               .newton = {}});
     State state = model.initial;

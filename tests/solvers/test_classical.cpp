@@ -330,7 +330,7 @@ TEST(ClassicalShaft, FailsUnderMutation) {
 TEST(ClassicalFourBar, IsTheSameInAnotherPlace) {
   Scene scene = classical(model_scene("four_bar"));
   scene.transient->duration = 2.7;
-  scene.transient->tolerance = 1e-12;  // of Newton's increments: what is left is round-off
+  scene.transient->newton_tolerance = 1e-12;  // of Newton's increments: what is left is round-off
   const Table here = table_of(scene);
   Rng rng(7);
   const Pose<double> G = random_pose(rng, 1.0);

@@ -191,8 +191,9 @@ TEST(HardStart, AStepThatFailsLeavesTheStateAndNamesAnEquation) {
 
 State started(const Scene& scene) {
   const Model model = compile(scene);
-  GeneralizedAlpha integrator(*model.system, make_klu_solver(),
-                              {.step = scene.transient->step, .rho_infinity = 0.5, .newton = {}});
+  GeneralizedAlpha integrator(
+      *model.system, make_klu_solver(),
+      {.step = scene.transient->step.value(), .rho_infinity = 0.5, .newton = {}});
   State state = model.initial;
   EXPECT_TRUE(integrator.start(state).converged);
   return state;

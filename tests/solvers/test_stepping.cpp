@@ -27,8 +27,8 @@ template <class F>
 Stepped step_through(const Scene& scene, GeneralizedAlphaOptions options, const F& seen) {
   Stepped s{compile(scene), {}, {}, {}};
   s.state = s.model.initial;
-  options.step = scene.transient->step;
-  options.rho_infinity = scene.transient->rho_infinity;
+  options.step = scene.transient->step.value();
+  options.rho_infinity = rho_infinity_of(*scene.transient);
   GeneralizedAlpha stepper(*s.model.system, make_klu_solver(), options);
   s.last = stepper.start(s.state);
   EXPECT_TRUE(s.last.converged) << s.last.failure;
@@ -324,10 +324,11 @@ Kept throw_beam(const Overrides& overrides, Balance balance) {
   double energy = 0.0;
   bool seen = false;
   const Stepped s = step_through(
-      scene, {.balance = balance, .newton = {.tolerance = scene.transient->tolerance.value()}},
+      scene,
+      {.balance = balance, .newton = {.tolerance = scene.transient->newton_tolerance.value()}},
       [&](const Stepped& now) {
         // The algorithmic rate outlives the load: it decays by 0.73 a step for rho = 0.9.
-        if (now.state.t < 5.0 + 100 * scene.transient->step) return;
+        if (now.state.t < 5.0 + 100 * scene.transient->step.value()) return;
         const Vec6 p = now.model.system->momentum(now.state);
         const double e = now.model.system->energies(now.state).total();
         if (!seen) first = p, energy = e, seen = true;

@@ -14,6 +14,7 @@
 #include "elements/beam_elastic_batch.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/reader.hpp"
+#include "libmbd/front/time_stepping.hpp"
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/statics.hpp"
@@ -133,11 +134,11 @@ void run(benchmark::State& bench, const std::string& name) {
         bench.SkipWithError("statics failed");
     }
     GeneralizedAlpha stepper(*model.system, make_klu_solver(),
-                             {.step = scene.transient->step,
-                              .rho_infinity = scene.transient->rho_infinity,
+                             {.step = scene.transient->step.value(),
+                              .rho_infinity = rho_infinity_of(*scene.transient),
                               .newton = {}});
     stepper.start(state);
-    const long steps = std::lround(scene.transient->duration / scene.transient->step);
+    const long steps = std::lround(scene.transient->duration / scene.transient->step.value());
     for (long i = 0; i < steps; ++i) {
       if (!stepper.step(state).converged) {
         bench.SkipWithError("a step failed");

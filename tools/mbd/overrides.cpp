@@ -1,6 +1,40 @@
 #include "tools/mbd/overrides.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "libmbd/front/schema.hpp"
+#include "libmbd/front/time_stepping.hpp"
+#include "libmbd/front/units.hpp"
+
 namespace mbd {
+namespace {
+
+const schema::Attribute& attribute(std::string_view name) {
+  return *schema::find_attribute(*schema::find_element("transient"), name);
+}
+
+// The value of an option for the attribute of <transient> of the same name.
+double number(std::string_view name, const std::string& text, const Scene& scene) {
+  const auto fail = [&](const std::string& what) {
+    throw Error(fmt::format("--{} {}: {}", name, text, what));
+  };
+  Parameters parameters;
+  for (const auto& [parameter, value] : scene.parameters) parameters[parameter] = value;
+  const NumberAndUnit parts = split_unit(text);
+  double value = 0.0;
+  try {
+    value = Expression::parse(parts.number, parameters, Variables::none).value();
+    if (!parts.unit.empty()) value *= unit_factor(parts.unit, attribute(name).unit);
+  } catch (const Error& error) {
+    fail(error.what());
+  }
+  if (const std::string fault = schema::fault(attribute(name), value); !fault.empty()) fail(fault);
+  return value;
+}
+
+}  // namespace
 
 void add_set_option(CLI::App& command, std::vector<std::string>& set) {
   command
@@ -18,6 +52,101 @@ Overrides to_overrides(const std::vector<std::string>& set) {
     overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return overrides;
+}
+
+void add_transient_options(CLI::App& command, TransientOptions& options) {
+  const auto not_empty = [](const std::string& text) {
+    return text.empty() ? std::string("is empty; give a value") : std::string();
+  };
+  std::vector<std::string> methods;
+  for (const std::string_view method : schema::words(attribute("method").choices))
+    methods.emplace_back(method);
+  command
+      .add_option("-m,--method", options.method,
+                  "integrate by this method: generalized_alpha, radau or ida")
+      ->check(CLI::IsMember(methods));
+  command
+      .add_option("--step", options.step,
+                  "in fixed steps of H seconds, or of a number with a unit, in place of those of "
+                  "the model or of its tolerance")
+      ->check(not_empty, "", "")
+      ->type_name("H");
+  command
+      .add_option(
+          "-t,--tolerance", options.tolerance,
+          "in steps that keep the estimated relative error below T, in place of fixed ones; "
+          "rows of results stay at the times of the model's own steps")
+      ->check(not_empty, "", "")
+      ->type_name("T");
+  command
+      .add_option("--output", options.output,
+                  "write a row of results every DT seconds, or (steps) where each step ends")
+      ->check(not_empty, "", "")
+      ->type_name("DT");
+}
+
+std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
+  const auto& [method, step, tolerance, output] = options;
+  std::vector<std::string> notes;
+  if (method.empty() && step.empty() && tolerance.empty() && output.empty()) return notes;
+  if (!scene.transient)
+    throw Error(fmt::format("--{}: the model has no <transient>; leave it out, or add one to {}",
+                            !method.empty()      ? "method"
+                            : !step.empty()      ? "step"
+                            : !tolerance.empty() ? "tolerance"
+                                                 : "output",
+                            scene.file));
+  if (!step.empty() && !tolerance.empty())
+    throw Error("--step and --tolerance: steps are fixed or follow a tolerance; give one of them");
+  TransientScene& transient = *scene.transient;
+  const auto drop = [&notes](std::string_view name, auto& value, std::string_view why) {
+    if (value) notes.push_back(fmt::format("{} of the model is not used: {}", name, why));
+    value.reset();
+  };
+
+  const std::optional<double> rows = row_interval(transient);  // of the model itself
+  if (!step.empty()) {
+    const std::string why = "--step gives fixed steps";
+    if (transient.tolerance && !transient.output_steps) transient.output = rows;
+    transient.step = number("step", step, scene);
+    transient.tolerance.reset();
+    drop("position_tolerance", transient.position_tolerance, why);
+    drop("rotation_tolerance", transient.rotation_tolerance, why);
+    drop("velocity_tolerance", transient.velocity_tolerance, why);
+    drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+    drop("max_step", transient.max_step, why);
+  }
+  if (!tolerance.empty()) {
+    if (transient.step && !transient.output_steps) transient.output = rows;
+    transient.tolerance = number("tolerance", tolerance, scene);
+    transient.step.reset();
+  }
+  if (!method.empty()) {
+    const std::vector<std::string_view> known = schema::words(attribute("method").choices);
+    transient.method =
+        static_cast<TimeMethod>(std::find(known.begin(), known.end(), method) - known.begin());
+    if (transient.method != TimeMethod::generalized_alpha) {
+      const std::string why = "it belongs to generalized_alpha, and --method is " + method;
+      drop("rho_infinity", transient.rho_infinity, why);
+      drop("balance", transient.balance, why);
+    }
+    if (transient.method == TimeMethod::ida && transient.step)
+      throw Error("--method ida has no fixed steps; add --tolerance");
+  }
+  if (transient.method == TimeMethod::generalized_alpha) {
+    const std::string why = "generalized_alpha estimates errors of positions and rotations only";
+    drop("velocity_tolerance", transient.velocity_tolerance, why);
+    drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+  }
+  if (!takes_newton_tolerance(transient))
+    drop("newton_tolerance", transient.newton_tolerance,
+         fmt::format("{} derives its own from the tolerance", name_of(transient.method)));
+  if (!output.empty()) {
+    transient.output_steps = output == "steps";
+    transient.output.reset();
+    if (!transient.output_steps) transient.output = number("output", output, scene);
+  }
+  return notes;
 }
 
 }  // namespace mbd

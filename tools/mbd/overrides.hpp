@@ -1,4 +1,4 @@
-// The option --set NAME=VALUE, for every command that reads a model.
+// What the command line changes of a model: parameters, before it is read, and how it is integrated, after.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,10 +9,21 @@
 
 namespace mbd {
 
-// Adds it to a command; `set` must outlive the command.
+// --set NAME=VALUE, as often as wanted.
 void add_set_option(CLI::App& command, std::vector<std::string>& set);
 
-// "name=value" of each. Throws Error for what is not written so.
+// Throws Error for what is not name=value.
 Overrides to_overrides(const std::vector<std::string>& set);
+
+// As given; empty: not given. Numbers are expressions of the model's parameters, with a unit of time (but the
+// tolerance).
+struct TransientOptions {
+  std::string method, step, tolerance, output;
+};
+void add_transient_options(CLI::App& command, TransientOptions& options);
+
+// Changes the <transient> of a scene, and leaves out what does not go with it then. Returns what a report should
+// say of that. Throws Error for a scene without <transient>, and for values that its attributes do not allow.
+std::vector<std::string> apply(const TransientOptions& options, Scene& scene);
 
 }  // namespace mbd

@@ -24,6 +24,7 @@ struct RunArguments {
   std::string model;
   std::string output;
   std::vector<std::string> set;
+  TransientOptions transient;
   bool quiet = false;
 };
 
@@ -42,10 +43,10 @@ class ProgressLine {
     if (now - shown_ < milliseconds(200)) return;
     shown_ = now;
     const double elapsed = duration<double>(now - begun_).count();
-    const double left =
-        elapsed * static_cast<double>(p.steps - p.step) / static_cast<double>(p.step);
-    fmt::print(stderr, "\r\033[Kt = {:.6g} of {:.6g} s, step {} of {}, {} iteration{}, {} left",
-               p.t, p.duration, p.step, p.steps, p.iterations, p.iterations == 1 ? "" : "s",
+    const std::string of = p.steps > 0 ? fmt::format(" of {}", p.steps) : "";
+    const double left = elapsed * (p.duration - p.t) / p.t;
+    fmt::print(stderr, "\r\033[Kt = {:.6g} of {:.6g} s, step {}{}, {} iteration{}, {} left", p.t,
+               p.duration, p.step, of, p.iterations, p.iterations == 1 ? "" : "s",
                clock_time(left));
     std::fflush(stderr);
     dirty_ = true;
@@ -60,8 +61,9 @@ class ProgressLine {
 };
 
 int run_model(const RunArguments& arguments) {
-  const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   RunOptions options;
+  options.notes = apply(arguments.transient, scene);
   options.output = arguments.output.empty() ? std::filesystem::path("results") /
                                                   std::filesystem::path(arguments.model).stem()
                                             : std::filesystem::path(arguments.output);
@@ -103,11 +105,15 @@ void add_run_command(CLI::App& app, int& status) {
           "", "")
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
+  add_transient_options(*command, arguments->transient);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"
                "mbd run models/four_bar.xml --out four_bar_fine --set step=4.5e-3\n"
-               "mbd run models/chain.xml --set N=100 --quiet");
+               "mbd run models/chain.xml --set N=100 --quiet\n"
+               "mbd run models/shaft.xml --method radau --tolerance 1e-8\n"
+               "mbd run models/shaft.xml --step \"0.5 ms\" --output 0.01\n"
+               "mbd run models/pendulum.xml --method radau --tolerance 1e-10 --output steps");
   command->callback([arguments, &status] { status = run_model(*arguments); });
 }
 

@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
       mbd::studies::dynamic);
   add("locking", "Errors over slenderness of straight and curved cantilevers",
       mbd::studies::locking);
+  add("time", "The dynamic models: errors and CPU time over tolerances and steps, three methods",
+      mbd::studies::time);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

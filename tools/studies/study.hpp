@@ -64,5 +64,6 @@ void write(const std::filesystem::path& directory, const std::string& name,
 void bend45(const std::filesystem::path& directory);
 void locking(const std::filesystem::path& directory);
 void dynamic(const std::filesystem::path& directory);
+void time(const std::filesystem::path& directory);
 
 }  // namespace mbd::studies

@@ -1,0 +1,67 @@
+// From a <transient> to what carries it out: the stepper, and the times at which rows of results are written.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "libmbd/front/scene.hpp"
+#include "solvers/error_control.hpp"
+#include "solvers/stepper.hpp"
+
+namespace mbd {
+
+// As a model writes it: "generalized_alpha", "radau", "ida".
+std::string_view name_of(TimeMethod method);
+
+// Number of fixed steps. Throws Error when the duration is not a whole number of steps to 1e-9 of itself (a
+// shorter last step would change the integrator's error and is not what was asked for), and for a transient
+// without `step`.
+long number_of_steps(const TransientScene& transient);
+
+// Where it is false the method derives the tolerance of its iterations from that of the error.
+bool takes_newton_tolerance(const TransientScene& transient);
+
+// The settings that make_stepper() uses, with the method's own where the scene gives none.
+NewtonOptions newton_options(const TransientScene& transient);
+ErrorTolerances error_tolerances(const TransientScene& transient);
+double rho_infinity_of(const TransientScene& transient);
+Balance balance_of(const TransientScene& transient);
+
+// What integrates `system`, compiled from a scene with this transient, from t = 0. Throws Error for a method
+// that is not there, and as the stepper's constructor does.
+std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient);
+
+// Time between rows of results [s]; the last may come sooner after the one before. Nothing where rows are written
+// at the ends of steps and at the times of expected values.
+std::optional<double> row_interval(const TransientScene& transient);
+
+// When rows of results are written, besides t = 0 and the end.
+class RowTimes {
+ public:
+  // `scene` has a <transient>. Throws Error as number_of_steps() does, and for more rows than any file holds.
+  explicit RowTimes(const Scene& scene);
+
+  bool at_steps() const { return at_steps_; }  // one where each step ends, and
+  // at these times [s], which rise: infinity after the last. Those at the ends of fixed steps among them, unless
+  // at_steps().
+  double next() const { return next_; }
+  void advance();
+  // Whether some of them lie inside fixed steps. Of other steps all may.
+  bool inside_steps() const { return inside_steps_; }
+
+  double end() const { return end_; }      // of the last step, but for round-off [s]
+  double slack() const { return slack_; }  // round-off of times [s]
+
+ private:
+  double at(long k) const;
+
+  bool at_steps_ = false, inside_steps_ = false;
+  double interval_ = 0.0;  // 0: those of the list
+  std::vector<double> list_;
+  double end_ = 0.0, slack_ = 0.0, next_ = 0.0;
+  long k_ = 0;
+};
+
+}  // namespace mbd
