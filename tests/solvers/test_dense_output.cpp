@@ -72,8 +72,8 @@ Gap gap(HermiteStep::Degree degree, bool inner, double h) {
     step.at(t, out);
     set_motion(exact, t);
     EXPECT_EQ(out.t, t);
-    g.pose = std::max(
-        g.pose, log_se3<double>(relative(exact.pose[1], out.pose[1])).cwiseAbs().maxCoeff());
+    g.pose = std::max(g.pose,
+                      log_se3<double>(relative(exact.pose[1], out.pose[1])).cwiseAbs().maxCoeff());
     g.V = std::max(g.V, (exact.V[1] - out.V[1]).cwiseAbs().maxCoeff());
     g.Vdot = std::max(g.Vdot, (exact.Vdot[1] - out.Vdot[1]).cwiseAbs().maxCoeff());
     g.lambda = std::max(g.lambda, (exact.lambda - out.lambda).cwiseAbs().maxCoeff());
@@ -166,8 +166,7 @@ TEST(HermiteStep, HasSignalsWorksAndAngles) {
   EXPECT_NEAR(out.work.loads, 2.0, 1e-15);
   EXPECT_NEAR(out.work.drives, 20.0, 1e-14);
   double worst = 1.0;  // sin(3 t) is among the signals
-  for (const SignalValue& s : out.signals)
-    worst = std::min(worst, std::abs(s.f - std::sin(0.75)));
+  for (const SignalValue& s : out.signals) worst = std::min(worst, std::abs(s.f - std::sin(0.75)));
   EXPECT_LE(worst, 1e-15);
   step.at(0.5, out);
   bool left = false;

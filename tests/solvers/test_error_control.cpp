@@ -54,7 +54,7 @@ TEST(ErrorNorm, HasUnits) {
   EXPECT_NEAR(norm(U, V, 1.0), 3.0, 1e-13);
   EXPECT_EQ(norm.worst_row(), 6);
   EXPECT_NEAR(norm(U, {}, 1.0), 2.0, 1e-14);  // velocities are not measured
-  V[2](4) = 4e-3 * 2.0;  // rad/s
+  V[2](4) = 4e-3 * 2.0;                       // rad/s
   EXPECT_NEAR(norm(U, V, 1.0), 4.0, 1e-13);
   EXPECT_EQ(norm.worst_row(), 16);
   U[0].setConstant(1e9);  // the ground does not move
@@ -77,8 +77,8 @@ TEST(ErrorNorm, TakesPhysicalLimitsInstead) {
   };
   EXPECT_NEAR(size({.relative = 1e-3, .position = 1e-7}), 10.0, 1e-12);
   EXPECT_NEAR(size({.relative = 1e-12, .position = 1.0}), 1e-6, 1e-18);
-  EXPECT_NEAR(size({.relative = 1e-3, .rotation = 1e-9}),
-              1e-3 / model.system->length_scale(), 1e-15);
+  EXPECT_NEAR(size({.relative = 1e-3, .rotation = 1e-9}), 1e-3 / model.system->length_scale(),
+              1e-15);
   U[1].setZero();
   U[1](3) = 1e-6;
   EXPECT_NEAR(size({.relative = 1e-3, .rotation = 1e-7}), 10.0, 1e-12);
@@ -324,7 +324,8 @@ TEST(NextLanding, KnowsRoundOff) {
 
 // Breakpoints that are one but for round-off are one: the restart is at the last of them, and if one jumps.
 TEST(NextLanding, JoinsBreakpoints) {
-  const std::vector<Breakpoint> b = {{1.0, false}, {1.0 + 4e-10, true}, {1.0 + 8e-10, false}, {2.0, true}};
+  const std::vector<Breakpoint> b = {
+      {1.0, false}, {1.0 + 4e-10, true}, {1.0 + 8e-10, false}, {2.0, true}};
   const Landing l = next_landing(b, 0.0, 5.0, 1e-9);
   EXPECT_EQ(l.t, 1.0);
   EXPECT_TRUE(l.restart);

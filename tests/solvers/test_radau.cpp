@@ -40,7 +40,8 @@ TEST_P(RadauConstraints, HoldToRoundOff) {
   RecordProperty("gdot", fmt::format("{:.1e}", d.gdot / d.fastest));
   EXPECT_LE(d.g, 1e-14 * d.model.system->length_scale());
   EXPECT_LE(d.gdot, 1e-14 * d.fastest);
-  RecordProperty("steps", fmt::format("{} it {} rej {}", d.counters.substeps, d.counters.iterations, d.counters.rejected));
+  RecordProperty("steps", fmt::format("{} it {} rej {}", d.counters.substeps, d.counters.iterations,
+                                      d.counters.rejected));
   EXPECT_GT(d.fastest, 0.0);
 }
 INSTANTIATE_TEST_SUITE_P(
@@ -205,8 +206,7 @@ TEST(SteppersDenseOutput, DisturbsNoStep) {
     for (const MakeStepper& make :
          {radau({.step = 0.01}), radau({.tolerances = {.relative = 1e-5}, .end = duration}),
           generalized_alpha({.step = 0.01, .newton = {}}),
-          generalized_alpha(
-              {.tolerances = {.relative = 1e-3}, .end = duration, .newton = {}})}) {
+          generalized_alpha({.tolerances = {.relative = 1e-3}, .end = duration, .newton = {}})}) {
       const Driven without = drive(model_scene(model), make, duration);
       const Driven with = drive(model_scene(model), make, duration, 0.0071);
       ASSERT_TRUE(with.last.converged) << with.last.failure;
@@ -228,8 +228,7 @@ Seams seams_of(const Scene& scene, const MakeStepper& make, double duration) {
   Seams s;
   const auto compare = [](const State& a, const State& b, double& pose, double& velocity) {
     for (std::size_t n = 1; n < a.pose.size(); ++n) {
-      pose = std::max(
-          pose, log_se3<double>(relative(a.pose[n], b.pose[n])).cwiseAbs().maxCoeff());
+      pose = std::max(pose, log_se3<double>(relative(a.pose[n], b.pose[n])).cwiseAbs().maxCoeff());
       velocity = std::max(velocity, (a.V[n] - b.V[n]).cwiseAbs().maxCoeff());
     }
   };
@@ -259,8 +258,7 @@ TEST(SteppersDenseOutput, JoinsTheSteps) {
     for (const MakeStepper& make :
          {radau({.step = step}), radau({.tolerances = {.relative = 1e-4}, .end = duration}),
           generalized_alpha({.step = step, .newton = {}}),
-          generalized_alpha(
-              {.tolerances = {.relative = 1e-3}, .end = duration, .newton = {}})}) {
+          generalized_alpha({.tolerances = {.relative = 1e-3}, .end = duration, .newton = {}})}) {
       const Seams s = seams_of(model_scene(model), make, duration);
       EXPECT_GT(s.pieces, 5);
       RecordProperty(fmt::format("{}_{}", model, s.pieces),
@@ -275,7 +273,8 @@ struct DenseErrors {
   std::vector<double> position, velocity, reaction;
 };
 // Pendulum, every 13.7 ms: times within the steps.
-DenseErrors dense_errors(const std::vector<double>& h, const std::function<MakeStepper(double)>& make) {
+DenseErrors dense_errors(const std::vector<double>& h,
+                         const std::function<MakeStepper(double)>& make) {
   RigidCase c = pendulum();
   c.interval = 0.0137;
   c.duration = 146 * c.interval;
@@ -333,11 +332,11 @@ TEST(SteppersDenseOutput, HasTheOrderOfTheMethod) {
 TEST(RadauNewton, KeepsItsTangents) {
   std::vector<long> iterations;
   long before = 0;
-  const Driven d = drive(model_scene("heavy_top"), radau({.step = 1e-3}), 1.0, 0.0,
-                         [&](const Driven& now) {
-                           iterations.push_back(now.counters.iterations - before);
-                           before = now.counters.iterations;
-                         });
+  const Driven d =
+      drive(model_scene("heavy_top"), radau({.step = 1e-3}), 1.0, 0.0, [&](const Driven& now) {
+        iterations.push_back(now.counters.iterations - before);
+        before = now.counters.iterations;
+      });
   ASSERT_TRUE(d.last.converged) << d.last.failure;
   EXPECT_EQ(d.counters.steps, 1000);
   EXPECT_LT(d.counters.factorizations, 10);
@@ -409,9 +408,8 @@ TEST(RadauWindows, PassesItsChangePoints) {
 
 TEST(RadauEnergy, OfThePendulumIsKeptToTheTolerance) {
   for (const double relative : {1e-4, 1e-6, 1e-8, 1e-10}) {
-    const Driven d =
-        drive(model_scene("pendulum"), radau({.tolerances = {.relative = relative}, .end = 10.0}),
-              10.0);
+    const Driven d = drive(model_scene("pendulum"),
+                           radau({.tolerances = {.relative = relative}, .end = 10.0}), 10.0);
     ASSERT_TRUE(d.last.converged) << d.last.failure;
     const double drift = d.model.system->energies(d.state).total() -
                          d.model.system->energies(d.model.initial).total();
@@ -494,8 +492,7 @@ TEST(RadauFailures, StepsThatShrinkToNothing) {
     <body name="other" mass="2" inertia="1 1 1"/>
     <load at="ball" force="0 1/(0.5-t)^2 0"/>
     <transient duration="1" step="0.01"/>)xml"));
-  const Ended e =
-      until_the_end(model, radau({.tolerances = {.relative = 1e-6}, .end = 1.0}), 1.0);
+  const Ended e = until_the_end(model, radau({.tolerances = {.relative = 1e-6}, .end = 1.0}), 1.0);
   ASSERT_FALSE(e.last.converged);
   RecordProperty("failure", e.last.failure);
   expect_has(e.last.failure, "ball");
@@ -607,9 +604,9 @@ TEST(RadauFailures, SettingsWithoutSenseAreRefused) {
   expect_has(error_of(system, adaptive(1e-3, 0.0)), "a time at which they end");
   expect_has(error_of(system, adaptive(1e-3, nan)), "a time at which they end");
   expect_has(error_of(system, adaptive(1e-3, 1.0), 2.0), "the end 1 s is not after the start 2 s");
-  expect_has(error_of(system, radau({.tolerances = {.relative = 1e-3, .position = -2.0},
-                                     .end = 1.0})),
-             "position_tolerance must be positive, not -2");
+  expect_has(
+      error_of(system, radau({.tolerances = {.relative = 1e-3, .position = -2.0}, .end = 1.0})),
+      "position_tolerance must be positive, not -2");
   expect_has(error_of(system, radau({.step = 0.1, .max_halvings = -1})), "not -1");
   expect_has(error_of(system, radau({.step = 0.1, .max_halvings = 1000})), "not 1000");
   EXPECT_EQ(error_of(system, radau({.step = 0.1, .max_halvings = 0})), "none");
@@ -633,10 +630,9 @@ TEST(RadauFailures, StepLimitsWithoutSenseAreRefused) {
   const Model model = compile(model_scene("pendulum"));
   const System& system = *model.system;
   for (const double most : {-1.0, nan}) {
-    expect_has(error_of(system, radau({.tolerances = {.relative = 1e-3},
-                                       .end = 1.0,
-                                       .max_step = most})),
-               "max_step");
+    expect_has(
+        error_of(system, radau({.tolerances = {.relative = 1e-3}, .end = 1.0, .max_step = most})),
+        "max_step");
     expect_has(error_of(system, generalized_alpha({.tolerances = {.relative = 1e-3},
                                                    .end = 1.0,
                                                    .max_step = most,

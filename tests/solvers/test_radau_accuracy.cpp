@@ -44,14 +44,13 @@ Errors errors_of(const RigidCase& c, const RigidReference& reference, Scene scen
   const std::string body = "body_" + c.place;
   const Columns force = components(d.table, "joint_" + c.joint + ".reaction_force");
   Errors e;
-  e.position = relative_rms(components(d.table, body + ".position"),
-                            columns_of(reference.position), 0, n);
-  e.velocity = relative_rms(components(d.table, body + ".velocity"),
-                            columns_of(reference.velocity), 0, n);
+  e.position =
+      relative_rms(components(d.table, body + ".position"), columns_of(reference.position), 0, n);
+  e.velocity =
+      relative_rms(components(d.table, body + ".velocity"), columns_of(reference.velocity), 0, n);
   const std::vector<double> tension = along_largest(force);
-  e.reaction = c.model == "pendulum"
-                   ? relative_rms({&tension}, {&reference.tension}, 0, n)
-                   : relative_rms(force, columns_of(reference.force), 0, n);
+  e.reaction = c.model == "pendulum" ? relative_rms({&tension}, {&reference.tension}, 0, n)
+                                     : relative_rms(force, columns_of(reference.force), 0, n);
   return e;
 }
 
@@ -193,8 +192,7 @@ TEST(RadauOrderSlow, FourBarAgainstItsReference) {
   const Scene scene = four_bar(5);
   const std::vector<double> h = {0.75e-3, 0.36e-3};
   std::vector<double> error;
-  for (const double step : h)
-    error.push_back(four_bar_error(scene, radau({.step = step}), 13.5));
+  for (const double step : h) error.push_back(four_bar_error(scene, radau({.step = step}), 13.5));
   RecordProperty("errors", listed(error));
   EXPECT_LT(error[1], 1e-6);
   EXPECT_NEAR(fitted_order(h, error), 5.0, 0.5) << listed(error);
@@ -210,8 +208,7 @@ TEST(RadauReferences, HeavyTop) {
       {2.0, {-.15041682275, -.72416559164, -.67302226956}}};
   Scene scene = model_scene("heavy_top");
   scene.records = {body_record("top", {"position"})};
-  const Driven d =
-      drive(scene, radau({.tolerances = {.relative = 1e-11}, .end = 2.0}), 2.0, 0.2);
+  const Driven d = drive(scene, radau({.tolerances = {.relative = 1e-11}, .end = 2.0}), 2.0, 0.2);
   ASSERT_TRUE(d.last.converged) << d.last.failure;
   for (const auto& [t, x] : references) {
     const auto k = static_cast<std::size_t>(std::lround(t / 0.2));
@@ -330,14 +327,13 @@ TEST(RadauTolerance, Dzhanibekov) {
   double amplification = 0.0;
   for (Index i = 0; i < 3; ++i) {
     const auto other = euler_reference(10.0, 0.1, 5e-9 * Vec3::Unit(i));
-    amplification = std::max(
-        amplification, relative_rms(columns_of(other), columns_of(reference), 0, 101) / 1e-9);
+    amplification = std::max(amplification,
+                             relative_rms(columns_of(other), columns_of(reference), 0, 101) / 1e-9);
   }
   std::vector<double> error, quarters;
   for (int k = 0; k <= 24; ++k) quarters.push_back(1e-3 * std::pow(10.0, -0.25 * k));
   for (const double relative : quarters) {
-    const Driven d =
-        drive(model_scene("dzhanibekov"), adaptive_radau(relative, 10.0), 10.0, 0.1);
+    const Driven d = drive(model_scene("dzhanibekov"), adaptive_radau(relative, 10.0), 10.0, 0.1);
     ASSERT_TRUE(d.last.converged) << d.last.failure;
     error.push_back(relative_rms(components(d.table, "wing.angular_velocity_local"),
                                  columns_of(reference), 0, d.table.rows()));
@@ -427,9 +423,7 @@ TEST(RadauMutation, Shaft) {
   const double right = error([](Scene&) {});
   RecordProperty("right", fmt::format("{:.2e}", right));
   const double mass = error([](Scene& s) { s.bodies.at(0).mass *= 1.1; });
-  const double D = error([](Scene& s) {
-    s.sections.at(0).stiffness(4, 4) *= 1.1;
-  });
+  const double D = error([](Scene& s) { s.sections.at(0).stiffness(4, 4) *= 1.1; });
   RecordProperty("mass", fmt::format("{:.2e}", mass));
   RecordProperty("D", fmt::format("{:.2e}", D));
   EXPECT_GT(mass, 100 * right);
