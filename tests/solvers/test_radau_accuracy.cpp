@@ -78,6 +78,7 @@ Series over_steps(const RigidCase& c, const Scene& scene, const std::vector<doub
   return s;
 }
 
+// Slopes 4.97, 4.99, 5.00 of positions and velocities; of the reaction, at the ends of steps, 4.8, 4.0, 3.1.
 TEST(RadauOrder, HeavyTop) {
   RigidCase c = heavy_top();
   c.interval = 8e-3;
@@ -91,6 +92,7 @@ TEST(RadauOrder, HeavyTop) {
   EXPECT_GT(fitted_order(h, e.reaction), 2.7) << listed(e.reaction);
 }
 
+// Slopes 4.98 … 5.02; of the tension too, at the ends of steps (inside them it is of order 3: test_radau.cpp).
 TEST(RadauOrder, Pendulum) {
   RigidCase c = pendulum();
   c.interval = 0.1;
@@ -121,6 +123,8 @@ Table run_shaft(const Overrides& overrides, int order, int elements, const MakeS
   return std::move(d.table);
 }
 
+// Two elements to 1 s. Slopes: motion 4.94, 4.99; velocity 4.93, 4.67; reaction 5.0, 2.3, which waves along the
+// shaft disturb that no step resolves.
 TEST(RadauOrder, Shaft) {
   const std::vector<double> h = {1e-2, 5e-3, 2.5e-3};
   const Table fine = run_shaft({}, 3, 2, radau({.step = 6.25e-4}), 1.0);
@@ -158,6 +162,7 @@ double shaft_error(const Scene& model, const MakeStepper& make, double duration 
                       {&reference["u2"], &reference["u3"]}, 0, d.table.rows());
 }
 
+// 1.023e-6 and 3.245e-8.
 TEST(RadauOrderSlow, ShaftAgainstItsReference) {
   const Scene scene = model_scene("shaft");
   const std::vector<double> h = {5e-3, 2.5e-3};
@@ -166,7 +171,7 @@ TEST(RadauOrderSlow, ShaftAgainstItsReference) {
   RecordProperty("errors", listed(error));
   EXPECT_LT(error[0], 1.2e-6);
   EXPECT_LT(error[1], 3.8e-8);
-  EXPECT_NEAR(fitted_order(h, error), 5.05, 0.35) << listed(error);
+  EXPECT_NEAR(fitted_order(h, error), 5.0, 0.3) << listed(error);
 }
 
 // ---- the four-bar -------------------------------------------------------------------------------
@@ -188,14 +193,19 @@ double four_bar_error(const Scene& scene, const MakeStepper& make, double durati
   return std::sqrt(sum / static_cast<double>(got.size())) / largest(want);
 }
 
+// Ringing of 170 Hz resolved: 2.0e-4 at 1.125 ms, 3.46e-5 at 0.75 ms, 1.15e-6 at 0.375 ms, 9.4e-7 at 0.36 ms.
 TEST(RadauOrderSlow, FourBarAgainstItsReference) {
   const Scene scene = four_bar(5);
   const std::vector<double> h = {0.75e-3, 0.36e-3};
   std::vector<double> error;
-  for (const double step : h) error.push_back(four_bar_error(scene, radau({.step = step}), 13.5));
+  for (const double step : h)
+    error.push_back(four_bar_error(
+        scene, radau({.step = step, .newton = {.tolerance = 1e-11, .multiplier_tolerance = 1e-8}}),
+        13.5));
   RecordProperty("errors", listed(error));
+  EXPECT_LT(error[0], 4e-5);
   EXPECT_LT(error[1], 1e-6);
-  EXPECT_NEAR(fitted_order(h, error), 5.0, 0.5) << listed(error);
+  EXPECT_NEAR(fitted_order(h, error), 5.0, 0.3) << listed(error);
 }
 
 // ---- references to ten digits -------------------------------------------------------------------
@@ -285,6 +295,7 @@ void expect_proportional(const std::string& what, const std::vector<double>& tol
 
 const std::vector<double> wide = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9};
 
+// Reactions are of order 3 inside steps: their error goes with tolerance^0.6 (measured 0.63, 0.6).
 void rigid_proportionality(const RigidCase& c, const std::vector<double>& tolerance,
                            const std::function<MakeStepper(double)>& make, double low, double high,
                            double most) {
@@ -294,7 +305,9 @@ void rigid_proportionality(const RigidCase& c, const std::vector<double>& tolera
     s.add(errors_of(c, reference, model_scene(c.model), make(relative)));
   expect_proportional("position", tolerance, s.position, low, high, most);
   expect_proportional("velocity", tolerance, s.velocity, low, high, most);
-  testing::Test::RecordProperty("reaction", listed(s.reaction));
+  testing::Test::RecordProperty(
+      "reaction", fmt::format("{} {}", fitted_order(tolerance, s.reaction), listed(s.reaction)));
+  EXPECT_GE(fitted_order(tolerance, s.reaction), 0.5) << listed(s.reaction);
 }
 
 MakeStepper adaptive_radau(double relative, double end) {
@@ -306,7 +319,7 @@ TEST(RadauTolerance, HeavyTop) {
   c.interval = 1e-2;
   rigid_proportionality(
       c, wide, [&](double relative) { return adaptive_radau(relative, c.duration); }, 0.8, 1.2,
-      50.0);
+      1.0);
 }
 
 TEST(RadauTolerance, Pendulum) {
@@ -315,11 +328,11 @@ TEST(RadauTolerance, Pendulum) {
   c.duration = 10;
   rigid_proportionality(
       c, wide, [&](double relative) { return adaptive_radau(relative, c.duration); }, 0.8, 1.2,
-      50.0);
+      1.0);
 }
 
 // The motion starts 0.01 of 5 rad/s from where it would stay for ever: a change of the start by a tolerance
-// changes the history by `amplification` of them (520). The slope is a miss of the 0.8 … 1.2 asked for: 0.77 by
+// changes the history by `amplification` of them (790). The slope is a miss of the 0.8 … 1.2 asked for: 0.77 by
 // decades, 0.75 by quarters of them; errors vary by three from one quarter to the next, as those of single steps
 // cancel or add up, and loose tolerances see a history that is not near the true one.
 TEST(RadauTolerance, Dzhanibekov) {
@@ -342,23 +355,15 @@ TEST(RadauTolerance, Dzhanibekov) {
   expect_proportional("angular velocity", quarters, error, 0.7, 1.2, 2.0 * amplification);
 }
 
+// Slope 1.04. Against runs at 1e-11 of the same mesh it goes on, 8.1e-10 at 1e-8 and 1.1e-11 at 1e-9 (slope of
+// all 1.18): from there on steps follow the stretching waves, which the motion does not need; that takes 40 s.
 TEST(RadauToleranceSlow, Shaft) {
-  Scene scene = model_scene("shaft");
-  scene.beams.front().order = 4;
-  const auto run = [&scene](double relative) {
-    Driven d = drive(scene, adaptive_radau(relative, 2.5), 2.5, 5e-3);
-    EXPECT_TRUE(d.last.converged) << d.last.failure;
-    return std::move(d.table);
-  };
-  const Table fine = run(1e-11);
+  const Scene scene = model_scene("shaft");
+  const std::vector<double> tolerance = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
   std::vector<double> error;
-  for (const double relative : wide) {
-    const Table t = run(relative);
-    error.push_back(relative_rms({&t["M.displacement.2"], &t["M.displacement.3"]},
-                                 {&fine["M.displacement.2"], &fine["M.displacement.3"]}, 0,
-                                 fine.rows()));
-  }
-  expect_proportional("displacement", wide, error, 0.8, 1.2, 50.0);
+  for (const double relative : tolerance)
+    error.push_back(shaft_error(scene, adaptive_radau(relative, 2.5)));
+  expect_proportional("displacement", tolerance, error, 0.8, 1.2, 1.0);
 }
 
 class GeneralizedAlphaTolerance : public testing::TestWithParam<double> {};  // rho_infinity
@@ -377,7 +382,7 @@ TEST_P(GeneralizedAlphaTolerance, HeavyTop) {
                                   .rho_infinity = GetParam(),
                                   .newton = {}});
       },
-      0.7, 1.3, 1e3);
+      0.7, 1.3, 100.0);
 }
 
 TEST_P(GeneralizedAlphaTolerance, Pendulum) {
@@ -391,7 +396,7 @@ TEST_P(GeneralizedAlphaTolerance, Pendulum) {
                                   .rho_infinity = GetParam(),
                                   .newton = {}});
       },
-      0.7, 1.3, 1e3);
+      0.7, 1.3, 100.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, GeneralizedAlphaTolerance, testing::Values(0.0, 0.8));
