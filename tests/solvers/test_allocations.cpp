@@ -120,6 +120,29 @@ TEST_P(AllocationFree, RadauSteps) {
     EXPECT_EQ(c.mallocs, 0) << adaptive;
   }
 }
+
+// Nor by steps that an observer samples. (Radau: two vectors a step, for HermiteStep's inner multipliers.)
+TEST_P(AllocationFree, StepsThatAreSampled) {
+  const Scene scene = model_scene(GetParam());
+  const Model model = compile(scene);
+  const double h = scene.transient->step.value();
+  GeneralizedAlpha alpha(*model.system, make_klu_solver(), {.step = h, .newton = {}});
+  Radau radau(*model.system, make_klu_solver(), make_klu_pencil_solver(), {.step = h});
+  for (Stepper* const stepper : std::initializer_list<Stepper*>{&alpha, &radau}) {
+    State state = model.initial, dense = state;
+    stepper->on_substep(
+        [&](const DenseStep& step) { step.at(0.5 * (step.begin() + step.end()), dense); });
+    ASSERT_TRUE(stepper->start(state).converged);
+    for (int k = 0; k < 20; ++k) ASSERT_TRUE(stepper->step(state).converged);
+    bool converged = true;
+    const Count c = count([&] {
+      for (int k = 0; k < 20; ++k) converged = converged && stepper->step(state).converged;
+    });
+    EXPECT_TRUE(converged);
+    EXPECT_EQ(c.news, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
+    EXPECT_EQ(c.mallocs, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
+  }
+}
 INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,
                          testing::Values("four_bar", "shaft", "heavy_top", "free_beam"),
                          [](const auto& model) { return std::string(model.param); });
