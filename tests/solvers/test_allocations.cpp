@@ -5,6 +5,7 @@
 
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
+#include "solvers/radau.hpp"
 #include "tests/support/scenes.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -88,6 +89,58 @@ TEST_P(AllocationFree, Steps) {
     EXPECT_GT(stepper.counters().tangents, tangents);  // refactorisations are among the steps
     EXPECT_EQ(c.news, 0);
     EXPECT_EQ(c.mallocs, 0);
+  }
+}
+
+// Steps of Radau, fixed and adaptive, without an observer.
+TEST_P(AllocationFree, RadauSteps) {
+  const Scene scene = model_scene(GetParam());
+  for (const bool adaptive : {false, true}) {
+    const Model model = compile(scene);
+    RadauOptions options;
+    if (adaptive) {
+      options.tolerances.relative = 1e-5;
+      options.end = scene.transient->duration;
+    } else {
+      options.step = scene.transient->step.value();
+    }
+    Radau stepper(*model.system, make_klu_solver(), make_klu_pencil_solver(), options);
+    State state = model.initial;
+    ASSERT_TRUE(stepper.start(state).converged);
+    for (int k = 0; k < 20; ++k) ASSERT_TRUE(stepper.step(state).converged);
+    const Counters before = stepper.counters();
+    bool converged = true;
+    const Count c = count([&] {
+      for (int k = 0; k < 60; ++k) converged = converged && stepper.step(state).converged;
+    });
+    EXPECT_TRUE(converged);
+    RecordProperty(adaptive ? "adaptive" : "fixed",
+                   std::to_string(stepper.counters().factorizations - before.factorizations));
+    EXPECT_EQ(c.news, 0) << adaptive;
+    EXPECT_EQ(c.mallocs, 0) << adaptive;
+  }
+}
+
+// Nor by steps that an observer samples. (Radau: two vectors a step, for HermiteStep's inner multipliers.)
+TEST_P(AllocationFree, StepsThatAreSampled) {
+  const Scene scene = model_scene(GetParam());
+  const Model model = compile(scene);
+  const double h = scene.transient->step.value();
+  GeneralizedAlpha alpha(*model.system, make_klu_solver(), {.step = h, .newton = {}});
+  Radau radau(*model.system, make_klu_solver(), make_klu_pencil_solver(), {.step = h});
+  for (Stepper* const stepper : std::initializer_list<Stepper*>{&alpha, &radau}) {
+    State state = model.initial, dense = state;
+    stepper->on_substep(
+        [&](const DenseStep& step) { step.at(0.5 * (step.begin() + step.end()), dense); });
+    ASSERT_TRUE(stepper->start(state).converged);
+    for (int k = 0; k < 20; ++k) ASSERT_TRUE(stepper->step(state).converged);
+    bool converged = true;
+    const Count c = count([&] {
+      for (int k = 0; k < 20; ++k) converged = converged && stepper->step(state).converged;
+    });
+    EXPECT_TRUE(converged);
+    EXPECT_EQ(c.news, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
+    EXPECT_EQ(c.mallocs, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
   }
 }
 INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,

@@ -11,7 +11,7 @@
 
 #include <numeric>
 
-#include "tests/support/rigid_motion.hpp"
+#include "tests/support/rigid_cases.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test {
@@ -37,56 +37,6 @@ RecordScene joint_record(const std::string& joint) {
 }
 
 // ---- rigid bodies -----------------------------------------------------------------------------
-
-struct RigidCase {
-  FixedPointBody body;
-  FixedPointState start;
-  std::string model, place, joint;
-  double interval, duration;  // of the samples [s]
-};
-
-RigidCase heavy_top() {
-  RigidCase c;
-  c.body.mass = 15;
-  c.body.center = {0, 1, 0};
-  c.body.inertia = Vector3d(.234375 + 15, .46875, .234375 + 15).asDiagonal();
-  c.body.gravity = {0, 0, -9.81};
-  c.start.w = {0, 150, -4.61538};
-  c.model = "heavy_top", c.place = "top", c.joint = "O";
-  c.interval = 1e-3, c.duration = 1;
-  return c;
-}
-
-// A bob without inertia of its own; about the rod any will do, it does not turn that way.
-RigidCase pendulum() {
-  RigidCase c;
-  c.body.mass = 1;
-  c.body.center = {-1, 0, 0};
-  c.body.inertia = Vector3d(1, 1, 1).asDiagonal();
-  c.body.gravity = {0, -9.81, 0};
-  c.model = "pendulum", c.place = "bob", c.joint = "O";
-  c.interval = 1e-2, c.duration = 2;
-  return c;
-}
-
-struct RigidReference {
-  std::vector<std::vector<double>> position{3}, force{3};
-  std::vector<double> tension;
-};
-
-RigidReference reference_of(const RigidCase& c) {
-  RigidReference r;
-  const int count = static_cast<int>(std::lround(c.duration / c.interval));
-  for (const FixedPointState& s : integrate(c.body, c.start, c.interval, count, 200)) {
-    const Vector3d x = position(c.body, s), f = reaction(c.body, s);
-    for (std::size_t i = 0; i < 3; ++i) {
-      r.position[i].push_back(x(static_cast<Index>(i)));
-      r.force[i].push_back(f(static_cast<Index>(i)));
-    }
-    r.tension.push_back(-f.dot(c.body.center.normalized()));
-  }
-  return r;
-}
 
 Columns columns_of(const std::vector<std::vector<double>>& x) {
   Columns columns;
