@@ -20,15 +20,14 @@ void HermiteStep::set(const State& begin, const State& end, std::span<const Vec6
   begin_ = &begin;
   end_ = &end;
   Q_ = Q;
-  times_.clear();
-  inner_.clear();
+  inner_ = {};
   prepared_ = false;
 }
 
-void HermiteStep::set_inner_multipliers(std::vector<double> times,
-                                        std::vector<const VecX*> values) {
-  times_ = std::move(times);
-  inner_ = std::move(values);
+void HermiteStep::set_inner_multipliers(const std::array<double, 2>& times,
+                                        const std::array<const VecX*, 2>& values) {
+  times_ = times;
+  inner_ = values;
 }
 
 void HermiteStep::prepare() const {
@@ -83,7 +82,7 @@ void HermiteStep::at(double t, State& out) const {
     }
     out.pose[n] = begin_->pose[n] * exp_se3<double>(Q);
   }
-  if (inner_.empty()) {
+  if (inner_[0] == nullptr) {
     out.lambda = (1.0 - s) * begin_->lambda + s * end_->lambda;
   } else {  // Lagrange
     out.lambda.setZero(end_->lambda.size());

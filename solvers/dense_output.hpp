@@ -22,9 +22,10 @@ class HermiteStep final : public DenseStep {
   // H_f = H_i exp(Q). Costs nothing until at() is called.
   void set(const State& begin, const State& end, std::span<const Vec6> Q);
 
-  // Multipliers at times inside the step (its end not among them), through which they are interpolated
-  // besides those at the end; without them, linearly between both ends.
-  void set_inner_multipliers(std::vector<double> times, std::vector<const VecX*> values);
+  // Multipliers at two times inside the step, through which they are interpolated besides those at the end;
+  // without them, linearly between both ends. Refers to them.
+  void set_inner_multipliers(const std::array<double, 2>& times,
+                             const std::array<const VecX*, 2>& values);
 
   double begin() const override { return begin_->t; }
   double end() const override { return end_->t; }
@@ -38,8 +39,8 @@ class HermiteStep final : public DenseStep {
   const State* begin_ = nullptr;
   const State* end_ = nullptr;
   std::span<const Vec6> Q_;
-  std::vector<double> times_;
-  std::vector<const VecX*> inner_;
+  std::array<double, 2> times_{};
+  std::array<const VecX*, 2> inner_{};
   mutable bool prepared_ = false;
   mutable std::vector<std::array<Vec6, 5>> c_;  // by node: of s, s^2 … with s = (t - t_i)/h
 };

@@ -55,7 +55,11 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
   const bool adaptive = options.step == 0.0 && options.tolerances.relative != 0.0;
   if (!adaptive && (!(options.step > 0.0) || !std::isfinite(options.step)))
     throw Error(fmt::format("the time step must be positive, not {}", options.step));
-  if (adaptive && !(options.end > 0.0)) throw Error("adaptive steps need a time at which they end");
+  if (adaptive && !(options.end > 0.0 && std::isfinite(options.end)))
+    throw Error(fmt::format("adaptive steps need a time at which they end, not {}", options.end));
+  if (!(options.max_step >= 0.0))
+    throw Error(
+        fmt::format("max_step must be positive, or 0 for the usual one, not {}", options.max_step));
   if (!(options.rho_infinity >= 0.0 && options.rho_infinity <= 1.0))
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   if (!system.with_rates())

@@ -17,6 +17,8 @@ constexpr double theta_floor = 0.02;
 constexpr double theta_memory = 0.3;  // how fast a good contraction is believed
 constexpr double theta_renew = 0.35;  // worse: new tangents inside the step
 constexpr double stagnation = 0.3;  // increments below round-off that fall no faster are round-off
+// The tolerance of fixed steps is near the round-off of stiff scenes: what stalls this close to it is accepted.
+constexpr double stalled_fixed = 100.0;
 constexpr double theta_fresh = 0.05;  // assumed of new ones
 constexpr int iterations_renew = 6;   // this many: new tangents at the next step
 constexpr double time_rounding =
@@ -113,8 +115,11 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
       adaptive_(options.step == 0.0 && options.tolerances.relative != 0.0) {
   if (!adaptive_ && (!(options.step > 0.0) || !std::isfinite(options.step)))
     throw Error(fmt::format("the time step must be positive, not {}", options.step));
-  if (adaptive_ && !(options.end > 0.0))
-    throw Error("adaptive steps need a time at which they end");
+  if (adaptive_ && !(options.end > 0.0 && std::isfinite(options.end)))
+    throw Error(fmt::format("adaptive steps need a time at which they end, not {}", options.end));
+  if (!(options.max_step >= 0.0))
+    throw Error(
+        fmt::format("max_step must be positive, or 0 for the usual one, not {}", options.max_step));
   if (!system.with_rates())
     throw Error("the system was compiled for statics: it has no inertia to integrate");
   if (!(options.max_halvings >= 0 && options.max_halvings <= most_halvings))
@@ -250,9 +255,8 @@ bool Radau::residuals() {
   return in_range;
 }
 
-// P0, P1, P2 at the middle stage.
-bool Radau::linearize() {
-  const State& at = stage_[1];
+// P0, P1, P2 at a state of the step: the middle stage, in Newton's iterations.
+bool Radau::linearize(const State& at) {
   pencil_->set_zero();
   for (std::size_t n = 1; n < V_hat_.size(); ++n) V_hat_[n] = twist_hat<double>(begin_.V[n]);
   const bool in_range = system_.linearize(at, {}, r_[1], pencil_->slots(0));
@@ -298,7 +302,7 @@ bool Radau::iterate(StepReport& report) {
   fresh_ = false;
   report.iterations = 0;
   if (relinearize_next_ || !linearized_) {
-    linearize();
+    linearize(stage_[1]);
     fresh_ = true;
     relinearize_next_ = false;
   }
@@ -306,6 +310,7 @@ bool Radau::iterate(StepReport& report) {
     if (!factorize(report)) return false;
   norm_.set_floor(begin_, stiffness_ + mass_ * x * x);
   const double share = error_norm_->velocity_share(velocity_gain / h_);
+  const double stalled = adaptive_ ? 1.0 : stalled_fixed;
   const double slack = tolerant_ ? loose_multipliers / options_.newton.multiplier_tolerance : 1.0;
   for (int k = 0; k < options_.newton.max_iterations; ++k) {
     const bool in_range = residuals();
@@ -375,7 +380,7 @@ bool Radau::iterate(StepReport& report) {
       const double factor = std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999)));
       report.error = e * factor;
       // As small as asked for; or as round-off lets it become.
-      if (exact * factor < 1.0 || (e * factor < 1.0 && stagnates)) {
+      if (exact * factor < 1.0 || (e * factor < stalled && stagnates)) {
         if (!in_range) break;
         if (report.iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
         relinearize_next_ = report.iterations >= iterations_renew && !fresh_ && !stagnates;
@@ -384,7 +389,7 @@ bool Radau::iterate(StepReport& report) {
       if (theta_ > theta_renew && !fresh_ && e > 1.0) renew = true;
     }
     if (renew) {
-      linearize();
+      linearize(stage_[1]);
       fresh_ = true;
       previous = 0.0;
       if (!factorize(report)) return false;
@@ -518,7 +523,8 @@ void Radau::estimate_error(bool again) {
 void Radau::project() {
   end_ = stage_[2];
   if (system_.multipliers() == 0) return;
-  constexpr int most_passes = 8;
+  constexpr int most_passes = 20;
+  constexpr double slow = 0.1;
   constexpr double eps = std::numeric_limits<double>::epsilon();
   double farthest = system_.length_scale(), fastest = 0.0;
   for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
@@ -528,32 +534,40 @@ void Radau::project() {
     x_.tail(violation.size()) = -violation;
     pencil_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
   };
-  double last = std::numeric_limits<double>::infinity();
-  for (int pass = 0; pass < most_passes; ++pass) {
-    system_.constraints(end_, g_, gdot_);
-    const double size = g_.cwiseAbs().maxCoeff();
-    if (size <= 2.0 * eps * farthest || !(size < 0.5 * last)) break;
-    last = size;
-    correct(g_);
+  // Corrects until the violation is round-off, or no longer falls. Where things turn far in a step the kept
+  // gradients are too old for that.
+  bool renewed = tolerant_;
+  const auto settle_on = [&](const VecX& violation, double round_off, const auto& change) {
+    double last = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < most_passes; ++pass) {
+      system_.constraints(end_, g_, gdot_);
+      const double size = violation.cwiseAbs().maxCoeff();
+      if (size <= round_off || !(size < 0.9 * last)) return;
+      if (pass >= 2 && size > slow * last && !renewed) {
+        renewed = true;
+        linearize(end_);
+        StepReport report;
+        if (!factorize(report)) return;
+      }
+      last = size;
+      correct(violation);
+      change();
+    }
+  };
+  settle_on(g_, 2.0 * eps * farthest, [&] {
     for (Index n = 1; n < system_.nodes(); ++n) {
       const auto N = static_cast<std::size_t>(n);
       q_[2][N] += T_inverse_times<double>(q_[2][N], x_.segment<6>(6 * (n - 1)));
       end_.pose[N] = reference_[2][N] * exp_se3<double>(q_[2][N]);
     }
-  }
-  last = std::numeric_limits<double>::infinity();
-  for (int pass = 0; pass < most_passes; ++pass) {
-    system_.constraints(end_, g_, gdot_);
-    const double size = gdot_.cwiseAbs().maxCoeff();
-    if (size <= 4.0 * eps * fastest || !(size < 0.5 * last)) break;
-    last = size;
-    correct(gdot_);
+  });
+  settle_on(gdot_, 4.0 * eps * fastest, [&] {
     for (Index n = 1; n < system_.nodes(); ++n) {
       const auto N = static_cast<std::size_t>(n);
       dV_[2][N] += x_.segment<6>(6 * (n - 1));
       end_.V[N] = begin_.V[N] + dV_[2][N];
     }
-  }
+  });
 }
 
 void Radau::accept(State& state) {

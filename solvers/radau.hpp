@@ -27,7 +27,8 @@
 // The step goes on with the solution of order 5, whose error goes with h^5; the tolerance of (3) is taken as
 // tolerance^(4/5) times a constant, so that the error goes with the tolerance.
 //
-// Near a singular configuration a step that fails is tried with -eps I in place of the zero block, as in
+// Near a singular configuration, where velocities can meet their constraints only if positions do, a step that
+// fails is tried with -eps I in place of the zero block, as in
 // generalized_alpha.hpp.
 //
 // Orders: 5 of the motion, and of velocities; 3 of multipliers and accelerations (index 2; Hairer, Lubich,
@@ -85,7 +86,7 @@ class Radau final : public Stepper {
   void predict(bool extrapolate);
   void update_stages();
   bool residuals();
-  bool linearize();
+  bool linearize(const State& at);
   bool factorize(StepReport& report);
   bool iterate(StepReport& report);
   void estimate_error(bool again);
