@@ -18,7 +18,7 @@ constexpr double theta_memory = 0.3;  // how fast a good contraction is believed
 constexpr double theta_renew = 0.35;  // worse: new tangents inside the step
 constexpr double stagnation = 0.3;  // increments below round-off that fall no faster are round-off
 // The tolerance of fixed steps is near the round-off of stiff scenes: what stalls this close to it is accepted.
-constexpr double stalled_fixed = 100.0;
+constexpr double stalled_fixed = 20.0;
 constexpr double theta_fresh = 0.05;  // assumed of new ones
 constexpr int iterations_renew = 6;   // this many: new tangents at the next step
 constexpr double time_rounding =
@@ -362,7 +362,7 @@ bool Radau::iterate(StepReport& report) {
     const bool stagnates = previous > 0.0 && exact > stagnation * previous;
     if (previous > 0.0) {
       theta_ = std::max({exact / previous, theta_memory * theta_, theta_floor});
-      if (e > 1.0 && exact > 2.0 * previous) {
+      if (e > stalled && exact > 2.0 * previous) {
         if (fresh_ && k > 2) break;  // diverges with its own tangents
         renew = !fresh_;
       }
@@ -386,7 +386,7 @@ bool Radau::iterate(StepReport& report) {
         relinearize_next_ = report.iterations >= iterations_renew && !fresh_ && !stagnates;
         return true;
       }
-      if (theta_ > theta_renew && !fresh_ && e > 1.0) renew = true;
+      if (theta_ > theta_renew && !fresh_ && e > stalled) renew = true;
     }
     if (renew) {
       linearize(stage_[1]);
@@ -524,7 +524,7 @@ void Radau::project() {
   end_ = stage_[2];
   if (system_.multipliers() == 0) return;
   constexpr int most_passes = 20;
-  constexpr double slow = 0.1;
+  constexpr double slow = 0.1, worth = 100.0;
   constexpr double eps = std::numeric_limits<double>::epsilon();
   double farthest = system_.length_scale(), fastest = 0.0;
   for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
@@ -543,7 +543,7 @@ void Radau::project() {
       system_.constraints(end_, g_, gdot_);
       const double size = violation.cwiseAbs().maxCoeff();
       if (size <= round_off || !(size < 0.9 * last)) return;
-      if (pass >= 2 && size > slow * last && !renewed) {
+      if (pass >= 2 && size > slow * last && size > worth * round_off && !renewed) {
         renewed = true;
         linearize(end_);
         StepReport report;
@@ -672,6 +672,8 @@ StepReport Radau::adaptive_step(State& state) {
   const Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
   // Of tolerance^(4/5).
   const double factor = local_tolerance * std::pow(options_.tolerances.relative, -0.2);
+  bool again =
+      false;  // a step that has been rejected: the estimate may be of what is too stiff for it
   for (;;) {
     double h = controller_->step();
     const double rest = landing.t - state.t;
@@ -697,12 +699,13 @@ StepReport Radau::adaptive_step(State& state) {
     estimate_error(false);
     error_norm_->measure(begin_, stage_[2]);
     double error = (*error_norm_)(eQ_, eV_, factor);
-    if (error > 1.0) {
+    if (error > 1.0 && (again || !history_)) {
       estimate_error(true);
       error = (*error_norm_)(eQ_, eV_, factor);
     }
     if (!(error <= 1.0)) {
       ++counters_.rejected;
+      again = true;
       controller_->rejected(h, error);
       if (tolerant_) settle();
       continue;

@@ -60,7 +60,7 @@ struct RadauOptions {
   int max_halvings = 5;   // of a fixed step that fails
   // On increments of the stages, of motion as of velocities (newton.tolerance; of adaptive steps a hundredth of
   // the tolerance) and of multipliers.
-  NewtonOptions newton{.tolerance = 1e-13, .multiplier_tolerance = 1e-9};
+  NewtonOptions newton{.tolerance = 1e-12, .multiplier_tolerance = 1e-9};
 };
 
 class Radau final : public Stepper {
