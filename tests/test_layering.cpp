@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+namespace mbd::test::test_layering {
 namespace {
 
 namespace fs = std::filesystem;
@@ -349,3 +350,4 @@ TEST(Layering, NothingElseAtTheTopLevel) {
 }
 
 }  // namespace
+}  // namespace mbd::test::test_layering

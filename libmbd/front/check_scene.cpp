@@ -77,9 +77,9 @@ class Checked {
 };
 
 // Names that must differ, and who has them.
-class Names {
+class NamesTaken {
  public:
-  explicit Names(std::string of) : of_(std::move(of)) {}
+  explicit NamesTaken(std::string of) : of_(std::move(of)) {}
 
   void add(const Checked& item, const std::string& name, const Source& source) {
     item.fail_if(!schema::is_name(name), "the name " + in_quotes(excerpt(name)) + " is no name; " +
@@ -406,7 +406,7 @@ void check(const ExpectScene& expect) {
 }
 
 void check_names(const Scene& scene) {
-  Names sections("sections"), parts("beams, bodies, joints and motions"), records("records"),
+  NamesTaken sections("sections"), parts("beams, bodies, joints and motions"), records("records"),
       loads("loads and point masses");
   for (const Section& s : scene.sections)
     sections.add(Checked("section", s.name, s.source), s.name, s.source);

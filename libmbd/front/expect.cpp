@@ -12,7 +12,7 @@
 namespace mbd {
 namespace {
 
-constexpr double nearness = 1e-9;  // of a time to a sample time, relative to the duration
+constexpr double same_time = 1e-9;  // of a time to a sample time, relative to the duration
 
 std::string describe(const ExpectScene& expect, bool timed) {
   switch (expect.of) {
@@ -49,13 +49,13 @@ void check_time(const ExpectScene& expect, const Scene& scene) {
   }
   const TransientScene& transient = *scene.transient;
   const double duration = transient.duration;
-  if (expect.at > duration * (1.0 + nearness))
+  if (expect.at > duration * (1.0 + same_time))
     throw Error(expect.source,
                 fmt::format("expect: at is {}, after the end of the run; it must be at most {} s",
                             expect.at, duration));
   const std::optional<double> interval = row_interval(transient);
-  if (!interval || std::abs(expect.at - duration) <= nearness * duration) return;
-  if (std::abs(std::round(expect.at / *interval) * *interval - expect.at) <= nearness * duration)
+  if (!interval || std::abs(expect.at - duration) <= same_time * duration) return;
+  if (std::abs(std::round(expect.at / *interval) * *interval - expect.at) <= same_time * duration)
     return;
   const double below = std::floor(expect.at / *interval) * *interval;
   const double above = std::min(std::ceil(expect.at / *interval) * *interval, duration);
@@ -74,7 +74,7 @@ void check_time(const ExpectScene& expect, const Scene& scene) {
 
 Expectations::Expectations(const Scene& scene, const Model& model) {
   const std::vector<Column> known = columns(model);
-  nearness_ = scene.transient ? nearness * scene.transient->duration : 0.0;
+  nearness_ = scene.transient ? same_time * scene.transient->duration : 0.0;
   for (const ExpectScene& expect : scene.expects) {
     const std::size_t column = find_column(known, expect.quantity, expect.source, "expect");
     if (expect.of == ExpectScene::Of::value_at) check_time(expect, scene);

@@ -14,6 +14,7 @@
 
 #include "libmbd/core/error.hpp"
 
+namespace mbd::test::test_expression {
 namespace {
 
 using mbd::Expression;
@@ -513,3 +514,4 @@ TEST(Expression, IsEvaluatedByManyThreads) {
 }
 
 }  // namespace
+}  // namespace mbd::test::test_expression

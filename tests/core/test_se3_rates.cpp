@@ -6,9 +6,9 @@
 #include "libmbd/core/dual.hpp"
 #include "tests/support/random.hpp"
 
+namespace mbd::test::test_se3_rates {
 namespace {
 
-using namespace mbd;
 using test::eps;
 using test::Rng;
 using test::Worst;
@@ -126,3 +126,4 @@ TEST(TTimes, OfZeroIsTheIdentity) {
 }
 
 }  // namespace
+}  // namespace mbd::test::test_se3_rates

@@ -11,6 +11,7 @@
 
 #include "libmbd/core/error.hpp"
 
+namespace mbd::test::test_signal {
 namespace {
 
 using mbd::Expression;
@@ -254,3 +255,4 @@ TEST(Signal, ReturnsValuesThatAreNotFinite) {
 }
 
 }  // namespace
+}  // namespace mbd::test::test_signal

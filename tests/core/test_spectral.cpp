@@ -8,9 +8,9 @@
 #include "libmbd/core/error.hpp"
 #include "tests/support/random.hpp"
 
+namespace mbd::test::test_spectral {
 namespace {
 
-using namespace mbd;
 using test::eps;
 using test::Worst;
 using Real = long double;
@@ -269,3 +269,4 @@ TEST(Spectral, RefusesOrdersThatDoNotExist) {
 }
 
 }  // namespace
+}  // namespace mbd::test::test_spectral

@@ -6,7 +6,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_system_rates {
 namespace {
 
 using Eigen::MatrixXd;
@@ -135,4 +135,4 @@ INSTANTIATE_TEST_SUITE_P(Models, SystemRates,
                          [](const auto& name) { return std::string(name.param); });
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_system_rates

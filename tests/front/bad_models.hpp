@@ -9,7 +9,7 @@
 
 #include "libmbd/front/scene.hpp"
 
-namespace mbd::testing {
+namespace mbd::test {
 
 // The same mistake made in a Scene, or why a Scene cannot hold it.
 struct Twin {
@@ -36,4 +36,4 @@ struct BadModel {
 
 const std::vector<BadModel>& bad_models();
 
-}  // namespace mbd::testing
+}  // namespace mbd::test

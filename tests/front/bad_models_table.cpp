@@ -1,7 +1,7 @@
 #include "libmbd/core/expression.hpp"
 #include "tests/front/bad_models.hpp"
 
-namespace mbd::testing {
+namespace mbd::test {
 namespace {
 
 // Why there is no twin.
@@ -670,4 +670,4 @@ const std::vector<BadModel>& bad_models() {
   return all;
 }
 
-}  // namespace mbd::testing
+}  // namespace mbd::test

@@ -33,15 +33,15 @@
 #include "tests/front/bad_models.hpp"
 #include "tests/support/program.hpp"
 
-namespace mbd {
+namespace mbd::test::test_bad_models {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::bad_models;
-using testing::BadModel;
-using testing::contents;
-using testing::Ended;
-using testing::Program;
+using test::bad_models;
+using test::BadModel;
+using test::contents;
+using test::Ended;
+using test::Program;
 
 #ifdef __SANITIZE_ADDRESS__
 constexpr double most_cpu = 20.0;  // [s]
@@ -830,4 +830,4 @@ TEST_F(BadModels, TableOfMessagesIsCurrent) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_bad_models

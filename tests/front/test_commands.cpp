@@ -11,7 +11,7 @@
 #include "libmbd/front/report.hpp"
 #include "tests/support/shell.hpp"
 
-namespace mbd {
+namespace mbd::test::test_commands {
 namespace {
 
 namespace fs = std::filesystem;
@@ -92,7 +92,7 @@ TEST(VersionCommand, SaysHowItWasBuilt) {
   const std::vector<std::string> lines = lines_of(output.text);
   const auto facts = to_lines(build_facts());
   ASSERT_EQ(lines.size(), facts.size() + 1) << output.text;
-  EXPECT_EQ(lines[0], "mbd " + std::string(version()));
+  EXPECT_EQ(lines[0], "mbd " + std::string(mbd::version()));
   for (std::size_t i = 0; i < facts.size(); ++i) {
     EXPECT_EQ(lines[i + 1], facts[i].first + ": " + facts[i].second);
     EXPECT_FALSE(facts[i].second.empty()) << facts[i].first;
@@ -333,4 +333,4 @@ TEST_F(Completion, OfOtherShellsHasEveryCommandAndOption) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_commands

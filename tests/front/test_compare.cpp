@@ -11,13 +11,13 @@
 #include "libmbd/front/compare.hpp"
 #include "tests/support/program.hpp"
 
-namespace mbd {
+namespace mbd::test::test_compare {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::contents;
-using testing::Ended;
-using testing::Program;
+using test::contents;
+using test::Ended;
+using test::Program;
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -250,4 +250,4 @@ TEST_F(ResultsCommands, HelpHasExamples) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_compare

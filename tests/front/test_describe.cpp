@@ -15,7 +15,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd {
+namespace mbd::test::test_describe {
 namespace {
 
 namespace fs = std::filesystem;
@@ -412,8 +412,8 @@ class DescribeCommands : public ::testing::Test {
     fs::current_path(before_);
     fs::remove_all(path_);
   }
-  testing::Ended mbd(const std::vector<std::string>& arguments) const {
-    return testing::Program(arguments, path_ / "scratch").wait();
+  test::Ended mbd(const std::vector<std::string>& arguments) const {
+    return test::Program(arguments, path_ / "scratch").wait();
   }
 
   fs::path path_, before_;
@@ -422,7 +422,7 @@ class DescribeCommands : public ::testing::Test {
 TEST_F(DescribeCommands, CheckEveryModel) {
   std::vector<std::string> arguments = {"check"};
   for (const fs::path& file : all_models()) arguments.push_back(file.string());
-  const testing::Ended all = mbd(arguments);
+  const test::Ended all = mbd(arguments);
   EXPECT_EQ(all.status, 0);
   EXPECT_EQ(all.err, "");
   for (std::size_t i = 1; i < arguments.size(); ++i)
@@ -431,7 +431,7 @@ TEST_F(DescribeCommands, CheckEveryModel) {
 
 TEST_F(DescribeCommands, ExplainEveryModel) {
   for (const fs::path& file : all_models()) {
-    const testing::Ended one = mbd({"explain", file.string()});
+    const test::Ended one = mbd({"explain", file.string()});
     EXPECT_EQ(one.status, 0) << one.err;
     EXPECT_TRUE(contains(one.out, "Absent, and why\n"));
   }
@@ -441,7 +441,7 @@ TEST_F(DescribeCommands, CheckGoesOnAfterAModelThatIsWrong) {
   const std::string wrong = (bad_models / "plot_of_no_column.xml").string();
   const std::string missing = "missing.xml";
   const std::string right = (models / "pendulum.xml").string();
-  const testing::Ended ended = mbd({"check", wrong, missing, right});
+  const test::Ended ended = mbd({"check", wrong, missing, right});
   EXPECT_EQ(ended.status, 1);
   EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 2) << ended.err;
   EXPECT_TRUE(ended.err.starts_with("mbd: " + wrong + ":")) << ended.err;
@@ -451,7 +451,7 @@ TEST_F(DescribeCommands, CheckGoesOnAfterAModelThatIsWrong) {
 
 TEST_F(DescribeCommands, SetGivesParameters) {
   const std::string chain = (models / "chain.xml").string();
-  testing::Ended ended = mbd({"check", "--set", "N=4", chain});
+  test::Ended ended = mbd({"check", "--set", "N=4", chain});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_TRUE(contains(ended.out, "4 bodies, 4 joints")) << ended.out;
   ended = mbd({"explain", chain, "--set", "N=4", "--json"});
@@ -466,4 +466,4 @@ TEST_F(DescribeCommands, SetGivesParameters) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_describe

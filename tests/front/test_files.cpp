@@ -10,7 +10,7 @@
 #include "libmbd/core/error.hpp"
 #include "libmbd/front/files.hpp"
 
-namespace mbd {
+namespace mbd::test::test_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -38,4 +38,4 @@ TEST(WriteFile, LeavesNothingBesideAFileItCannotReplace) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_files

@@ -12,7 +12,7 @@
 #include "libmbd/front/units.hpp"
 #include "tests/support/read_text.hpp"
 
-namespace mbd {
+namespace mbd::test::test_format {
 namespace {
 
 namespace fs = std::filesystem;
@@ -356,4 +356,4 @@ TEST(Version, NewerIsRefusedBeforeAnythingElse) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_format

@@ -8,10 +8,11 @@
 #include "libmbd/core/error.hpp"
 #include "libmbd/front/history.hpp"
 
-namespace mbd {
+namespace mbd::test::test_history {
 namespace {
 
 namespace fs = std::filesystem;
+using mbd::History;
 
 class ReadHistory : public ::testing::Test {
  protected:
@@ -138,4 +139,4 @@ TEST_F(ReadHistory, ColumnsAreChosenByRecordQuantityOrName) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_history

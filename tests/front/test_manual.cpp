@@ -14,7 +14,7 @@
 #include "libmbd/front/run.hpp"
 #include "tests/support/shell.hpp"
 
-namespace mbd {
+namespace mbd::test::test_manual {
 namespace {
 
 namespace fs = std::filesystem;
@@ -309,4 +309,4 @@ TEST_F(Grammar, OfDefaults) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_manual

@@ -19,10 +19,11 @@
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/summary.hpp"
 
-namespace mbd {
+namespace mbd::test::test_models {
 namespace {
 
 namespace fs = std::filesystem;
+using mbd::History;
 
 const fs::path models = fs::path(MBD_SOURCE_DIR) / "models";
 
@@ -275,4 +276,4 @@ TEST_F(Command, AChainOfAnyLength) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_models

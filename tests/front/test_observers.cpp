@@ -18,7 +18,7 @@
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/summary.hpp"
 
-namespace mbd {
+namespace mbd::test::test_observers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -330,4 +330,4 @@ TEST(Expectations, ColumnsAreFoundOrTheNearestIsNamed) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_observers

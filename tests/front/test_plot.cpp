@@ -10,7 +10,7 @@
 
 #include "libmbd/front/plot.hpp"
 
-namespace mbd::plot {
+namespace mbd::plot::test_plot {
 namespace {
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -336,4 +336,4 @@ TEST(Plot, QuantitiesHavePanelsWithUnits) {
 }
 
 }  // namespace
-}  // namespace mbd::plot
+}  // namespace mbd::plot::test_plot

@@ -11,7 +11,7 @@
 #include "libmbd/front/spelling.hpp"
 #include "tests/support/read_text.hpp"
 
-namespace mbd {
+namespace mbd::test::test_reader {
 namespace {
 
 using test::message;
@@ -463,4 +463,4 @@ TEST(Spelling, NearestWord) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_reader

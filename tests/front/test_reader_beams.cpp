@@ -6,7 +6,7 @@
 
 #include "tests/support/read_text.hpp"
 
-namespace mbd {
+namespace mbd::test::test_reader_beams {
 namespace {
 
 using test::read;
@@ -174,4 +174,4 @@ TEST(ReaderOfBeams, CompileRefuses) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_reader_beams

@@ -18,7 +18,7 @@
 
 #include "tests/support/shell.hpp"
 
-namespace mbd {
+namespace mbd::test::test_readme {
 namespace {
 
 namespace fs = std::filesystem;
@@ -323,4 +323,4 @@ TEST(Readme, ItsSessionsAreTrue) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_readme

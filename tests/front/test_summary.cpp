@@ -10,7 +10,7 @@
 #include "libmbd/front/summary.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd {
+namespace mbd::test::test_summary {
 namespace {
 
 // A transient run of which there is something to say in every line.
@@ -183,4 +183,4 @@ TEST(Summary, IsAtMostEightyColumnsWide) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_summary

@@ -14,7 +14,7 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
 
-namespace mbd {
+namespace mbd::test::test_time_stepping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -548,4 +548,4 @@ TEST_F(TransientCommand, IsInTheHelpAndCompleted) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_time_stepping

@@ -9,7 +9,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_mechanisms {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -535,4 +535,4 @@ TEST(JointMessages, SayWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_mechanisms

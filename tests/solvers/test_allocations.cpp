@@ -36,7 +36,7 @@ extern "C" void* malloc(std::size_t size) {
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 #endif
 
-namespace mbd::test {
+namespace mbd::test::test_allocations {
 namespace {
 
 #if MBD_COUNTS_ALLOCATIONS
@@ -154,4 +154,4 @@ TEST(Allocations, AreCountedWithoutSanitizersOnly) {
 #endif
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_allocations

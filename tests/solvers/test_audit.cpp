@@ -9,7 +9,7 @@
 
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_audit {
 namespace {
 
 struct Audit {
@@ -108,4 +108,4 @@ TEST(EnergyAuditOfABall, ClosesToRoundOff) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_audit

@@ -12,7 +12,7 @@
 #include "tests/support/rod.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_beam_loads {
 namespace {
 
 using std::numbers::pi;
@@ -751,4 +751,4 @@ TEST(Curve, SweptCantileverModelAgainstTheRod) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_beam_loads

@@ -11,7 +11,7 @@
 #include "tests/support/extended_bend.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_bend45 {
 namespace {
 
 std::string listed(const std::vector<double>& x) { return testing::PrintToString(x); }
@@ -291,4 +291,4 @@ TEST(OrderInSpaceMutation, AnyEntryOfTheStiffness) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_bend45

@@ -15,7 +15,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_classical {
 namespace {
 
 using Mutation = std::function<void(Scene&)>;
@@ -373,4 +373,4 @@ TEST(ClassicalFourBar, IsTheSameInAnotherPlace) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_classical

@@ -14,7 +14,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_curves {
 namespace {
 
 using std::numbers::pi;
@@ -307,4 +307,4 @@ TEST(Curve, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_curves

@@ -9,7 +9,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_dense_output {
 namespace {
 
 using D1 = Dual<double>;
@@ -178,4 +178,4 @@ TEST(HermiteStep, HasSignalsWorksAndAngles) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_dense_output

@@ -10,7 +10,7 @@
 #include "solvers/stepper.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_error_control {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -335,4 +335,4 @@ TEST(NextLanding, JoinsBreakpoints) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_error_control

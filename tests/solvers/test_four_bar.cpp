@@ -14,7 +14,7 @@
 
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_four_bar {
 namespace {
 
 constexpr double step = 9e-3;         // the paper's [s]
@@ -240,4 +240,4 @@ TEST(FourBarMutationSlow, TheRingingSeesRotaryInertia) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_four_bar

@@ -16,7 +16,7 @@
 #include "tests/support/rigid_motion.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_hard_starts {
 namespace {
 
 // What an Error says; empty when none is thrown.
@@ -374,4 +374,4 @@ TEST(HardStartSlow, FreeBeamKeepsMomentumAndEnergyToTheOrderOfTheScheme) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_hard_starts

@@ -15,7 +15,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_ida {
 namespace {
 
 using Vector = Eigen::VectorXd;
@@ -403,4 +403,4 @@ TEST(Ida, NamesRedundantConstraints) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_ida

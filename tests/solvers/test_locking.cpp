@@ -13,7 +13,7 @@
 
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_locking {
 namespace {
 
 enum class Line { straight, arc };
@@ -197,4 +197,4 @@ TEST(LockingMutation, OfTheCantilever) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_locking

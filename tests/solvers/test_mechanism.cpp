@@ -12,7 +12,7 @@
 #include "libmbd/front/reader.hpp"
 #include "solvers/mechanism.hpp"
 
-namespace mbd {
+namespace mbd::test::test_mechanism {
 namespace {
 
 struct Analysed {
@@ -183,4 +183,4 @@ TEST(Mechanism, AlmostRedundantIsNotRedundant) {
 }
 
 }  // namespace
-}  // namespace mbd
+}  // namespace mbd::test::test_mechanism

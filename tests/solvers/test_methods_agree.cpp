@@ -11,7 +11,7 @@
 #include "libmbd/front/time_stepping.hpp"
 #include "tests/support/stepping.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_methods_agree {
 namespace {
 
 struct AgreementCase {
@@ -91,4 +91,4 @@ INSTANTIATE_TEST_SUITE_P(Dynamic, MethodsAgreeSlow,
                          [](const auto& c) { return std::string(c.param.model); });
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_methods_agree

@@ -17,7 +17,7 @@
 #include "tests/support/altered_solver.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_newton {
 namespace {
 
 // A mutation: KLU without the geometric stiffness of the joints, which are the four contributions before
@@ -198,4 +198,4 @@ TEST(Newton, KeptTangentGivesTheSameMultipliersOfAChain) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_newton

@@ -6,7 +6,7 @@
 
 #include "tests/support/path_references.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_path_references {
 namespace {
 
 using Eigen::VectorXd;
@@ -191,4 +191,4 @@ TEST(RightAngleFrameReference, LeavesItsPlane) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_path_references

@@ -9,7 +9,7 @@
 
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_paths {
 namespace {
 
 using std::numbers::pi;
@@ -355,4 +355,4 @@ TEST(PathStepsSlow, DoNotChangeTheEquilibria) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_paths

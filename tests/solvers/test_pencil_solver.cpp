@@ -9,7 +9,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_pencil_solver {
 namespace {
 
 using Complex = std::complex<double>;
@@ -183,4 +183,4 @@ TEST(PencilSolver, NamesWhatIsSingular) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_pencil_solver

@@ -10,7 +10,7 @@
 #include "tests/support/rigid_cases.hpp"
 #include "tests/support/stepping.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_radau {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -649,4 +649,4 @@ TEST(RadauSettings, LimitsAndLongestSteps) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_radau

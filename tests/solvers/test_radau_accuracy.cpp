@@ -11,7 +11,7 @@
 #include "tests/support/rigid_cases.hpp"
 #include "tests/support/stepping.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_radau_accuracy {
 namespace {
 
 std::string listed(const std::vector<double>& x) { return testing::PrintToString(x); }
@@ -436,4 +436,4 @@ TEST(RadauMutation, Shaft) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_radau_accuracy

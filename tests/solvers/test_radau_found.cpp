@@ -8,7 +8,7 @@
 #include "libmbd/core/error.hpp"
 #include "tests/support/stepping.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_radau_found {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -83,4 +83,4 @@ TEST(RadauFound, StepLimitsWithoutSenseAreRefused) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_radau_found

@@ -6,7 +6,7 @@
 
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_rigid {
 namespace {
 
 struct Expected {
@@ -100,4 +100,4 @@ TEST(Rigid, DzhanibekovFlips) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_rigid

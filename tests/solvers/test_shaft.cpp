@@ -14,7 +14,7 @@
 
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_shaft {
 namespace {
 
 constexpr double sag = 3.525552557e-3;  // [m]
@@ -162,4 +162,4 @@ TEST(ShaftMutationSlow, ThePapersStepSeesMassAndBending) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_shaft

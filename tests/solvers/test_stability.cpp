@@ -15,7 +15,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_stability {
 namespace {
 
 using std::numbers::pi;
@@ -277,4 +277,4 @@ TEST(LoadRate, IsTheDerivativeOfTheResidual) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_stability

@@ -11,7 +11,7 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/static_references.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_static_models {
 namespace {
 
 using std::numbers::pi;
@@ -375,4 +375,4 @@ TEST(FourBarStatic, Sees) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_static_models

@@ -10,7 +10,7 @@
 #include "solvers/statics.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_statics {
 namespace {
 
 using std::numbers::pi;
@@ -171,4 +171,4 @@ TEST(UnreachableLoad, KeepsTheLastEquilibriumAndNamesTheReason) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_statics

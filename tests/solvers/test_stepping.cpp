@@ -8,7 +8,7 @@
 #include "tests/support/altered_solver.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test {
+namespace mbd::test::test_stepping {
 namespace {
 
 Scene scene_of(const std::string& items, const Overrides& overrides = {}) {
@@ -453,4 +453,4 @@ TEST(MomentumBalance, DzhanibekovKeepsAngularMomentumAtOrderTwo) {
 }
 
 }  // namespace
-}  // namespace mbd::test
+}  // namespace mbd::test::test_stepping

@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace mbd::testing {
+namespace mbd::test {
 
 inline std::string contents(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -106,4 +106,4 @@ class Program {
   Ended ended_;
 };
 
-}  // namespace mbd::testing
+}  // namespace mbd::test

@@ -77,7 +77,7 @@ Words words_of(const CLI::App& app) {
   return words;
 }
 
-std::vector<Words> commands_of(const CLI::App& app) {
+std::vector<Words> words_of_commands(const CLI::App& app) {
   std::vector<Words> all;
   for (const CLI::App* command : app.get_subcommands({})) all.push_back(words_of(*command));
   return all;
@@ -143,7 +143,7 @@ std::string bash_branch(const Words& command) {
 }
 
 std::string bash_script(const CLI::App& app) {
-  const std::vector<Words> commands = commands_of(app);
+  const std::vector<Words> commands = words_of_commands(app);
   std::vector<std::string> names, with_value;
   std::string branches;
   for (const Words& command : commands) {
@@ -259,7 +259,7 @@ std::string zsh_script(const CLI::App& app) {
       "  local curcontext=\"$curcontext\" state line\n"
       "  local -a commands\n"
       "  commands=(\n";
-  const std::vector<Words> commands = commands_of(app);
+  const std::vector<Words> commands = words_of_commands(app);
   for (const Words& command : commands)
     text += fmt::format("    {}\n", in_quotes(command.name + ":" + command.doc));
   text += "  )\n  _arguments -C" + zsh_arguments(words_of(app), "    ") +
@@ -319,7 +319,7 @@ std::string fish_script(const CLI::App& app) {
       "complete -c mbd -f\n";
   const std::string none_yet = "__fish_use_subcommand";
   text += fish_lines(words_of(app), none_yet);
-  for (const Words& command : commands_of(app)) {
+  for (const Words& command : words_of_commands(app)) {
     text += fmt::format("complete -c mbd -n {} -a {} -d {}\n", in_quotes(none_yet),
                         in_quotes(command.name), in_quotes(command.doc, "\\"));
     text += fish_lines(command, "__fish_seen_subcommand_from " + command.name);

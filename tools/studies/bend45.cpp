@@ -16,8 +16,8 @@ namespace {
 // Converged, 20 digits, calculated apart from this project in extended precision [in].
 const Vec3 converged(-13.73548151312558962, -23.82504922387786265, 53.61385809953141840);
 
-constexpr int orders[] = {1, 2, 3, 4, 5, 6};
-constexpr int meshes[] = {1, 2, 4, 8, 16, 32};
+constexpr int bend_orders[] = {1, 2, 3, 4, 5, 6};
+constexpr int bend_meshes[] = {1, 2, 4, 8, 16, 32};
 
 // In inches and pounds.
 Scene bend(const Series& series, Rule rule, int order, int elements) {
@@ -46,8 +46,8 @@ std::vector<Point> convergence(const std::filesystem::path& directory) {
   std::vector<Point> points;
   for (const Rule rule : {Rule::gauss_lobatto, Rule::gauss}) {
     for (const Series& series : all_series()) {
-      for (const int order : orders) {
-        for (const int elements : meshes) {
+      for (const int order : bend_orders) {
+        for (const int elements : bend_meshes) {
           const Solution s = solve(bend(series, rule, order, elements), 3);
           const double error = (s.tip() - converged).norm() / converged.norm();
           csv << name_of(rule) << series.form << series.name << long{order} << long{elements};
@@ -105,9 +105,9 @@ void figures_4_and_5(const std::filesystem::path& directory, const std::vector<P
                         .y_log = true};
       int style = 0;
       for (const Series* series : form) {
-        for (const int order : orders)
+        for (const int order : bend_orders)
           panel.curves.push_back(curve_of(points, series, rule, order, nullptr,
-                                          order == orders[0] ? series->name : "", style));
+                                          order == bend_orders[0] ? series->name : "", style));
         ++style;
       }
       panels.push_back(std::move(panel));
@@ -130,7 +130,7 @@ void error_over_cpu(const std::filesystem::path& directory, const std::vector<Po
                       .y_label = "error in tip displacement",
                       .x_log = true,
                       .y_log = true};
-    for (const int order : orders)
+    for (const int order : bend_orders)
       panel.curves.push_back(curve_of(points, &series, Rule::gauss, order, &Point::cpu,
                                       fmt::format("N = {}", order), order - 1));
     panels.push_back(std::move(panel));

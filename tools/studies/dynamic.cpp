@@ -14,11 +14,11 @@
 namespace mbd::studies {
 namespace {
 
-constexpr int orders[] = {1, 2, 3, 4};
-constexpr int meshes[] = {1, 2, 4, 8, 16};
+constexpr int dynamic_orders[] = {1, 2, 3, 4};
+constexpr int dynamic_meshes[] = {1, 2, 4, 8, 16};
 constexpr int finest_order = 6, finest_mesh = 24;
 
-constexpr const char* model = R"(<mbd name="released_bend">
+constexpr const char* released_bend = R"(<mbd name="released_bend">
   <section name="square">
     <stiffness EA="1.00e7" GA2="4.17e6" GA3="4.17e6" GJ="7.03e5" EI2="8.33e5" EI3="8.33e5" D16="-8.33e3"/>
     <mass per_length="1e-3" inertia="1.4e-4 .7e-4 .7e-4"/>
@@ -47,7 +47,7 @@ struct Motion {
   std::vector<Vec3> tip;
 };
 Motion motion(const Series& series, int order, int elements) {
-  Scene scene = read_model_text(model, "released_bend");
+  Scene scene = read_model_text(released_bend, "released_bend");
   BeamScene& beam = scene.beams.at(0);
   series.choose(beam);
   beam.order = order;
@@ -94,10 +94,10 @@ void dynamic(const std::filesystem::path& directory) {
                       .y_log = true});
   int style = 0;
   for (const Series& series : all_series()) {
-    for (const int order : orders) {
-      const std::string label = order == orders[0] ? series.form + ", " + series.name : "";
+    for (const int order : dynamic_orders) {
+      const std::string label = order == dynamic_orders[0] ? series.form + ", " + series.name : "";
       plot::Curve over_elements{label, {}, style}, over_cpu{label, {}, style};
-      for (const int elements : meshes) {
+      for (const int elements : dynamic_meshes) {
         const Motion m = motion(series, order, elements);
         csv << series.form << series.name << long{order} << long{elements} << long{m.complete};
         if (m.complete) {

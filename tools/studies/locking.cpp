@@ -19,7 +19,7 @@ namespace mbd::studies {
 namespace {
 
 constexpr int elements = 4;
-constexpr int orders[] = {1, 2, 3, 4};
+constexpr int locking_orders[] = {1, 2, 3, 4};
 
 enum class Line { straight, arc };
 std::string name_of(Line line) { return line == Line::straight ? "straight" : "arc"; }
@@ -92,7 +92,7 @@ void locking(const std::filesystem::path& directory) {
                         .y_label = "error in tip displacement",
                         .x_log = true,
                         .y_log = true,
-                        .curves = std::vector<plot::Curve>(2 * std::size(orders))});
+                        .curves = std::vector<plot::Curve>(2 * std::size(locking_orders))});
     for (int i = 0; i <= 8; ++i) {
       const double slenderness = std::pow(10.0, 1 + 0.5 * i);
       const auto best = [](BeamScene& beam) {
@@ -110,12 +110,12 @@ void locking(const std::filesystem::path& directory) {
       for (std::size_t s = 0; s < all_series().size(); ++s) {
         const Series& series = all_series()[s];
         for (const Rule rule : {Rule::gauss, Rule::gauss_lobatto}) {
-          for (std::size_t n = 0; n < std::size(orders); ++n) {
+          for (std::size_t n = 0; n < std::size(locking_orders); ++n) {
             const Solution solution =
-                solved(line, slenderness, series.choose, rule, orders[n], elements);
+                solved(line, slenderness, series.choose, rule, locking_orders[n], elements);
             const double error = (solution.tip() - reference).norm() / reference.norm();
             csv << name_of(line) << series.form << series.name << studies::name_of(rule)
-                << long{orders[n]} << slenderness << long{solution.converged};
+                << long{locking_orders[n]} << slenderness << long{solution.converged};
             if (solution.converged)
               csv << error;
             else
