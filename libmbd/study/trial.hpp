@@ -1,0 +1,52 @@
+// One run of a scene for a study, in a process of its own: its cost, and what it found.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libmbd/front/model.hpp"
+#include "libmbd/front/report.hpp"
+
+namespace mbd {
+
+// What a run found, at places that are the same for all runs of a scene.
+struct Findings {
+  std::vector<std::string> columns;  // of history.csv, without the first
+  std::vector<std::string> units;
+  // Where: times [s], evenly spread over the run and its end among them; of load steps the load factor 1; of a path
+  // its limit points, bifurcations and marks, by number 1, 2, …, and its end.
+  std::vector<double> at;
+  std::vector<std::vector<double>> rows;  // values, by place and column
+};
+
+struct Trial {
+  bool complete = false;
+  bool stopped = false;  // before its end, because it took too long
+  std::string failure;   // why it is not complete
+  // CPU time, least of the repeats [s]: of stepping (or of load steps, or points), and of the whole run, reading
+  // excepted. Of a run that was stopped: what it had used.
+  double cpu_stepping = 0.0, cpu = 0.0;
+  int repeats = 0;
+  double memory = 0.0;  // largest resident size of the process [bytes]
+  Counters counters;    // of load steps and time steps
+  Index nodes = 0, unknowns = 0, multipliers = 0;
+  Findings findings;  // also of a run that is not complete, up to where it came
+};
+
+struct TrialOptions {
+  int samples = 200;    // of a transient
+  double limit = 1e30;  // CPU time at which it is stopped [s]
+  // Repeated up to `repeats` times, as long as all together have taken less than `repeat_within` [s].
+  int repeats = 3;
+  double repeat_within = 1.0;
+};
+
+// Runs `scene` in a child process, waiting for it: its memory is its own, and whatever becomes of it (a signal, no
+// memory) is a failure of the trial. Errors of the scene are failures too. Throws Error only when there can be no
+// child process.
+Trial run_trial(const Scene& scene, const TrialOptions& options);
+
+}  // namespace mbd
