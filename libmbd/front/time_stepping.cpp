@@ -116,6 +116,50 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
   throw Error(transient.source, "transient: unknown method");
 }
 
+std::vector<std::string> change_stepping(TransientScene& transient, const SteppingChange& change) {
+  std::vector<std::string> notes;
+  const auto drop = [&notes](std::string_view name, auto& value, std::string_view why) {
+    if (value) notes.push_back(fmt::format("{} of the model is not used: {}", name, why));
+    value.reset();
+  };
+  const std::optional<double> rows = row_interval(transient);  // of the model itself
+  if ((change.step && transient.tolerance) || (change.tolerance && transient.step))
+    if (!transient.output_steps) transient.output = rows;
+  if (change.step) {
+    constexpr std::string_view why = "the steps are fixed";
+    transient.step = change.step;
+    transient.tolerance.reset();
+    drop("position_tolerance", transient.position_tolerance, why);
+    drop("rotation_tolerance", transient.rotation_tolerance, why);
+    drop("velocity_tolerance", transient.velocity_tolerance, why);
+    drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+    drop("max_step", transient.max_step, why);
+  }
+  if (change.tolerance) {
+    transient.tolerance = change.tolerance;
+    transient.step.reset();
+  }
+  if (change.method) {
+    transient.method = *change.method;
+    if (transient.method != TimeMethod::generalized_alpha) {
+      const std::string why =
+          fmt::format("it belongs to generalized_alpha, not {}", name_of(transient.method));
+      drop("rho_infinity", transient.rho_infinity, why);
+      drop("balance", transient.balance, why);
+    }
+  }
+  if (transient.method == TimeMethod::generalized_alpha) {
+    constexpr std::string_view why =
+        "generalized_alpha estimates errors of positions and rotations only";
+    drop("velocity_tolerance", transient.velocity_tolerance, why);
+    drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+  }
+  if (!takes_newton_tolerance(transient))
+    drop("newton_tolerance", transient.newton_tolerance,
+         fmt::format("{} derives its own from the tolerance", name_of(transient.method)));
+  return notes;
+}
+
 std::optional<double> row_interval(const TransientScene& transient) {
   if (transient.output_steps) return std::nullopt;
   if (transient.output) return transient.output;

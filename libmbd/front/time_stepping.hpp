@@ -33,6 +33,16 @@ Balance balance_of(const TransientScene& transient);
 // that is not there, and as the stepper's constructor does.
 std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient);
 
+// Other settings for a <transient>; what is absent stays.
+struct SteppingChange {
+  std::optional<TimeMethod> method = {};
+  std::optional<double> step = {}, tolerance = {};  // [s], relative; one of them at most
+};
+
+// Makes the change, and leaves out what does not go with it then; rows of results stay where the scene has them.
+// Returns a sentence for each attribute that is not used any more.
+std::vector<std::string> change_stepping(TransientScene& transient, const SteppingChange& change);
+
 // Time between rows of results [s]; the last may come sooner after the one before. Nothing where rows are written
 // at the ends of steps and at the times of expected values.
 std::optional<double> row_interval(const TransientScene& transient);

@@ -49,8 +49,9 @@ struct OrderFit {
   std::size_t quantity = 0;
   std::vector<std::size_t> points;  // used: errors below 0.1, and three times above the reference's
   double slope = 0.0;
-  double spread = 0.0;               // largest departure of a point from the line, as a factor
-  std::optional<double> theory;  // of smooth solutions: -2N over elements, 2 or 5 over steps, 1 over tolerances
+  double spread = 0.0;  // largest departure of a point from the line, as a factor
+  std::optional<double>
+      theory;  // of smooth solutions: -2N over elements, 2 or 5 over steps, 1 over tolerances
 };
 
 // The cheapest setting at hand for an accuracy.
@@ -62,7 +63,7 @@ struct Advice {
 
 struct AccuracyStudy {
   std::string model, file, date, command;
-  std::string machine;  // processor and its number of cores
+  std::string machine;                                     // processor and its number of cores
   std::vector<std::pair<std::string, std::string>> build;  // build_facts()
   std::string place;  // what Findings::at is: "time", "load factor", "number of the special point"
   std::size_t places = 0;  // how many
@@ -73,25 +74,28 @@ struct AccuracyStudy {
   Findings truth;
   std::vector<Quantity> quantities;
   std::vector<TrialPoint> points;  // in the order of the variations
-  std::vector<std::vector<std::size_t>> fronts;  // by quantity: points that none beats in both rms and CPU, by CPU
+  std::vector<std::vector<std::size_t>>
+      fronts;  // by quantity: points that none beats in both rms and CPU, by CPU
   std::vector<OrderFit> fits;
   std::vector<Advice> advice;
   std::vector<std::string> notes;
-  bool whole = true;         // all settings were tried
-  std::size_t untried = 0;   // settings, for want of budget or by a signal
+  bool whole = true;                   // all settings were tried
+  std::size_t untried = 0;             // settings, for want of budget or by a signal
   double seconds = 0.0, budget = 0.0;  // wall time used, and allowed
 };
 
 struct AccuracyOptions {
-  std::vector<std::string> quantities;  // names; none: those that the scene expects, plots or records, at most 4
-  Variations variations;                // empty knobs: default_variations()
+  std::vector<std::string>
+      quantities;         // names; none: those that the scene expects, plots or records, at most 4
+  Variations variations;  // empty knobs: default_variations()
   std::optional<std::filesystem::path> reference;  // a history.csv, in place of one's own
   double budget = 120.0;                           // wall time of it all [s]
   // Where finished trials are kept and found again (OUT/trials); none: nowhere. `fingerprint` says what they belong to.
   std::optional<std::filesystem::path> keep;
   std::string fingerprint, command;
   // Told before each trial: how many are done, how many there are (0: not known), seconds to come.
-  std::function<void(const std::string& what, std::size_t done, std::size_t all, double eta)> progress;
+  std::function<void(const std::string& what, std::size_t done, std::size_t all, double eta)>
+      progress;
   const std::atomic<bool>* interrupted = nullptr;  // becomes true: finish with what is there
 };
 

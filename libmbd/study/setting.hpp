@@ -22,15 +22,15 @@ std::string_view name_of(Knob knob);
 // What a scene's own settings are replaced by; what is absent stays. Those of space hold for all beams, those of
 // time for the <transient>.
 struct Setting {
-  std::optional<int> order;  // N of elements with N + 1 nodes
+  std::optional<int> order = {};  // N of elements with N + 1 nodes
   // Of the beams that have the fewest in the scene; the others have more in proportion (rounded, at least 1).
-  std::optional<int> elements;
-  std::optional<Metric> metric;
-  std::optional<Rule> rule;
-  std::optional<Form> form;
-  std::optional<TimeMethod> method;
-  std::optional<double> step;       // [s], fixed steps; in place of a tolerance
-  std::optional<double> tolerance;  // relative, adaptive steps; in place of a step
+  std::optional<int> elements = {};
+  std::optional<Metric> metric = {};
+  std::optional<Rule> rule = {};
+  std::optional<Form> form = {};
+  std::optional<TimeMethod> method = {};
+  std::optional<double> step = {};       // [s], fixed steps; in place of a tolerance
+  std::optional<double> tolerance = {};  // relative, adaptive steps; in place of a step
 
   bool operator==(const Setting&) const = default;
 };

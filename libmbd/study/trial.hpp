@@ -49,4 +49,8 @@ struct TrialOptions {
 // child process.
 Trial run_trial(const Scene& scene, const TrialOptions& options);
 
+// As text, with every number to its last bit, and back: nothing for what is not such a text, or only the beginning.
+std::string serialize(const Trial& trial);
+std::optional<Trial> deserialize(const std::string& text);
+
 }  // namespace mbd

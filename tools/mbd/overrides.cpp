@@ -87,8 +87,7 @@ void add_transient_options(CLI::App& command, TransientOptions& options) {
 
 std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
   const auto& [method, step, tolerance, output] = options;
-  std::vector<std::string> notes;
-  if (method.empty() && step.empty() && tolerance.empty() && output.empty()) return notes;
+  if (method.empty() && step.empty() && tolerance.empty() && output.empty()) return {};
   if (!scene.transient)
     throw Error(fmt::format("--{}: the model has no <transient>; leave it out, or add one to {}",
                             !method.empty()      ? "method"
@@ -99,48 +98,17 @@ std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
   if (!step.empty() && !tolerance.empty())
     throw Error("--step and --tolerance: steps are fixed or follow a tolerance; give one of them");
   TransientScene& transient = *scene.transient;
-  const auto drop = [&notes](std::string_view name, auto& value, std::string_view why) {
-    if (value) notes.push_back(fmt::format("{} of the model is not used: {}", name, why));
-    value.reset();
-  };
-
-  const std::optional<double> rows = row_interval(transient);  // of the model itself
-  if (!step.empty()) {
-    const std::string why = "--step gives fixed steps";
-    if (transient.tolerance && !transient.output_steps) transient.output = rows;
-    transient.step = number("step", step, scene);
-    transient.tolerance.reset();
-    drop("position_tolerance", transient.position_tolerance, why);
-    drop("rotation_tolerance", transient.rotation_tolerance, why);
-    drop("velocity_tolerance", transient.velocity_tolerance, why);
-    drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
-    drop("max_step", transient.max_step, why);
-  }
-  if (!tolerance.empty()) {
-    if (transient.step && !transient.output_steps) transient.output = rows;
-    transient.tolerance = number("tolerance", tolerance, scene);
-    transient.step.reset();
-  }
+  SteppingChange change;
+  if (!step.empty()) change.step = number("step", step, scene);
+  if (!tolerance.empty()) change.tolerance = number("tolerance", tolerance, scene);
   if (!method.empty()) {
     const std::vector<std::string_view> known = schema::words(attribute("method").choices);
-    transient.method =
+    change.method =
         static_cast<TimeMethod>(std::find(known.begin(), known.end(), method) - known.begin());
-    if (transient.method != TimeMethod::generalized_alpha) {
-      const std::string why = "it belongs to generalized_alpha, and --method is " + method;
-      drop("rho_infinity", transient.rho_infinity, why);
-      drop("balance", transient.balance, why);
-    }
-    if (transient.method == TimeMethod::ida && transient.step)
+    if (change.method == TimeMethod::ida && !change.tolerance && (change.step || transient.step))
       throw Error("--method ida has no fixed steps; add --tolerance");
   }
-  if (transient.method == TimeMethod::generalized_alpha) {
-    const std::string why = "generalized_alpha estimates errors of positions and rotations only";
-    drop("velocity_tolerance", transient.velocity_tolerance, why);
-    drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
-  }
-  if (!takes_newton_tolerance(transient))
-    drop("newton_tolerance", transient.newton_tolerance,
-         fmt::format("{} derives its own from the tolerance", name_of(transient.method)));
+  const std::vector<std::string> notes = change_stepping(transient, change);
   if (!output.empty()) {
     transient.output_steps = output == "steps";
     transient.output.reset();

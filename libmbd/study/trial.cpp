@@ -1,0 +1,323 @@
+#include "libmbd/study/trial.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <sstream>
+
+#include "libmbd/front/observers.hpp"
+#include "libmbd/front/run.hpp"
+#include "libmbd/front/text.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double grace =
+    2.0;  // [s] wall time that a process may go on after its limit before it is killed
+
+double used_cpu() {  // [s] of this process
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+// Thrown through a run that takes too long.
+struct TooLong {};
+
+// The places of Findings, as the run comes to them.
+class Finder : public Observer {
+ public:
+  Finder(const Scene& scene, Findings& findings, double stop_at)
+      : scene_(scene), findings_(findings), stop_at_(stop_at) {}
+
+  void accepted(const Sample& sample) override {
+    if (used_cpu() > stop_at_) throw TooLong();
+    const std::size_t first = scene_.path ? 0 : 1;  // of a path, the load is what is found
+    if (findings_.columns.empty()) {
+      const std::vector<Column> all = columns(sample.model);
+      for (std::size_t c = first; c < all.size(); ++c) {
+        findings_.columns.push_back(all[c].name);
+        findings_.units.push_back(all[c].unit);
+      }
+    }
+    const auto found = [&](double at) {
+      findings_.at.push_back(at);
+      findings_.rows.emplace_back(sample.row.begin() + static_cast<std::ptrdiff_t>(first),
+                                  sample.row.end());
+    };
+    if (scene_.transient) {
+      found(sample.state.t);
+    } else if (!scene_.path) {
+      findings_.at.clear();
+      findings_.rows.clear();  // the last load step alone
+      found(sample.state.load_factor);
+    } else if (sample.model.path->event != PathEvent::none) {
+      found(static_cast<double>(findings_.at.size() + 1));
+    }
+  }
+
+ private:
+  const Scene& scene_;
+  Findings& findings_;
+  double stop_at_;
+};
+
+// What the child does: a run without files.
+Trial run_here(Scene scene, const TrialOptions& options) {
+  Trial trial;
+  scene.plots.clear();
+  scene.expects.clear();  // at times that need not be rows here
+  if (scene.transient) {
+    scene.transient->output_steps = false;
+    scene.transient->output = scene.transient->duration / options.samples;
+  }
+  const double begin = used_cpu();
+  Finder finder(scene, trial.findings, begin + options.limit);
+  RunOptions run_options;
+  run_options.observers = {&finder};
+  run_options.progress = [&](const Progress&) {
+    if (used_cpu() > begin + options.limit) throw TooLong();
+  };
+  try {
+    const RunReport report = run(scene, run_options);
+    trial.complete = report.complete();
+    trial.failure = report.failure;
+    trial.cpu_stepping = scene.transient ? report.integration.cpu : report.equilibrium.cpu;
+    trial.nodes = report.nodes;
+    trial.unknowns = report.unknowns;
+    trial.multipliers = report.multipliers;
+    trial.counters = report.transient_counters;
+    const Counters& statics = report.static_counters;
+    trial.counters.steps += statics.steps;
+    trial.counters.iterations += statics.iterations;
+    trial.counters.residuals += statics.residuals;
+    trial.counters.tangents += statics.tangents;
+    trial.counters.factorizations += statics.factorizations;
+    if (trial.complete && scene.path && trial.findings.at.empty()) {
+      trial.complete = false;
+      trial.failure =
+          "the path has no limit point, bifurcation or mark to compare; give it a <mark>";
+    }
+  } catch (const TooLong&) {
+    trial.stopped = true;
+    trial.failure = fmt::format("stopped: more than {:.3g} s of CPU time", options.limit);
+  } catch (const std::exception& error) {
+    trial.failure = error.what();
+  }
+  trial.cpu = used_cpu() - begin;
+  if (trial.stopped) trial.cpu_stepping = trial.cpu;
+  return trial;
+}
+
+void write_all(int file, const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t n = ::write(file, text.data() + done, text.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return;  // nobody listens any more
+    done += static_cast<std::size_t>(n);
+  }
+}
+
+// What the child wrote until it ended, or until the deadline, when it is killed.
+std::string read_until_end(int file, pid_t child, std::chrono::steady_clock::time_point deadline,
+                           bool& killed) {
+  std::string text;
+  char piece[65536];
+  for (;;) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+                          deadline - std::chrono::steady_clock::now())
+                          .count();
+    if (left <= 0 && !killed) {
+      ::kill(child, SIGKILL);
+      killed = true;
+    }
+    pollfd ready{file, POLLIN, 0};
+    const int wait = killed ? 1000 : static_cast<int>(std::min<long long>(left + 1, 1000));
+    const int n = ::poll(&ready, 1, wait);
+    if (n < 0 && errno != EINTR) break;
+    if (n <= 0) continue;
+    const ssize_t got = ::read(file, piece, sizeof piece);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    text.append(piece, static_cast<std::size_t>(got));
+  }
+  return text;
+}
+
+Trial run_in_child(const Scene& scene, const TrialOptions& options) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw Error(fmt::format("no pipe to a process of its own: {}", std::strerror(errno)));
+  const pid_t child = ::fork();
+  if (child < 0) {
+    ::close(ends[0]);
+    ::close(ends[1]);
+    throw Error(fmt::format("no process of its own for a run: {}", std::strerror(errno)));
+  }
+  if (child == 0) {
+    ::close(ends[0]);
+    std::signal(SIGINT, SIG_IGN);  // the parent decides
+    write_all(ends[1], serialize(run_here(scene, options)));
+    ::_exit(0);  // nothing of the parent's is flushed or destroyed twice
+  }
+  ::close(ends[1]);
+  bool killed = false;
+  const auto wall = std::chrono::duration<double>(std::min(options.limit * 1.5 + grace, 1e7));
+  const auto deadline = std::chrono::steady_clock::now() +
+                        std::chrono::duration_cast<std::chrono::steady_clock::duration>(wall);
+  const std::string text = read_until_end(ends[0], child, deadline, killed);
+  ::close(ends[0]);
+  int status = 0;
+  rusage usage{};
+  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  Trial trial;
+  if (std::optional<Trial> told = deserialize(text)) {
+    trial = std::move(*told);
+  } else {
+    trial.stopped = killed;
+    trial.failure = killed ? fmt::format("stopped: more than {:.3g} s", wall.count())
+                    : WIFSIGNALED(status)
+                        ? fmt::format("the process ended by signal {} ({})", WTERMSIG(status),
+                                      strsignal(WTERMSIG(status)))
+                        : "the process ended without a result";
+    trial.cpu = trial.cpu_stepping =
+        static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
+  }
+  trial.repeats = 1;
+  trial.memory = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  return trial;
+}
+
+// ---- text -----------------------------------------------------------------------------------------
+
+constexpr std::string_view heading = "mbd trial 1";
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+struct Reader {
+  std::istringstream in;
+  bool good = true;
+
+  std::string line(std::string_view key) {
+    std::string text;
+    if (!std::getline(in, text) || !text.starts_with(key) || text.size() <= key.size()) {
+      good = false;
+      return {};
+    }
+    return text.substr(key.size() + 1);
+  }
+  std::vector<double> numbers(std::string_view key) {
+    const std::string text = line(key);
+    std::vector<double> values;
+    for (const char *at = text.data(), *const end = at + text.size(); at < end;) {
+      double value = 0.0;
+      const auto [next, code] = std::from_chars(at, end, value);
+      if (code != std::errc()) {
+        good = false;
+        break;
+      }
+      values.push_back(value);
+      at = next + (next < end ? 1 : 0);
+    }
+    return values;
+  }
+  std::vector<std::string> words(std::string_view key) {
+    std::istringstream text(line(key));
+    std::vector<std::string> all;
+    for (std::string word; std::getline(text, word, ',');) all.push_back(word);
+    return all;
+  }
+};
+
+}  // namespace
+
+std::string serialize(const Trial& trial) {
+  const Counters& c = trial.counters;
+  std::string text = fmt::format(
+      "{}\nstate {} {} {} {} {} {} {} {} {}\ncounters {} {} {} {} {} {} {} {} {} {}\nfailure "
+      "{}\ncolumns {}\n"
+      "units {}\nrows {}\n",
+      heading, trial.complete ? 1 : 0, trial.stopped ? 1 : 0, trial.cpu_stepping, trial.cpu,
+      trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers, c.steps,
+      c.substeps, c.retries, c.rejected, c.tolerant, c.restarts, c.iterations, c.residuals,
+      c.tangents, c.factorizations, one_line(trial.failure), fmt::join(trial.findings.columns, ","),
+      fmt::join(trial.findings.units, ","), trial.findings.at.size());
+  for (std::size_t k = 0; k < trial.findings.at.size(); ++k)
+    text += fmt::format("{} {}\n", trial.findings.at[k], fmt::join(trial.findings.rows[k], " "));
+  return text + "end\n";
+}
+
+std::optional<Trial> deserialize(const std::string& text) {
+  Reader reader{std::istringstream(text)};
+  std::string first;
+  if (!std::getline(reader.in, first) || first != heading || !text.ends_with("\nend\n"))
+    return std::nullopt;
+  Trial trial;
+  const std::vector<double> state = reader.numbers("state"), counted = reader.numbers("counters");
+  trial.failure = reader.line("failure");
+  trial.findings.columns = reader.words("columns");
+  trial.findings.units = reader.words("units");
+  const std::vector<double> rows = reader.numbers("rows");
+  trial.findings.units.resize(
+      trial.findings.columns.size());  // an empty one at the end is not written
+  if (state.size() != 9 || counted.size() != 10 || rows.size() != 1) return std::nullopt;
+  trial.complete = state[0] != 0.0;
+  trial.stopped = state[1] != 0.0;
+  trial.cpu_stepping = state[2];
+  trial.cpu = state[3];
+  trial.repeats = static_cast<int>(state[4]);
+  trial.memory = state[5];
+  trial.nodes = static_cast<Index>(state[6]);
+  trial.unknowns = static_cast<Index>(state[7]);
+  trial.multipliers = static_cast<Index>(state[8]);
+  Counters& c = trial.counters;
+  std::size_t k = 0;
+  for (long* const counter :
+       {&c.steps, &c.substeps, &c.retries, &c.rejected, &c.tolerant, &c.restarts, &c.iterations,
+        &c.residuals, &c.tangents, &c.factorizations})
+    *counter = static_cast<long>(counted[k++]);
+  for (double row = 0; row < rows[0]; row += 1.0) {
+    std::string line;
+    std::getline(reader.in, line);
+    Reader one{std::istringstream("row " + line)};
+    std::vector<double> values = one.numbers("row");
+    if (!one.good || values.size() != trial.findings.columns.size() + 1) return std::nullopt;
+    trial.findings.at.push_back(values.front());
+    values.erase(values.begin());
+    trial.findings.rows.push_back(std::move(values));
+  }
+  return trial;
+}
+
+Trial run_trial(const Scene& scene, const TrialOptions& options) {
+  Trial trial = run_in_child(scene, options);
+  double spent = trial.cpu;
+  while (trial.complete && trial.repeats < options.repeats &&
+         spent + trial.cpu < options.repeat_within) {
+    const Trial again = run_in_child(scene, options);
+    if (!again.complete) break;
+    spent += again.cpu;
+    trial.cpu = std::min(trial.cpu, again.cpu);
+    trial.cpu_stepping = std::min(trial.cpu_stepping, again.cpu_stepping);
+    ++trial.repeats;
+  }
+  return trial;
+}
+
+}  // namespace mbd
