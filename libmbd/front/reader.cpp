@@ -158,6 +158,7 @@ class Reader {
     const ReadingContext context{file.string(), parameters_, defaults_, units_};
     check_version(root, context.file);
     files_.push_back(id);
+    scene_.includes.push_back(file.string());
     read_children(Item(root, context));
     files_.pop_back();
   }

@@ -273,6 +273,7 @@ struct ExpectScene {
 
 struct Scene {
   std::string file;  // for messages; empty when built in C++
+  std::vector<std::string> includes;  // files it was read from besides, in order
   Source source;     // of the <mbd> element
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;

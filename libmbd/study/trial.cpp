@@ -132,19 +132,19 @@ void write_all(int file, const std::string& text) {
 
 // What the child wrote until it ended, or until the deadline, when it is killed.
 std::string read_until_end(int file, pid_t child, std::chrono::steady_clock::time_point deadline,
-                           bool& killed) {
+                           const std::atomic<bool>* interrupted, bool& killed) {
   std::string text;
   char piece[65536];
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
                           deadline - std::chrono::steady_clock::now())
                           .count();
-    if (left <= 0 && !killed) {
+    if (!killed && (left <= 0 || (interrupted != nullptr && *interrupted))) {
       ::kill(child, SIGKILL);
       killed = true;
     }
     pollfd ready{file, POLLIN, 0};
-    const int wait = killed ? 1000 : static_cast<int>(std::min<long long>(left + 1, 1000));
+    const int wait = killed ? 200 : static_cast<int>(std::min<long long>(left + 1, 200));
     const int n = ::poll(&ready, 1, wait);
     if (n < 0 && errno != EINTR) break;
     if (n <= 0) continue;
@@ -168,7 +168,7 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   }
   if (child == 0) {
     ::close(ends[0]);
-    std::signal(SIGINT, SIG_IGN);  // the parent decides
+    std::signal(SIGINT, SIG_DFL);  // not what the parent does then
     write_all(ends[1], serialize(run_here(scene, options)));
     ::_exit(0);  // nothing of the parent's is flushed or destroyed twice
   }
@@ -177,7 +177,7 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   const auto wall = std::chrono::duration<double>(std::min(options.limit * 1.5 + grace, 1e7));
   const auto deadline = std::chrono::steady_clock::now() +
                         std::chrono::duration_cast<std::chrono::steady_clock::duration>(wall);
-  const std::string text = read_until_end(ends[0], child, deadline, killed);
+  const std::string text = read_until_end(ends[0], child, deadline, options.interrupted, killed);
   ::close(ends[0]);
   int status = 0;
   rusage usage{};

@@ -1,7 +1,7 @@
 // One run of a scene for a study, in a process of its own: its cost, and what it found.
 #pragma once
 
-#include <functional>
+#include <atomic>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,6 +42,7 @@ struct TrialOptions {
   // Repeated up to `repeats` times, as long as all together have taken less than `repeat_within` [s].
   int repeats = 3;
   double repeat_within = 1.0;
+  const std::atomic<bool>* interrupted = nullptr;  // becomes true: stop now
 };
 
 // Runs `scene` in a child process, waiting for it: its memory is its own, and whatever becomes of it (a signal, no

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/mbd/accuracy_command.hpp"
 #include "tools/mbd/check_command.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/compare_command.hpp"
@@ -20,6 +21,7 @@ int main(int argc, char** argv) {
   mbd::add_run_command(app, status);
   mbd::add_check_command(app, status);
   mbd::add_explain_command(app, status);
+  mbd::add_accuracy_command(app, status);
   mbd::add_plot_command(app, status);
   mbd::add_compare_command(app, status);
   mbd::add_schema_command(app, status);
@@ -28,6 +30,7 @@ int main(int argc, char** argv) {
                     "mbd check models/four_bar.xml\n"
                     "mbd run models/four_bar.xml\n"
                     "mbd plot results/four_bar C\n"
+                    "mbd accuracy models/shaft.xml\n"
                     "mbd run models/chain.xml --set N=100 --out chain_of_100\n"
                     "mbd schema beam\n"
                     "mbd run --help");

@@ -1,0 +1,174 @@
+#include "tools/mbd/accuracy_command.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "libmbd/front/build_facts.hpp"
+#include "libmbd/front/files.hpp"
+#include "libmbd/front/reader.hpp"
+#include "libmbd/study/accuracy.hpp"
+#include "libmbd/study/accuracy_page.hpp"
+#include "libmbd/study/accuracy_report.hpp"
+#include "tools/mbd/command_line.hpp"
+#include "tools/mbd/overrides.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr int interrupted_status = 130;  // as a shell says it of a program that Ctrl-C ended
+
+std::atomic<bool> interrupted = false;
+
+struct AccuracyArguments {
+  std::string model, output, reference = "auto";
+  std::vector<std::string> set, quantities, vary;
+  double budget = 120.0;
+  bool quiet = false;
+};
+
+// What finished trials belong to: the text of the model and what it includes, the parameters, this program.
+std::string fingerprint(const Scene& scene, const std::vector<std::string>& set) {
+  std::string all;
+  for (const auto& [name, value] : to_lines(build_facts())) all += name + "=" + value + ";";
+  std::vector<std::string> files{scene.file};
+  files.insert(files.end(), scene.includes.begin(), scene.includes.end());
+  std::size_t sum = 0;
+  for (const std::string& file : files) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    sum = sum * 31 + std::hash<std::string>()(text.str());
+  }
+  for (const std::string& one : set) all += one + ";";
+  return fmt::format("{:016x} {}", sum, all);
+}
+
+std::string command_of(const AccuracyArguments& arguments) {
+  std::string text = "mbd accuracy " + arguments.model;
+  const auto add = [&](std::string_view option, const std::vector<std::string>& words) {
+    for (const std::string& word : words)
+      text += fmt::format(" {} {}", option,
+                          word.find_first_of(" \t'\"") == std::string::npos ? word : "\"" + word + "\"");
+  };
+  add("--set", arguments.set);
+  add("--quantity", arguments.quantities);
+  add("--vary", arguments.vary);
+  if (arguments.reference != "auto") text += " --reference " + arguments.reference;
+  return text + fmt::format(" --budget {:g}", arguments.budget);
+}
+
+// The handler stands while it lives.
+class InterruptHandler {
+ public:
+  InterruptHandler() {
+    interrupted = false;
+    before_ = std::signal(SIGINT, [](int) { interrupted = true; });
+  }
+  ~InterruptHandler() { std::signal(SIGINT, before_); }
+  InterruptHandler(const InterruptHandler&) = delete;
+  InterruptHandler& operator=(const InterruptHandler&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+int study_model(const AccuracyArguments& arguments) {
+  if (!(arguments.budget >= 1.0) || !(arguments.budget <= 1e6))
+    throw Error(fmt::format("--budget {:g}: give seconds, 1 to 1e6", arguments.budget));
+  const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  AccuracyOptions options;
+  options.quantities = arguments.quantities;
+  for (const std::string& one : arguments.vary) add_variation(options.variations, one);
+  if (arguments.reference != "auto") options.reference = arguments.reference;
+  options.budget = arguments.budget;
+  const std::filesystem::path output =
+      arguments.output.empty() ? std::filesystem::path("results") /
+                                     std::filesystem::path(arguments.model).stem() / "accuracy"
+                               : std::filesystem::path(arguments.output);
+  make_directory(output);
+  options.keep = output / "trials";
+  options.fingerprint = fingerprint(scene, arguments.set);
+  options.command = command_of(arguments);
+  const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
+  if (shown)
+    options.progress = [](const std::string& what, std::size_t done, std::size_t all, double eta) {
+      const std::string count = all > 0 ? fmt::format("{} of {}, about {:.0f} s left: ", done + 1, all, eta) : "";
+      fmt::print(stderr, "\r\033[K{}{}", count, what);
+      std::fflush(stderr);
+    };
+  options.interrupted = &interrupted;
+  AccuracyStudy study;
+  {
+    const InterruptHandler handler;
+    study = study_accuracy(scene, options);
+  }
+  if (shown) fmt::print(stderr, "\r\033[K");
+  write_file(output / "accuracy.csv", to_csv(study));
+  write_file(output / "accuracy.json", to_json(study));
+  write_file(output / "accuracy.svg", accuracy_svg(study));
+  write_file(output / "knobs.svg", knobs_svg(study));
+  write_file(output / "advice.md", to_markdown(study));
+  write_file(output / "accuracy.html", accuracy_page(study, scene));
+  if (!arguments.quiet) {
+    fmt::print("{}", to_text(study));
+    fmt::print("\nwritten to {}: accuracy.html (open it in a browser), accuracy.svg, knobs.svg, accuracy.csv, "
+               "accuracy.json, advice.md\n",
+               output.string());
+  }
+  return interrupted ? interrupted_status : 0;
+}
+
+}  // namespace
+
+void add_accuracy_command(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<AccuracyArguments>();
+  CLI::App* const command = app.add_subcommand(
+      "accuracy", "What accuracy costs in time: errors and CPU seconds of many settings.");
+  command->add_option("MODEL", arguments->model, "model file (XML)")->required();
+  command
+      ->add_option("-Q,--quantity", arguments->quantities,
+                   "whose error: columns, quantities or records; default: what the model expects, plots or "
+                   "records, at most 4")
+      ->type_name("NAME …");
+  command
+      ->add_option("-v,--vary", arguments->vary,
+                   "values of a knob: order, elements (of the beams that have the fewest; others in "
+                   "proportion), metric, rule, form, method, step, tolerance; as lists (1,2,4), ranges "
+                   "(2:6, 1e-2:1e-8) or all; default: those that suit the model")
+      ->type_name("KNOB=VALUES …");
+  command
+      ->add_option("-r,--reference", arguments->reference,
+                   "auto (made here, by two different ways), or a CSV with the columns of history.csv")
+      ->type_name("FILE.csv");
+  command
+      ->add_option("-b,--budget", arguments->budget,
+                   "seconds for it all; half of them at most for the reference; default: 120")
+      ->type_name("SECONDS");
+  command
+      ->add_option("-o,--out", arguments->output,
+                   "directory of the page, pictures and data; what is there of an interrupted study of the "
+                   "same model is gone on with; default: results/MODEL/accuracy")
+      ->type_name("DIR");
+  add_set_option(*command, arguments->set);
+  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
+  set_examples(*command,
+               "mbd accuracy models/shaft.xml\n"
+               "mbd accuracy models/four_bar.xml --quantity C.displacement.3 --budget 600\n"
+               "mbd accuracy models/bend45.xml --vary order=1:6 elements=1,2,4,8,16 metric=all\n"
+               "mbd accuracy models/shaft.xml --vary method=radau tolerance=1e-2:1e-8 order=4\n"
+               "mbd accuracy models/four_bar.xml --reference fine/history.csv",
+               "Exit status: 0 all went well (also if some settings failed: they are shown); 1 an error;\n"
+               "130 interrupted, with what was done written; 100 and more: wrong use of the command.");
+  command->callback([arguments, &status] { status = study_model(*arguments); });
+}
+
+}  // namespace mbd
