@@ -1,7 +1,7 @@
 #include "solvers/dense_output.hpp"
 
 #include "libmbd/core/dual.hpp"
-#include "libmbd/core/se3_rates.hpp"
+#include "libmbd/core/se3.hpp"
 
 namespace mbd {
 namespace {

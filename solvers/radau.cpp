@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/core/se3_rates.hpp"
+#include "libmbd/core/se3.hpp"
 
 namespace mbd {
 namespace {
