@@ -9,6 +9,7 @@
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/core/se3.hpp"
+#include "libmbd/core/spectral.hpp"
 
 namespace mbd {
 namespace {
@@ -76,30 +77,6 @@ struct Tableau {
 const Tableau& tableau() {
   static const Tableau t;
   return t;
-}
-
-// Lagrange weights at x of the nodes 0, c_1, c_2, 1.
-std::array<double, 4> collocation_weights(double x) {
-  const Vec3& c = tableau().c;
-  const std::array<double, 4> nodes{0.0, c(0), c(1), c(2)};
-  std::array<double, 4> w{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    w[i] = 1.0;
-    for (std::size_t k = 0; k < 4; ++k)
-      if (k != i) w[i] *= (x - nodes[k]) / (nodes[i] - nodes[k]);
-  }
-  return w;
-}
-std::array<double, 3> stage_weights(double x) {
-  const Vec3& c = tableau().c;
-  std::array<double, 3> w{};
-  for (Index i = 0; i < 3; ++i) {
-    double product = 1.0;
-    for (Index k = 0; k < 3; ++k)
-      if (k != i) product *= (x - c(k)) / (c(i) - c(k));
-    w[static_cast<std::size_t>(i)] = product;
-  }
-  return w;
 }
 
 }  // namespace
@@ -196,6 +173,7 @@ double Radau::time_of(std::size_t stage) const {
 // Stages from the polynomial of the last step, or from the rates at the start.
 void Radau::predict(bool extrapolate) {
   const bool known = extrapolate && history_;
+  const Vec3& c = tableau().c;
   for (std::size_t j = 0; j < stages; ++j) {
     State& stage = stage_[j];
     const double tau = time_of(j) - begin_.t;
@@ -203,14 +181,14 @@ void Radau::predict(bool extrapolate) {
       reference_[j][n] = begin_.pose[n] * exp_se3<double>(tau * begin_.V[n]);
     if (known) {
       const double since = time_of(j) - t_old_;
-      const auto w = collocation_weights(since / h_old_);
+      const auto w = lagrange<4>({0.0, c(0), c(1), c(2)}, since / h_old_);
       for (std::size_t n = 1; n < eQ_.size(); ++n) {
         const Vec6 q = w[1] * q_old_[0][n] + w[2] * q_old_[1][n] + w[3] * q_old_[2][n];
         const Pose<double> H =
             pose_old_[n] * exp_se3<double>(since * V_old_[n]) * exp_se3<double>(q);
         q_[j][n] = log_se3<double>(relative(reference_[j][n], H));
       }
-      const auto v = stage_weights(since / h_old_);
+      const auto v = lagrange<3>({c(0), c(1), c(2)}, since / h_old_);
       stage.lambda = v[0] * lambda_old_[0] + v[1] * lambda_old_[1] + v[2] * lambda_old_[2];
     } else {
       for (std::size_t n = 1; n < eQ_.size(); ++n) q_[j][n] = 0.5 * tau * tau * begin_.Vdot[n];
