@@ -21,10 +21,9 @@ namespace {
 using sundials::values;
 using sundials::Vector;
 
-constexpr long most_tiny_steps = 500;  // in a row, shorter than that: a start takes a tenth of it
-constexpr double newton_share = 0.03;  // of the error test, for what Newton's iterations leave
-constexpr double multiplier_slack =
-    10;  // on the relative tolerance, of Newton's increments of them
+constexpr long most_tiny_steps = 500;    // in a row, shorter than that: a start takes a tenth of it
+constexpr double newton_share = 0.03;    // of the error test, for what Newton's iterations leave
+constexpr double multiplier_slack = 10;  // on the relative one, for what they leave of multipliers
 // cj = dydot/dy may change by this factor before the matrix is factorised anew. IDA's own 0.25 makes up for it
 // by scaling the increments, which is wrong for constraints and multipliers.
 constexpr double cj_change = 0.1;
@@ -279,8 +278,8 @@ class Ida::Integrator final : public DenseStep {
     for (Index i = 0; i < equations_.first_lambda(); i += per_node) {
       double* const x = w.data() + i;
       std::fill_n(x, 3, root / limits.position);
-      std::fill_n(x + 3, 4,
-                  2.0 * root / limits.rotation);  // a quaternion changes by half the angle
+      // A quaternion changes by half the angle.
+      std::fill_n(x + 3, 4, 2.0 * root / limits.rotation);
       std::fill_n(x + 7, 3, root / limits.velocity);
       std::fill_n(x + 10, 3, root / limits.angular_velocity);
     }
