@@ -12,52 +12,14 @@
 #include <numeric>
 
 #include "tests/support/rigid_cases.hpp"
-#include "tests/support/scenes.hpp"
+#include "tests/support/stepping.hpp"
 
 namespace mbd::test {
 namespace {
 
-using Columns = std::vector<const std::vector<double>*>;
-using Eigen::Vector3d;
-
 std::string listed(const std::vector<double>& x) { return testing::PrintToString(x); }
 
-Columns components(const Table& t, const std::string& name, int count = 3) {
-  Columns columns;
-  for (int i = 1; i <= count; ++i) columns.push_back(&t[name + "." + std::to_string(i)]);
-  return columns;
-}
-
-RecordScene joint_record(const std::string& joint) {
-  RecordScene record;
-  record.name = "joint_" + joint;
-  record.joint = joint;
-  record.quantities = {"reaction_force", "reaction_moment"};
-  return record;
-}
-
 // ---- rigid bodies -----------------------------------------------------------------------------
-
-Columns columns_of(const std::vector<std::vector<double>>& x) {
-  Columns columns;
-  for (const std::vector<double>& one : x) columns.push_back(&one);
-  return columns;
-}
-
-// Component of a force, given in the joint's frame, along the direction it has when it is largest: that of
-// the rod, which turns with the frame.
-std::vector<double> along_largest(const Columns& force) {
-  const auto at = [&force](std::size_t k) {
-    return Vector3d((*force[0])[k], (*force[1])[k], (*force[2])[k]);
-  };
-  Vector3d largest = Vector3d::Zero();
-  for (std::size_t k = 0; k < force[0]->size(); ++k)
-    if (at(k).norm() > largest.norm()) largest = at(k);
-  std::vector<double> component;
-  for (std::size_t k = 0; k < force[0]->size(); ++k)
-    component.push_back(at(k).dot(largest.normalized()));
-  return component;
-}
 
 struct TimeErrors {
   std::vector<double> motion, multipliers;
@@ -80,13 +42,7 @@ TimeErrors rigid_errors(const RigidCase& c, const Scene& model, double rho,
     EXPECT_EQ(t.rows(), n);
     errors.motion.push_back(
         relative_rms(components(t, c.place + ".position"), columns_of(reference.position), 0, n));
-    const Columns force = components(t, "joint_" + c.joint + ".reaction_force");
-    if (c.model == "pendulum") {
-      const std::vector<double> tension = along_largest(force);
-      errors.multipliers.push_back(relative_rms({&tension}, {&reference.tension}, 0, n));
-    } else {
-      errors.multipliers.push_back(relative_rms(force, columns_of(reference.force), 0, n));
-    }
+    errors.multipliers.push_back(reaction_error(c, reference, t));
   }
   return errors;
 }
