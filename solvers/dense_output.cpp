@@ -1,7 +1,8 @@
 #include "solvers/dense_output.hpp"
 
 #include "libmbd/core/dual.hpp"
-#include "libmbd/core/se3_rates.hpp"
+#include "libmbd/core/se3.hpp"
+#include "libmbd/core/spectral.hpp"
 
 namespace mbd {
 namespace {
@@ -84,16 +85,9 @@ void HermiteStep::at(double t, State& out) const {
   }
   if (inner_[0] == nullptr) {
     out.lambda = (1.0 - s) * begin_->lambda + s * end_->lambda;
-  } else {  // Lagrange
-    out.lambda.setZero(end_->lambda.size());
-    const std::size_t points = inner_.size() + 1;
-    const auto time = [&](std::size_t i) { return i < inner_.size() ? times_[i] : end_->t; };
-    for (std::size_t i = 0; i < points; ++i) {
-      double weight = 1.0;
-      for (std::size_t k = 0; k < points; ++k)
-        if (k != i) weight *= (t - time(k)) / (time(i) - time(k));
-      out.lambda += weight * (i < inner_.size() ? *inner_[i] : end_->lambda);
-    }
+  } else {
+    const auto w = lagrange<3>({times_[0], times_[1], end_->t}, t);
+    out.lambda = w[0] * *inner_[0] + w[1] * *inner_[1] + w[2] * end_->lambda;
   }
   out.work.loads = (1.0 - s) * begin_->work.loads + s * end_->work.loads;
   out.work.drives = (1.0 - s) * begin_->work.drives + s * end_->work.drives;

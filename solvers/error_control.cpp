@@ -30,21 +30,35 @@ ErrorNorm::ErrorNorm(const System& system, const ErrorTolerances& tolerances, do
     throw Error(
         fmt::format("a tolerance of {} is below round-off; {} is the finest that makes sense",
                     tolerances.relative, finest));
-  speed_ = length_ / duration_;
-  spin_ = 1.0 / duration_;
+  measure(0.0, 0.0);
 }
 
 void ErrorNorm::measure(const State& begin, const State& end) {
-  speed_ = length_ / duration_;
-  spin_ = 1.0 / duration_;
+  double speed = 0.0, spin = 0.0;
   for (const State* state : {&begin, &end})
     for (const Vec6& V : state->V) {
-      speed_ = std::max(speed_, V.head<3>().norm());
-      spin_ = std::max(spin_, V.tail<3>().norm());
+      speed = std::max(speed, V.head<3>().norm());
+      spin = std::max(spin, V.tail<3>().norm());
     }
+  measure(speed, spin);
+}
+
+void ErrorNorm::measure(double speed, double spin) {
+  speed_ = std::max(length_ / duration_, speed);
+  spin_ = std::max(1.0 / duration_, spin);
   // A part that only turns moves its points, and one that only moves turns what it drives.
   speed_ = std::max(speed_, 1e-3 * spin_ * length_);
   spin_ = std::max(spin_, 1e-3 * speed_ / length_);
+}
+
+ErrorTolerances ErrorNorm::limits() const {
+  const auto limit = [](double given, double relative) { return given > 0.0 ? given : relative; };
+  const double r = tolerances_.relative;
+  return {.relative = r,
+          .position = limit(tolerances_.position, r * length_),
+          .rotation = limit(tolerances_.rotation, r),
+          .velocity = limit(tolerances_.velocity, r * speed_),
+          .angular_velocity = limit(tolerances_.angular_velocity, r * spin_)};
 }
 
 double ErrorNorm::operator()(std::span<const Vec6> eU, std::span<const Vec6> eV,
@@ -52,14 +66,12 @@ double ErrorNorm::operator()(std::span<const Vec6> eU, std::span<const Vec6> eV,
   position_ = rotation_ = 0.0;
   worst_row_ = -1;
   double worst = 0.0, sum = 0.0;
-  const auto limit = [](double given, double relative) { return given > 0.0 ? given : relative; };
-  const double r = tolerances_.relative;
-  const double limits[4] = {limit(tolerances_.position, r * length_),
-                            limit(tolerances_.rotation, r), limit(tolerances_.velocity, r * speed_),
-                            limit(tolerances_.angular_velocity, r * spin_)};
+  const ErrorTolerances allowed = limits();
+  const double limit[4] = {allowed.position, allowed.rotation, allowed.velocity,
+                           allowed.angular_velocity};
   const auto look = [&](const Vec6& e, std::size_t n, std::size_t kind) {
     for (Index i = 0; i < 6; ++i) {
-      const double size = std::abs(e(i)) / limits[kind + (i < 3 ? 0 : 1)];
+      const double size = std::abs(e(i)) / limit[kind + (i < 3 ? 0 : 1)];
       sum += size;
       if (size > worst) {
         worst = size;

@@ -26,8 +26,13 @@ class ErrorNorm {
   // Throws Error for a tolerance that is negative, not finite, or finer than round-off.
   ErrorNorm(const System& system, const ErrorTolerances& tolerances, double duration);
 
-  // The velocities against which errors are measured: the largest of two states.
+  // The velocities against which errors are measured: the largest of two states, or a speed [m/s] and a spin
+  // [rad/s].
   void measure(const State& begin, const State& end);
+  void measure(double speed, double spin);
+
+  // What is tolerated, all in physical units.
+  ErrorTolerances limits() const;
 
   // Largest component of an error by node, in units of what is tolerated times `factor`; NaN if one is not
   // finite. An empty `eV` is not measured.
@@ -41,8 +46,6 @@ class ErrorNorm {
   // Fraction of lengths and radians at which velocities, changed by `rate` [1/s] times the motion, are as
   // wrong as tolerated: Newton's increments of motion have to be that small. At most 1.
   double velocity_share(double rate) const;
-
-  double relative() const { return tolerances_.relative; }
 
  private:
   ErrorTolerances tolerances_;

@@ -27,13 +27,8 @@
 // p known from the last state. Linear systems give the same as (1). Angular momentum is kept too;
 // energy is not (order 2, as in (1)).
 //
-// A step lands on every breakpoint of the signals inside it, and starts afresh where accelerations jump.
-// Near a singular configuration, where all links of a mechanism come into line, B loses rank and Newton's
-// iterations their convergence, though the motion goes smoothly through it. A step that fails is then tried
-// with -eps I in place of the zero block of (2), in units of 1/mass: with B of full rank that costs a factor
-// eps a iteration; where it is not, the motion is still determined, and multipliers stay finite.
-// A step that fails so too is tried in halves, down to 2^-max_halvings. Where the step changes, A - Vdot, which
-// is proportional to h, is scaled with it.
+// Where the step changes, A - Vdot, which is proportional to h, is scaled with it. Landings, steps that fail, and
+// rank-tolerant ones, with -eps I in place of the zero block of (2): one_step.hpp.
 //
 // Adaptive steps. With A(t) = Vdot(t + (alpha_m - alpha_f) h) to first order, (1) leaves of the motion
 //   e = h^2 (beta - 1/6 - (gamma - 1/2)/2) (Vdot_f - Vdot_i) + O(h^4)                              (4)
@@ -48,9 +43,7 @@
 
 #include "libmbd/core/system.hpp"
 #include "solvers/dense_output.hpp"
-#include "solvers/error_control.hpp"
-#include "solvers/increments.hpp"
-#include "solvers/stepper.hpp"
+#include "solvers/one_step.hpp"
 
 namespace mbd {
 
@@ -71,55 +64,37 @@ struct GeneralizedAlphaParameters {
 };
 GeneralizedAlphaParameters generalized_alpha_parameters(double rho_infinity);
 
-class GeneralizedAlpha final : public Stepper {
+class GeneralizedAlpha final : public OneStep {
  public:
   // Throws Error for a step that is not positive, rho_infinity outside [0, 1], or adaptive steps without
   // tolerance or end. Refers to `system`.
   GeneralizedAlpha(const System& system, std::unique_ptr<LinearSolver> solver,
                    const GeneralizedAlphaOptions& options);
 
-  StepReport start(State& state) override;
-  StepReport step(State& state) override;
-
   const LinearSolver& linear_solver() const { return *solver_; }
 
  private:
+  void begin_at(State& state) override;
+  bool solve_step(double t, double h, StepReport& report) override;
+  double estimated_error(bool again) override;
+  void accept() override;
+  void settle() override;
+
   BlockGraph own_graph(bool tolerant) const;
-  StepReport restart(State& state);
-  StepReport adaptive_step(State& state);
-  bool land(State& state, const Landing& landing, StepReport& report);
-  void estimate_error();
-  bool advance(State& state, double t, StepReport& report);
-  bool try_step(const State& state, double t, StepReport& report);
-  bool try_tolerantly(double t, StepReport& report);
-  void settle(bool accepted);
-  void set_step(const State& state, double h);
-  void predict(const State& state, double t, bool extrapolate);
+  bool solve_tolerantly(double t, StepReport& report);
+  void set_step(double h);
+  void predict(double t, bool extrapolate);
   void update_poses();
   bool residual();
   bool factorize(StepReport& report, bool& in_range);
   bool iterate(StepReport& report);
   LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }
-  void accept(State& state);
 
-  const System& system_;
-  std::unique_ptr<LinearSolver> solver_;
-  GeneralizedAlphaOptions options_;
   GeneralizedAlphaParameters a_;
-  IncrementNorm norm_;
   HermiteStep dense_;
-  std::unique_ptr<ErrorNorm> error_norm_;  // of adaptive steps
-  std::unique_ptr<StepController> controller_;
 
-  double origin_ = 0.0;  // time of start() [s]
-  double slack_ = 0.0;   // round-off of times [s]
-  long count_ = 0;       // whole steps since
-  double h_ = 0.0;       // step under way [s]
-  int halvings_ = 0;     // of the steps now tried, and how many in a row have gone well
-  int good_ = 0;
-  double stiffness_ = 0.0, mass_ = 0.0;  // largest entries of dr/dU and dr/dVdot at the last start
-
-  State begin_, end_;        // of the step under way
+  double h_ = 0.0;           // step under way [s]; 0: none since the last start
+  double stiffness_ = 0.0;   // largest entry of dr/dU at the last start
   std::vector<Vec6> Q_;      // H_f = H_i exp(Q)
   std::vector<Vec6> A_;      // algorithmic acceleration at the last accepted time
   std::vector<Mat6> T_inv_;  // T^-1(Q) by node
@@ -143,7 +118,6 @@ class GeneralizedAlpha final : public Stepper {
   VecX r_, x_, gdot_, gddot_rest_;
   // With the block -eps I; made when it is first needed.
   std::unique_ptr<LinearSolver> tolerant_solver_;
-  bool tolerant_ = false;
   bool factored_ = false;
   bool refactor_next_ = true;
   double theta_ = 0.1;  // contraction of the kept tangent

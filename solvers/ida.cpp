@@ -1,9 +1,6 @@
 #include "solvers/ida.hpp"
 
 #include <ida/ida.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_linearsolver.h>
-#include <sundials/sundials_matrix.h>
 
 #include <fmt/format.h>
 
@@ -16,42 +13,24 @@
 #include "solvers/increments.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/stabilized_index2.hpp"
+#include "solvers/sundials.hpp"
 
 namespace mbd {
 namespace {
 
-constexpr double time_floor = 1e-12;   // round-off of times, of the time until the end
-constexpr long most_tiny_steps = 500;  // in a row, shorter than that: a start takes a tenth of it
-constexpr double longest = 0.05;       // step, of the time until the end
-constexpr double newton_share = 0.03;  // of the error test, for what Newton's iterations leave
-constexpr double multiplier_slack =
-    10;  // on the relative tolerance, of Newton's increments of them
+using sundials::values;
+using sundials::Vector;
+
+constexpr long most_tiny_steps = 500;    // in a row, shorter than that: a start takes a tenth of it
+constexpr double newton_share = 0.03;    // of the error test, for what Newton's iterations leave
+constexpr double multiplier_slack = 10;  // on the relative one, for what they leave of multipliers
 // cj = dydot/dy may change by this factor before the matrix is factorised anew. IDA's own 0.25 makes up for it
 // by scaling the increments, which is wrong for constraints and multipliers.
 constexpr double cj_change = 0.1;
 
-struct ContextDeleter {
-  void operator()(SUNContext context) const { SUNContext_Free(&context); }
-};
 struct IdaDeleter {
   void operator()(void* memory) const { IDAFree(&memory); }
 };
-struct VectorDeleter {
-  void operator()(N_Vector v) const { N_VDestroy(v); }
-};
-struct MatrixDeleter {
-  void operator()(SUNMatrix A) const { SUNMatFreeEmpty(A); }
-};
-struct SolverDeleter {
-  void operator()(SUNLinearSolver S) const { SUNLinSolFreeEmpty(S); }
-};
-template <class T, class Deleter>
-using Handle = std::unique_ptr<std::remove_pointer_t<T>, Deleter>;
-using Vector = Handle<N_Vector, VectorDeleter>;
-
-std::span<double> values(N_Vector v) {
-  return {NV_DATA_S(v), static_cast<std::size_t>(NV_LENGTH_S(v))};
-}
 
 void check(int status) {
   if (status != IDA_SUCCESS) throw std::runtime_error("IDA refuses a setting");
@@ -66,30 +45,11 @@ class Ida::Integrator final : public DenseStep {
       : system_(system),
         options_(options),
         counters_(counters),
-        equations_(system, make_klu_solver()) {
-    SUNContext context = nullptr;
-    if (SUNContext_Create(nullptr, &context) != 0) throw std::bad_alloc();
-    context_.reset(context);
-    y_ = vector();
-    ydot_ = vector();
-    kinds_ = vector();
-    work_ = vector();
-    rates_ = vector();
-    memory_.reset(IDACreate(context));
-    matrix_.reset(SUNMatNewEmpty(context));
-    linear_.reset(SUNLinSolNewEmpty(context));
-    if (!memory_ || !matrix_ || !linear_) throw std::bad_alloc();
-    matrix_->content = this;
-    matrix_->ops->getid = [](SUNMatrix) { return SUNMATRIX_CUSTOM; };
-    matrix_->ops->zero = [](SUNMatrix) { return 0; };
-    linear_->content = this;
-    linear_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
-    linear_->ops->setup = [](SUNLinearSolver S, SUNMatrix) {
-      return static_cast<Integrator*>(S->content)->factor();
-    };
-    linear_->ops->solve = [](SUNLinearSolver S, SUNMatrix, N_Vector x, N_Vector b, realtype) {
-      return static_cast<Integrator*>(S->content)->solve(x, b);
-    };
+        equations_(system, make_klu_solver()),
+        norm_(system, options.tolerances, 1.0) {
+    for (Vector* const v : {&y_, &ydot_, &kinds_, &work_, &rates_})
+      *v = sundials::make_vector(equations_.size(), context_);
+    if (!memory_) throw std::bad_alloc();
     const auto kinds = values(kinds_.get());  // 1: in the error test
     std::fill(kinds.begin(), kinds.begin() + equations_.first_lambda(), 1.0);
     for (const ConstraintInfo& c : system.constraints())
@@ -101,13 +61,14 @@ class Ida::Integrator final : public DenseStep {
   void start(const State& state, double span) {
     equations_.pack(state, values(y_.get()), values(ydot_.get()));
     equations_.follow(state);
-    span_ = span;
+    norm_ = ErrorNorm(system_, options_.tolerances, span);
+    max_step_ = options_.max_step > 0.0 ? options_.max_step : longest_step * span;
     c_ = 0.0;
     last_ = {};
     void* const memory = memory_.get();
     if (initialized_) {
       check(IDAReInit(memory, state.t, y_.get(), ydot_.get()));
-      set_max_step();
+      check(IDASetMaxStep(memory, max_step_));
       return;
     }
     check(IDASetErrHandlerFn(
@@ -127,14 +88,14 @@ class Ida::Integrator final : public DenseStep {
     check(IDASetSuppressAlg(memory, SUNTRUE));
     check(IDASetMaxOrd(memory, options_.max_order));
     check(IDASetNonlinConvCoef(memory, newton_share));
-    check(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
+    check(IDASetLinearSolver(memory, linear_.solver.get(), linear_.matrix.get()));
     check(IDASetJacFn(memory, [](realtype t, realtype c, N_Vector y, N_Vector ydot, N_Vector,
                                  SUNMatrix, void* self, N_Vector, N_Vector, N_Vector) {
       return static_cast<Integrator*>(self)->linearize(t, c, y, ydot);
     }));
     check(IDASetLinearSolutionScaling(memory, SUNFALSE));
     check(IDASetDeltaCjLSetup(memory, cj_change));
-    set_max_step();
+    check(IDASetMaxStep(memory, max_step_));
     initialized_ = true;
   }
 
@@ -216,12 +177,7 @@ class Ida::Integrator final : public DenseStep {
   // Why a step ended with a negative status.
   std::string failure(int status) {
     if (!thrown_.empty()) return thrown_;
-    if (singular_) {
-      const std::string where = equations_.singular_unknown();
-      return fmt::format(
-          "the tangent is singular{}: redundant constraints or a mechanism in a lock",
-          where.empty() ? where : " at " + where);
-    }
+    if (singular_) return singular_failure(equations_.singular_unknown());
     if (const std::string element = system_.out_of_range(equations_.at()); !element.empty())
       return range_failure(element);
     double h = 0.0;
@@ -230,8 +186,7 @@ class Ida::Integrator final : public DenseStep {
       case IDA_ERR_FAIL:
         return fmt::format(
             "the estimated error stays too large at {}, with a step of {:.3g} s; look for a jump "
-            "or "
-            "an impact there, or allow a larger tolerance",
+            "or an impact there, or allow a larger tolerance",
             worst_error(), h);
       case IDA_TOO_MUCH_ACC:
         return fmt::format(
@@ -245,8 +200,7 @@ class Ida::Integrator final : public DenseStep {
       case IDA_LSOLVE_FAIL:
         return fmt::format(
             "Newton's iterations do not converge, with a step of {:.3g} s (worst equation: {}); "
-            "look "
-            "for a lock, a jump or an instability there",
+            "look for a lock, a jump or an instability there",
             h, equations_.worst_equation());
       default: {
         char* const name = IDAGetReturnFlagName(status);
@@ -258,22 +212,27 @@ class Ida::Integrator final : public DenseStep {
     }
   }
 
- private:
-  void set_max_step() {
-    check(IDASetMaxStep(memory_.get(),
-                        options_.max_step > 0.0 ? options_.max_step : longest * span_));
+  // Of the linear solver that IDA calls.
+  int factor() {
+    return guarded([&] {
+      ++counters_.factorizations;
+      singular_ = equations_.factor() != FactorStatus::ok;
+      return singular_ ? 1 : 0;
+    });
+  }
+  int solve(N_Vector x, N_Vector b) {
+    return guarded([&] {
+      const auto to = values(x), from = values(b);
+      std::copy(from.begin(), from.end(), to.begin());
+      equations_.solve(to);
+      return std::all_of(to.begin(), to.end(), [](double v) { return std::isfinite(v); }) ? 0 : 1;
+    });
   }
 
+ private:
   struct Steps {
     long steps = 0, rejected = 0, iterations = 0, retries = 0;
   };
-
-  Vector vector() const {
-    Vector v(N_VNew_Serial(equations_.size(), context_.get()));
-    if (!v) throw std::bad_alloc();
-    N_VConst(0.0, v.get());
-    return v;
-  }
 
   // Nothing may be thrown through IDA.
   template <class F>
@@ -303,59 +262,35 @@ class Ida::Integrator final : public DenseStep {
       return equations_.linearize(std::min(t, stop_), values(y), values(ydot), c) ? 0 : 1;
     });
   }
-  int factor() {
-    return guarded([&] {
-      ++counters_.factorizations;
-      singular_ = equations_.factor() != FactorStatus::ok;
-      return singular_ ? 1 : 0;
-    });
-  }
-  int solve(N_Vector x, N_Vector b) {
-    return guarded([&] {
-      const auto to = values(x), from = values(b);
-      std::copy(from.begin(), from.end(), to.begin());
-      equations_.solve(to);
-      return std::all_of(to.begin(), to.end(), [](double v) { return std::isfinite(v); }) ? 0 : 1;
-    });
-  }
-
   // Reciprocals of what is tolerated, times the root of their number, since IDA takes the mean. Multipliers count
   // in Newton's iterations only: lambda as far as V does, m c dV, and a share of its own; mu as r does, c dr.
   void set_weights(std::span<const double> y, std::span<double> w) {
     constexpr Index per_node = StabilizedIndex2::per_node;
     const double length = system_.length_scale(), root = std::sqrt(static_cast<double>(w.size()));
-    const ErrorTolerances& given = options_.tolerances;
-    const double relative = given.relative;
-    double speed = length / span_, spin = 1.0 / span_;
+    double speed = 0.0, spin = 0.0;
     for (Index i = 0; i < equations_.first_lambda(); i += per_node) {
       const Eigen::Map<const Vec6> V(y.data() + i + 7);
       speed = std::max(speed, V.head<3>().norm());
       spin = std::max(spin, V.tail<3>().norm());
     }
-    // A part that only turns moves its points, and one that only moves turns what it drives.
-    speed = std::max(speed, 1e-3 * spin * length);
-    spin = std::max(spin, 1e-3 * speed / length);
-    const auto limit = [](double physical, double other) {
-      return physical > 0.0 ? physical : other;
-    };
-    const double position = limit(given.position, relative * length),
-                 rotation = limit(given.rotation, relative),
-                 velocity = limit(given.velocity, relative * speed),
-                 turning = limit(given.angular_velocity, relative * spin);
+    norm_.measure(speed, spin);
+    const ErrorTolerances limits = norm_.limits();
     for (Index i = 0; i < equations_.first_lambda(); i += per_node) {
       double* const x = w.data() + i;
-      std::fill_n(x, 3, root / position);
-      std::fill_n(x + 3, 4, 2.0 * root / rotation);  // a quaternion changes by half the angle
-      std::fill_n(x + 7, 3, root / velocity);
-      std::fill_n(x + 10, 3, root / turning);
+      std::fill_n(x, 3, root / limits.position);
+      // A quaternion changes by half the angle.
+      std::fill_n(x + 3, 4, 2.0 * root / limits.rotation);
+      std::fill_n(x + 7, 3, root / limits.velocity);
+      std::fill_n(x + 10, 3, root / limits.angular_velocity);
     }
     const Index m = system_.multipliers();
     const double* const lambda = y.data() + equations_.first_lambda();
     double force = 0.0;
     for (Index i = 0; i < m; ++i)
       force = std::max(force, std::abs(lambda[i]) / (moment(i) ? length : 1.0));
-    const double of_force = multiplier_slack * relative * force + equations_.mass() * c_ * velocity;
-    const double of_mu = c_ * std::min(position / length, rotation);
+    const double of_force =
+        multiplier_slack * limits.relative * force + equations_.mass() * c_ * limits.velocity;
+    const double of_mu = c_ * std::min(limits.position / length, limits.rotation);
     for (Index i = 0; i < m; ++i) {
       // No matrix yet: c is not known.
       double* const x = w.data() + equations_.first_lambda() + i;
@@ -370,20 +305,20 @@ class Ida::Integrator final : public DenseStep {
   Counters& counters_;
   StabilizedIndex2 equations_;
   std::vector<bool> is_moment_;  // by multiplier
-  double span_ = 1.0;            // [s]
-  double stop_ = 0.0;            // the step under way does not pass it [s]
-  double c_ = 0.0;               // cj of the last matrix since the start [1/s]; 0: none
+  ErrorNorm norm_;
+  double max_step_ = 0.0;  // [s]
+  double stop_ = 0.0;      // the step under way does not pass it [s]
+  double c_ = 0.0;         // cj of the last matrix since the start [1/s]; 0: none
   bool initialized_ = false, singular_ = false;
   std::string thrown_;
   Steps last_;
   int iterations_ = 0;
   const State* begin_ = nullptr;
   const State* end_ = nullptr;
-  Handle<SUNContext, ContextDeleter> context_;  // outlives what it made
+  sundials::Context context_ = sundials::make_context();
   Vector y_, ydot_, kinds_, work_, rates_;
-  Handle<SUNMatrix, MatrixDeleter> matrix_;
-  Handle<SUNLinearSolver, SolverDeleter> linear_;
-  std::unique_ptr<void, IdaDeleter> memory_;
+  sundials::OwnSolver linear_{*this, context_};
+  std::unique_ptr<void, IdaDeleter> memory_{IDACreate(context_.get())};
 };
 
 Ida::Ida(const System& system, std::unique_ptr<LinearSolver> solver, const IdaOptions& options)
@@ -391,14 +326,10 @@ Ida::Ida(const System& system, std::unique_ptr<LinearSolver> solver, const IdaOp
       solver_(std::move(solver)),
       options_(options),
       scratch_(system.reference_state()) {
-  if (!system.with_rates())
-    throw Error("the system was compiled for statics: it has no inertia to integrate");
+  check_motion(system, options.max_step);
   if (system.nodes() < 2) throw Error("there is nothing that moves");
-  const ErrorNorm checked(system, options.tolerances, 1.0);
   if (!std::isfinite(options.end) || !(options.end > 0.0))
     throw Error(fmt::format("IDA needs a time at which it ends, not {}", options.end));
-  if (!(options.max_step >= 0.0))
-    throw Error(fmt::format("max_step must be positive, not {}", options.max_step));
   if (!(options.max_order >= 1 && options.max_order <= 5))
     throw Error(fmt::format("max_order must lie in 1 … 5, not {}", options.max_order));
   solver_->analyze(system.graph());
@@ -408,13 +339,9 @@ Ida::Ida(const System& system, std::unique_ptr<LinearSolver> solver, const IdaOp
 Ida::~Ida() = default;
 
 StepReport Ida::start(State& state) {
-  const double span = options_.end - state.t;
-  if (!(span > 0.0))
-    throw Error(fmt::format("the end {} s is not after the start {} s", options_.end, state.t));
-  slack_ = time_floor * span;
-  span_ = span;
-  for (const Breakpoint& b : system_.breakpoints())  // one that is here but for round-off
-    if (b.t > state.t && b.t <= state.t + slack_) state.t = b.t;
+  span_ = time_between(state.t, options_.end);
+  slack_ = time_floor * span_;
+  state.t = start_time(system_.breakpoints(), state.t, slack_);
   sizes_ = {};
   tiny_ = 0;
   return restart(state);
@@ -451,8 +378,7 @@ StepReport Ida::step(State& state) {
   system_.follow_angles(state);
   integrator_->accepted(begin_, state);
   const double h = state.t - begin_.t;
-  if (!landed && (sizes_.least == 0.0 || h < sizes_.least)) sizes_.least = h;
-  sizes_.most = std::max(sizes_.most, h);
+  record_size(h, landed);
 
   const double outer = 0.5 * std::sqrt(0.6);
   Work work = begin_.work;
@@ -466,20 +392,7 @@ StepReport Ida::step(State& state) {
   state.work = work;
   if (observer_) observer_(*integrator_);
 
-  if (landed &&
-      std::binary_search(system_.breakpoints().begin(), system_.breakpoints().end(),
-                         Breakpoint{landing.t, false},
-                         [](const Breakpoint& a, const Breakpoint& b) { return a.t < b.t; })) {
-    const double t = state.t;
-    state.t = landing.restart_at;
-    const StepReport again = restart(state);
-    ++counters_.restarts;
-    if (!again.converged) {
-      report.failure =
-          fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", t, again.failure);
-      return report;
-    }
-  }
+  if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, report)) return report;
   tiny_ = h < slack_ && !landed ? tiny_ + 1 : 0;
   if (tiny_ > most_tiny_steps) {
     report.failure = fmt::format(

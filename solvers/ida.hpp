@@ -53,7 +53,7 @@ class Ida final : public Stepper {
  private:
   class Integrator;  // what knows SUNDIALS
 
-  StepReport restart(State& state);
+  StepReport restart(State& state) override;
 
   const System& system_;
   std::unique_ptr<LinearSolver> solver_;

@@ -1,9 +1,6 @@
 // KINSOL over a System: y = [U of each node from the state at the start; multipliers], H = H_0 exp(U). The
 // residual is taken in the present node frames, so J = S diag(T(U), I): the linear solver is ours, wrapped.
 #include <kinsol/kinsol.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_linearsolver.h>
-#include <sundials/sundials_matrix.h>
 
 #include <fmt/format.h>
 
@@ -13,27 +10,14 @@
 
 #include "solvers/equilibrium.hpp"
 #include "solvers/increments.hpp"
+#include "solvers/sundials.hpp"
 
 namespace mbd {
 namespace {
 
-struct ContextDeleter {
-  void operator()(SUNContext context) const { SUNContext_Free(&context); }
-};
 struct KinsolDeleter {
   void operator()(void* memory) const { KINFree(&memory); }
 };
-struct VectorDeleter {
-  void operator()(N_Vector v) const { N_VDestroy(v); }
-};
-struct MatrixDeleter {
-  void operator()(SUNMatrix A) const { SUNMatFreeEmpty(A); }
-};
-struct SolverDeleter {
-  void operator()(SUNLinearSolver S) const { SUNLinSolFreeEmpty(S); }
-};
-template <class T, class Deleter>
-using Handle = std::unique_ptr<std::remove_pointer_t<T>, Deleter>;
 
 class Kinsol {
  public:
@@ -46,27 +30,9 @@ class Kinsol {
         counters_(counters),
         start_(state),
         motions_(6 * (system.nodes() - 1)) {
-    SUNContext context = nullptr;
-    if (SUNContext_Create(nullptr, &context) != 0) throw std::bad_alloc();
-    context_.reset(context);
-    y_ = vector();
-    u_scale_ = vector();
-    f_scale_ = vector();
-    memory_.reset(KINCreate(context));
-    matrix_.reset(SUNMatNewEmpty(context));
-    linear_.reset(SUNLinSolNewEmpty(context));
-    if (!memory_ || !matrix_ || !linear_) throw std::bad_alloc();
-    matrix_->content = this;
-    matrix_->ops->getid = [](SUNMatrix) { return SUNMATRIX_CUSTOM; };
-    matrix_->ops->zero = [](SUNMatrix) { return 0; };
-    linear_->content = this;
-    linear_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
-    linear_->ops->setup = [](SUNLinearSolver S, SUNMatrix) {
-      return static_cast<Kinsol*>(S->content)->factor();
-    };
-    linear_->ops->solve = [](SUNLinearSolver S, SUNMatrix, N_Vector x, N_Vector b, realtype) {
-      return static_cast<Kinsol*>(S->content)->solve(x, b);
-    };
+    for (sundials::Vector* const v : {&y_, &u_scale_, &f_scale_})
+      *v = sundials::make_vector(system.unknowns(), context_);
+    if (!memory_) throw std::bad_alloc();
   }
 
   bool go(std::string& failure) {
@@ -84,9 +50,9 @@ class Kinsol {
           return static_cast<Kinsol*>(self)->residual(y, f);
         },
         y_.get()));
-    check(KINSetLinearSolver(memory, linear_.get(), matrix_.get()));
-    check(KINSetJacFn(memory, [](N_Vector y, N_Vector, SUNMatrix A, void*, N_Vector, N_Vector) {
-      return static_cast<Kinsol*>(A->content)->tangent(y);
+    check(KINSetLinearSolver(memory, linear_.solver.get(), linear_.matrix.get()));
+    check(KINSetJacFn(memory, [](N_Vector y, N_Vector, SUNMatrix, void* self, N_Vector, N_Vector) {
+      return static_cast<Kinsol*>(self)->tangent(y);
     }));
     check(KINSetMaxSetupCalls(memory, 1));  // the tangent anew in each iteration
     check(KINSetNumMaxIters(memory, 10 * options_.max_iterations));
@@ -108,15 +74,24 @@ class Kinsol {
     return false;
   }
 
- private:
-  Handle<N_Vector, VectorDeleter> vector() const {
-    Handle<N_Vector, VectorDeleter> v(N_VNew_Serial(system_.unknowns(), context_.get()));
-    if (!v) throw std::bad_alloc();
-    N_VConst(0.0, v.get());
-    return v;
+  // Of the linear solver that KINSOL calls.
+  int factor() {
+    ++counters_.factorizations;
+    return solver_.factor() == FactorStatus::ok ? 0 : 1;
   }
+  int solve(N_Vector x, N_Vector b) const {
+    auto y = map(x);
+    y = map(b);
+    solver_.solve({y.data(), static_cast<std::size_t>(y.size())});
+    for (Index n = 0; n < motions_; n += 6)
+      y.segment<6>(n) = T_inverse_times<double>(at_.segment<6>(n), y.segment<6>(n));
+    return y.allFinite() ? 0 : 1;
+  }
+
+ private:
   static Eigen::Map<VecX> map(N_Vector v) {
-    return {NV_DATA_S(v), static_cast<Index>(NV_LENGTH_S(v))};
+    const auto x = sundials::values(v);
+    return {x.data(), static_cast<Index>(x.size())};
   }
 
   // Lengths by the scene's, forces by the largest stiffness times that length, moments by length more;
@@ -161,19 +136,6 @@ class Kinsol {
     ++counters_.tangents;
     return system_.linearize(state_, {}, r_, solver_) ? 0 : 1;
   }
-  int factor() {
-    ++counters_.factorizations;
-    return solver_.factor() == FactorStatus::ok ? 0 : 1;
-  }
-  int solve(N_Vector x, N_Vector b) const {
-    auto y = map(x);
-    y = map(b);
-    solver_.solve({y.data(), static_cast<std::size_t>(y.size())});
-    for (Index n = 0; n < motions_; n += 6)
-      y.segment<6>(n) = T_inverse_times<double>(at_.segment<6>(n), y.segment<6>(n));
-    return y.allFinite() ? 0 : 1;
-  }
-
   static constexpr double near_ = 1e-9;  // of the scaled residual: our Newton does the rest
 
   const System& system_;
@@ -184,11 +146,10 @@ class Kinsol {
   const State start_;
   const Index motions_;
   VecX r_, at_;
-  Handle<SUNContext, ContextDeleter> context_;  // outlives what it made
-  Handle<N_Vector, VectorDeleter> y_, u_scale_, f_scale_;
-  Handle<SUNMatrix, MatrixDeleter> matrix_;
-  Handle<SUNLinearSolver, SolverDeleter> linear_;
-  std::unique_ptr<void, KinsolDeleter> memory_;
+  sundials::Context context_ = sundials::make_context();
+  sundials::Vector y_, u_scale_, f_scale_;
+  sundials::OwnSolver linear_{*this, context_};
+  std::unique_ptr<void, KinsolDeleter> memory_{KINCreate(context_.get())};
 };
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "libmbd/core/error.hpp"
-#include "libmbd/core/se3_rates.hpp"
+#include "libmbd/core/se3.hpp"
+#include "libmbd/core/spectral.hpp"
 
 namespace mbd {
 namespace {
@@ -21,23 +21,12 @@ constexpr double stagnation = 0.3;  // increments below round-off that fall no f
 constexpr double stalled_fixed = 20.0;
 constexpr double theta_fresh = 0.05;  // assumed of new ones
 constexpr int iterations_renew = 6;   // this many: new tangents at the next step
-constexpr double time_rounding =
-    1e-6;  // of a fixed step: what sums of steps can be wrong by, and more
-constexpr double time_floor = 1e-12;  // of adaptive ones, of the time until the end
-constexpr double same_step = 1e-3;    // steps that differ less share a factorisation
-constexpr int most_halvings = 40;
-constexpr int successes_double = 4;  // so many small steps in a row: back to twice the size
-constexpr double longest = 0.05;     // adaptive step, of the time until the end
-constexpr double most_turn = 2.5;    // [rad] in a step: rotations are told apart up to pi
+constexpr double most_turn = 2.5;     // [rad] in a step: rotations are told apart up to pi
 // Adaptive steps: the estimate goes with h^4, the error with h^5; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 4;
 constexpr double local_tolerance = 0.1;
 constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increments
-// Of a rank-tolerant step (generalized_alpha.hpp): eps in units of 1/mass, and the tolerance of multipliers, of
-// which some are not determined there.
-constexpr double rank_tolerance = 1e-3;
-constexpr double loose_multipliers = 1e-2;
 constexpr double velocity_gain = 4.0;  // h dV/dU of a stage: about |gamma|, |mu|
 
 // The tableau, its inverse, and the transformation that uncouples the stages.
@@ -78,58 +67,28 @@ const Tableau& tableau() {
   return t;
 }
 
-// Lagrange weights at x of the nodes 0, c_1, c_2, 1.
-std::array<double, 4> collocation_weights(double x) {
-  const Vec3& c = tableau().c;
-  const std::array<double, 4> nodes{0.0, c(0), c(1), c(2)};
-  std::array<double, 4> w{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    w[i] = 1.0;
-    for (std::size_t k = 0; k < 4; ++k)
-      if (k != i) w[i] *= (x - nodes[k]) / (nodes[i] - nodes[k]);
-  }
-  return w;
-}
-std::array<double, 3> stage_weights(double x) {
-  const Vec3& c = tableau().c;
-  std::array<double, 3> w{};
-  for (Index i = 0; i < 3; ++i) {
-    double product = 1.0;
-    for (Index k = 0; k < 3; ++k)
-      if (k != i) product *= (x - c(k)) / (c(i) - c(k));
-    w[static_cast<std::size_t>(i)] = product;
-  }
-  return w;
-}
-
 }  // namespace
+
+// Of adaptive steps Newton's iterations go as far as the tolerance asks for.
+OneStep::Settings Radau::settings_with_newton(const RadauOptions& options) {
+  Settings settings = settings_of(options);
+  if (settings.adaptive()) {
+    NewtonOptions& newton = settings.newton;
+    newton.tolerance = newton_share * settings.tolerances.relative;
+    newton.multiplier_tolerance = std::clamp(10.0 * newton.tolerance, 1e-9, 1e-5);
+  }
+  return settings;
+}
 
 Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
              std::unique_ptr<PencilSolver> pencil, const RadauOptions& options)
-    : system_(system),
-      solver_(std::move(solver)),
+    : OneStep(system, std::move(solver), settings_with_newton(options), error_order),
       pencil_(std::move(pencil)),
-      options_(options),
-      norm_(system, options.newton),
-      dense_(system, HermiteStep::Degree::quintic),
-      adaptive_(options.step == 0.0 && options.tolerances.relative != 0.0) {
-  if (!adaptive_ && (!(options.step > 0.0) || !std::isfinite(options.step)))
-    throw Error(fmt::format("the time step must be positive, not {}", options.step));
-  if (adaptive_ && !(options.end > 0.0 && std::isfinite(options.end)))
-    throw Error(fmt::format("adaptive steps need a time at which they end, not {}", options.end));
-  if (!(options.max_step >= 0.0))
-    throw Error(
-        fmt::format("max_step must be positive, or 0 for the usual one, not {}", options.max_step));
-  if (!system.with_rates())
-    throw Error("the system was compiled for statics: it has no inertia to integrate");
-  if (!(options.max_halvings >= 0 && options.max_halvings <= most_halvings))
-    throw Error(fmt::format("max_halvings must lie in 0 … {}, not {}", most_halvings,
-                            options.max_halvings));
-  if (adaptive_) {
-    options_.newton.tolerance = newton_share * options.tolerances.relative;
-    options_.newton.multiplier_tolerance = std::clamp(10.0 * options_.newton.tolerance, 1e-9, 1e-5);
-    norm_ = IncrementNorm(system, options_.newton);
-  }
+      dense_(system, HermiteStep::Degree::quintic) {
+  // Fixed steps have no end: what moves less than a length, or a radian, in a thousand of them is at rest.
+  if (!settings_.adaptive())
+    error_norm_ = std::make_unique<ErrorNorm>(
+        system, ErrorTolerances{.relative = settings_.newton.tolerance}, 1000.0 * settings_.step);
   solver_->analyze(system.graph());
   BlockGraph graph = system.graph();  // and diagonal blocks of multipliers, for rank-tolerant steps
   const int blocks = static_cast<int>(graph.blocks.size());
@@ -154,39 +113,11 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
   z_.resize(static_cast<std::size_t>(system.unknowns()));
 }
 
-StepReport Radau::start(State& state) {
-  origin_ = state.t;
-  const double span = options_.end - origin_;
-  if (adaptive_ && !(span > 0.0))
-    throw Error(fmt::format("the end {} s is not after the start {} s", options_.end, origin_));
-  slack_ = adaptive_ ? time_floor * span : time_rounding * options_.step;
-  // Fixed steps have no end: what moves less than a length, or a radian, in a thousand of them is at rest.
-  const double duration = adaptive_ ? span : 1000.0 * options_.step;
-  ErrorTolerances tolerances = options_.tolerances;
-  if (!adaptive_) tolerances = {.relative = options_.newton.tolerance};
-  error_norm_ = std::make_unique<ErrorNorm>(system_, tolerances, duration);
-  controller_ = std::make_unique<StepController>(
-      error_order, options_.max_step > 0.0 ? options_.max_step : longest * span);
-  for (const Breakpoint& b : system_.breakpoints())  // one that is here but for round-off
-    if (b.t > origin_ && b.t <= origin_ + slack_) state.t = b.t;
-  count_ = 0;
-  halvings_ = 0;
-  sizes_ = {};
-  return restart(state);
-}
-
-StepReport Radau::restart(State& state) {
-  StepReport report;
-  report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
-  if (!report.failure.empty()) return report;
-  norm_.observe(state.lambda);
+void Radau::begin_at(State&) {
   history_ = false;
   linearized_ = false;
   for (Vec6& c : carry_) c.setZero();
   factored_step_ = 0.0;
-  if (adaptive_) controller_->start(first_step(system_, state, options_.end - state.t));
-  report.converged = true;
-  return report;
 }
 
 double Radau::time_of(std::size_t stage) const {
@@ -196,6 +127,7 @@ double Radau::time_of(std::size_t stage) const {
 // Stages from the polynomial of the last step, or from the rates at the start.
 void Radau::predict(bool extrapolate) {
   const bool known = extrapolate && history_;
+  const Vec3& c = tableau().c;
   for (std::size_t j = 0; j < stages; ++j) {
     State& stage = stage_[j];
     const double tau = time_of(j) - begin_.t;
@@ -203,14 +135,14 @@ void Radau::predict(bool extrapolate) {
       reference_[j][n] = begin_.pose[n] * exp_se3<double>(tau * begin_.V[n]);
     if (known) {
       const double since = time_of(j) - t_old_;
-      const auto w = collocation_weights(since / h_old_);
+      const auto w = lagrange<4>({0.0, c(0), c(1), c(2)}, since / h_old_);
       for (std::size_t n = 1; n < eQ_.size(); ++n) {
         const Vec6 q = w[1] * q_old_[0][n] + w[2] * q_old_[1][n] + w[3] * q_old_[2][n];
         const Pose<double> H =
             pose_old_[n] * exp_se3<double>(since * V_old_[n]) * exp_se3<double>(q);
         q_[j][n] = log_se3<double>(relative(reference_[j][n], H));
       }
-      const auto v = stage_weights(since / h_old_);
+      const auto v = lagrange<3>({c(0), c(1), c(2)}, since / h_old_);
       stage.lambda = v[0] * lambda_old_[0] + v[1] * lambda_old_[1] + v[2] * lambda_old_[2];
     } else {
       for (std::size_t n = 1; n < eQ_.size(); ++n) q_[j][n] = 0.5 * tau * tau * begin_.Vdot[n];
@@ -264,12 +196,8 @@ bool Radau::linearize(const State& at) {
   system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = {}}, pencil_->slots(1));
   system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = V_hat_}, pencil_->slots(1));
   system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, pencil_->slots(2));
-  if (tolerant_) {
-    const auto own = pencil_->slots(0).subspan(system_.graph().contributions.size());
-    for (std::size_t k = 0; k < own.size(); ++k)
-      for (Index i = 0; i < system_.constraints()[k].rows; ++i)
-        own[k].data[i * (own[k].ld + 1)] -= rank_tolerance / mass_;
-  }
+  if (tolerant_)
+    add_rank_tolerance(pencil_->slots(0).subspan(system_.graph().contributions.size()));
   stiffness_ = largest_stiffness(system_, pencil_->slots(0));
   ++counters_.tangents;
   linearized_ = true;
@@ -283,9 +211,7 @@ bool Radau::factorize(StepReport& report) {
   ++counters_.factorizations;
   if (pencil_->factor(1.0 / (x * x), x, tableau().mu / h_) != FactorStatus::ok) {
     const Index row = pencil_->singular_row();
-    report.failure =
-        fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
-                    row >= 0 ? " at " + system_.name_of(row + 6) : std::string());
+    report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
     factored_step_ = 0.0;
     return false;
   }
@@ -310,9 +236,9 @@ bool Radau::iterate(StepReport& report) {
     if (!factorize(report)) return false;
   norm_.set_floor(begin_, stiffness_ + mass_ * x * x);
   const double share = error_norm_->velocity_share(velocity_gain / h_);
-  const double stalled = adaptive_ ? 1.0 : stalled_fixed;
-  const double slack = tolerant_ ? loose_multipliers / options_.newton.multiplier_tolerance : 1.0;
-  for (int k = 0; k < options_.newton.max_iterations; ++k) {
+  const double stalled = settings_.adaptive() ? 1.0 : stalled_fixed;
+  const double slack = multiplier_slack();
+  for (int k = 0; k < settings_.newton.max_iterations; ++k) {
     const bool in_range = residuals();
     counters_.residuals += 3;
     // Right-hand sides of (2).
@@ -400,31 +326,18 @@ bool Radau::iterate(StepReport& report) {
     std::string element;
     for (std::size_t j = 0; j < stages && element.empty(); ++j)
       element = system_.out_of_range(stage_[j]);
-    report.failure =
-        element.empty()
-            ? fmt::format(
-                  "Newton's iterations do not converge (worst equation: {}); look for a lock, a "
-                  "jump or an instability there, or try a smaller step",
-                  system_.name_of(worst_row(system_, r_[2])))
-            : range_failure(element);
+    report.failure = newton_failure(element, r_[2]);
   }
   return false;
 }
 
-// Solves a step from `state` to t; its end is not yet projected, nor accepted.
-bool Radau::try_step(const State& state, double t, StepReport& report) {
-  begin_ = state;
-  h_ = t - begin_.t;
-  if (!adaptive_ && std::abs(h_ - options_.step) <= time_rounding * options_.step)
-    h_ = options_.step;  // not the round-off of times
+bool Radau::solve_step(double t, double h, StepReport& report) {
+  h_ = h;
   for (std::size_t j = 0; j < stages; ++j) {
     stage_[j] = begin_;
     system_.set_time(stage_[j], j + 1 == stages ? t : time_of(j), Side::left);
   }
   error_norm_->measure(begin_, begin_);
-  const int before = report.iterations;
-  report.iterations = 0;
-  report.failure.clear();
   predict(true);
   bool converged = iterate(report);
   if (!converged &&
@@ -443,7 +356,6 @@ bool Radau::try_step(const State& state, double t, StepReport& report) {
     converged = iterate(report);
     if (!converged) report.failure = failure;
   }
-  report.iterations += before;
   if (converged)
     for (std::size_t n = 1; n < eQ_.size() && converged; ++n)
       if (!(h_ * begin_.V[n].tail<3>().norm() + q_[2][n].tail<3>().norm() < most_turn)) {
@@ -451,11 +363,9 @@ bool Radau::try_step(const State& state, double t, StepReport& report) {
         report.failure = fmt::format("{} turns by more than {} rad in a step",
                                      system_.node_name(static_cast<Index>(n)), most_turn);
       }
-  if (!converged) settle();
   return converged;
 }
 
-// After a step has failed, or was rank-tolerant: its tangents are not kept.
 void Radau::settle() {
   relinearize_next_ = true;
   if (!tolerant_) return;
@@ -464,16 +374,28 @@ void Radau::settle() {
   history_ = false;  // nothing to extrapolate multipliers from
 }
 
+double Radau::estimated_error(bool again) {
+  // Of tolerance^(4/5).
+  const double factor = local_tolerance * std::pow(settings_.tolerances.relative, -0.2);
+  estimate(false);
+  error_norm_->measure(begin_, stage_[2]);
+  const double error = (*error_norm_)(eQ_, eV_, factor);
+  // After a rejection, and at a start, the estimate may be of what is too stiff for the step.
+  if (!(error > 1.0 && (again || !history_))) return error;
+  estimate(true);
+  return (*error_norm_)(eQ_, eV_, factor);
+}
+
 // Equation (3) into eQ_ and eV_.
-// `again`: from the start of the step moved by the first estimate, which is wrong where things are stiffer than
+// `filtered`: from the start of the step moved by the first estimate, which is wrong where things are stiffer than
 // the step resolves: what decays within it is then taken out (IV.8.20).
-void Radau::estimate_error(bool again) {
+void Radau::estimate(bool filtered) {
   const Tableau& t = tableau();
   const double x = t.gamma / h_, s = 1.0 / (x * x), rate = 1.0 / h_;
   const Index size = system_.unknowns(), motions = 6 * (system_.nodes() - 1);
   VecX& rhs = delta_[0];
   VecX &first = delta_[1], &second = delta_[2];
-  if (again) {
+  if (filtered) {
     moved_ = begin_;
     for (std::size_t n = 1; n < eQ_.size(); ++n) {
       moved_.pose[n] = begin_.pose[n] * exp_se3<double>(eQ_[n]);
@@ -491,7 +413,7 @@ void Radau::estimate_error(bool again) {
     const auto N = static_cast<std::size_t>(n);
     Vec6 dQ = rate * (t.e(0) * q_[0][N] + t.e(1) * q_[1][N] + t.e(2) * q_[2][N]);
     Vec6 dV = rate * (t.e(0) * dV_[0][N] + t.e(1) * dV_[1][N] + t.e(2) * dV_[2][N]);
-    if (again)
+    if (filtered)
       dQ += eV_[N] - V_hat_[N] * eQ_[N];  // q' there; V' is in the residual
     else
       dV += begin_.Vdot[N];
@@ -505,11 +427,11 @@ void Radau::estimate_error(bool again) {
   rhs.setZero();
   pencil_->multiply(1, span_of(first), span_of(rhs));
   pencil_->multiply(2, span_of(second), span_of(rhs));
-  if (again) rhs.head(motions) -= r_[0].segment(6, motions);
+  if (filtered) rhs.head(motions) -= r_[0].segment(6, motions);
   rhs.head(motions) *= s;
   y_.setZero();
   pencil_->multiply(0, span_of(first), span_of(y_));
-  if (again) y_.tail(size - motions) -= gdot_;
+  if (filtered) y_.tail(size - motions) -= gdot_;
   rhs.tail(size - motions) = y_.tail(size - motions) / x;  // B dQ
   pencil_->solve(span_of(rhs));
   for (Index n = 1; n < system_.nodes(); ++n) {
@@ -519,9 +441,8 @@ void Radau::estimate_error(bool again) {
   }
 }
 
-// Puts the end of the step on the constraints, at both levels. end_ is the state there.
+// Puts end_ on the constraints, at both levels.
 void Radau::project() {
-  end_ = stage_[2];
   if (system_.multipliers() == 0) return;
   constexpr int most_passes = 20;
   constexpr double slow = 0.1, worth = 100.0;
@@ -570,8 +491,10 @@ void Radau::project() {
   });
 }
 
-void Radau::accept(State& state) {
+void Radau::accept() {
   const Tableau& t = tableau();
+  end_ = stage_[2];
+  project();
   for (std::size_t n = 1; n < eQ_.size(); ++n) {
     renormalize(end_.pose[n]);
     const Vec6 change = dV_[2][n] + carry_[n];
@@ -585,7 +508,6 @@ void Radau::accept(State& state) {
     end_.work.loads += weight * power.loads;
     end_.work.drives += weight * power.drives;
   }
-  norm_.observe(end_.lambda);
   if (observer_) {
     for (std::size_t n = 1; n < Q_.size(); ++n)
       Q_[n] = log_se3<double>(relative(begin_.pose[n], end_.pose[n]));
@@ -600,131 +522,6 @@ void Radau::accept(State& state) {
   t_old_ = begin_.t;
   h_old_ = h_;
   history_ = true;
-  state = end_;
-  ++counters_.substeps;
-  if (tolerant_) {
-    ++counters_.tolerant;
-    settle();
-  }
-}
-
-bool Radau::land(State& state, const Landing& landing, StepReport& report) {
-  if (!landing.restart) return true;
-  const double t = state.t;
-  state.t = landing.restart_at;
-  const StepReport again = restart(state);
-  ++counters_.restarts;
-  if (again.converged) return true;
-  report.converged = false;
-  report.failure =
-      fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", t, again.failure);
-  return false;
-}
-
-StepReport Radau::step(State& state) {
-  return adaptive_ ? adaptive_step(state) : fixed_step(state);
-}
-
-StepReport Radau::fixed_step(State& state) {
-  StepReport report;
-  const double end = origin_ + static_cast<double>(count_ + 1) * options_.step;
-  double reached = state.t;
-  while (reached < end - slack_) {
-    const Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
-    reached = landing.t;
-    const double whole = landing.t - state.t;
-    for (bool last = false; !last;) {  // in one step, or in pieces
-      const double h = std::ldexp(whole, -halvings_);
-      last = h > (landing.t - state.t) * (1.0 - time_rounding);
-      if (try_step(state, last ? landing.t : state.t + h, report)) {
-        project();
-        accept(state);
-        if (halvings_ > 0 && ++good_ == successes_double) {
-          --halvings_;
-          good_ = 0;
-        }
-        continue;
-      }
-      last = false;
-      good_ = 0;
-      if (halvings_ == options_.max_halvings) {
-        report.failure =
-            fmt::format("from t = {:.9g} s{}: {}", state.t,
-                        options_.max_halvings > 0 ? fmt::format(", even with a step of {:.3g} s", h)
-                                                  : std::string(),
-                        report.failure);
-        return report;
-      }
-      ++halvings_;
-      ++counters_.retries;
-    }
-    if (!land(state, landing, report)) return report;
-  }
-  ++count_;
-  ++counters_.steps;
-  report.failure.clear();
-  report.converged = true;
-  return report;
-}
-
-StepReport Radau::adaptive_step(State& state) {
-  StepReport report;
-  const Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
-  // Of tolerance^(4/5).
-  const double factor = local_tolerance * std::pow(options_.tolerances.relative, -0.2);
-  bool again =
-      false;  // a step that has been rejected: the estimate may be of what is too stiff for it
-  for (;;) {
-    double h = controller_->step();
-    const double rest = landing.t - state.t;
-    const bool last = h > rest * (1.0 - same_step);
-    if (last)
-      h = rest;
-    else if (2.0 * h > rest)
-      h = 0.5 * rest;  // two alike, rather than a whole one and a rest
-    if (!(h > slack_)) {
-      report.failure = fmt::format(
-          "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
-          h,
-          report.failure.empty() ? "the estimated error stays too large at " +
-                                       system_.name_of(error_norm_->worst_row())
-                                 : report.failure);
-      return report;
-    }
-    if (!try_step(state, last ? landing.t : state.t + h, report)) {
-      ++counters_.retries;
-      controller_->failed(h);
-      continue;
-    }
-    estimate_error(false);
-    error_norm_->measure(begin_, stage_[2]);
-    double error = (*error_norm_)(eQ_, eV_, factor);
-    if (error > 1.0 && (again || !history_)) {
-      estimate_error(true);
-      error = (*error_norm_)(eQ_, eV_, factor);
-    }
-    if (!(error <= 1.0)) {
-      ++counters_.rejected;
-      again = true;
-      controller_->rejected(h, error);
-      if (tolerant_) settle();
-      continue;
-    }
-    controller_->accepted(h, error);
-    if (!last && (sizes_.least == 0.0 || h < sizes_.least)) sizes_.least = h;
-    sizes_.most = std::max(sizes_.most, h);
-    sizes_.worst_error = std::max(sizes_.worst_error, error);
-    sizes_.position_error += error_norm_->position();
-    sizes_.rotation_error += error_norm_->rotation();
-    project();
-    accept(state);
-    ++counters_.steps;
-    report.failure.clear();
-    report.error = error;
-    if (last && !land(state, landing, report)) return report;
-    report.converged = true;
-    return report;
-  }
 }
 
 }  // namespace mbd

@@ -28,8 +28,7 @@
 // tolerance^(4/5) times a constant, so that the error goes with the tolerance.
 //
 // Near a singular configuration, where velocities can meet their constraints only if positions do, a step that
-// fails is tried with -eps I in place of the zero block, as in
-// generalized_alpha.hpp.
+// fails is tried with -eps I in place of the zero block (one_step.hpp).
 //
 // Orders: 5 of the motion, and of velocities; 3 of multipliers and accelerations (index 2; Hairer, Lubich,
 // Roche 1989). Dense output: dense_output.hpp, quintic, order 5; multipliers through the stages, order 3.
@@ -45,10 +44,8 @@
 
 #include "libmbd/core/system.hpp"
 #include "solvers/dense_output.hpp"
-#include "solvers/error_control.hpp"
-#include "solvers/increments.hpp"
+#include "solvers/one_step.hpp"
 #include "solvers/pencil_solver.hpp"
-#include "solvers/stepper.hpp"
 
 namespace mbd {
 
@@ -59,60 +56,44 @@ struct RadauOptions {
   double max_step = 0.0;  // [s] of adaptive ones; 0: a twentieth of the time until the end
   int max_halvings = 5;   // of a fixed step that fails
   // On increments of the stages, of motion as of velocities (newton.tolerance; of adaptive steps a hundredth of
-  // the tolerance) and of multipliers.
+  // the tolerance) and of multipliers. newton.tangent is not used: tangents are always kept.
   NewtonOptions newton{.tolerance = 1e-12, .multiplier_tolerance = 1e-9};
 };
 
-class Radau final : public Stepper {
+class Radau final : public OneStep {
  public:
   // `solver` is for the accelerations at the start and after jumps, `pencil` for the steps. Throws Error for
   // settings without sense. Refers to `system`.
   Radau(const System& system, std::unique_ptr<LinearSolver> solver,
         std::unique_ptr<PencilSolver> pencil, const RadauOptions& options);
 
-  StepReport start(State& state) override;
-  StepReport step(State& state) override;
-
  private:
   static constexpr std::size_t stages = 3;
   using Stages = std::array<std::vector<Vec6>, stages>;
 
-  StepReport restart(State& state);
-  bool land(State& state, const Landing& landing, StepReport& report);
-  StepReport fixed_step(State& state);
-  StepReport adaptive_step(State& state);
-  bool try_step(const State& state, double t, StepReport& report);
-  void settle();
+  static Settings settings_with_newton(const RadauOptions& options);
+
+  void begin_at(State& state) override;
+  bool solve_step(double t, double h, StepReport& report) override;
+  double estimated_error(bool again) override;
+  void accept() override;
+  void settle() override;
+
   void predict(bool extrapolate);
   void update_stages();
   bool residuals();
   bool linearize(const State& at);
   bool factorize(StepReport& report);
   bool iterate(StepReport& report);
-  void estimate_error(bool again);
+  void estimate(bool filtered);
   void project();
-  void accept(State& state);
   double time_of(std::size_t stage) const;
 
-  const System& system_;
-  std::unique_ptr<LinearSolver> solver_;
   std::unique_ptr<PencilSolver> pencil_;
-  RadauOptions options_;
-  IncrementNorm norm_;
   HermiteStep dense_;
-  std::unique_ptr<ErrorNorm> error_norm_;
-  std::unique_ptr<StepController> controller_;
-  bool adaptive_ = false;
 
-  double origin_ = 0.0;  // time of start() [s]
-  double slack_ = 0.0;   // round-off of times [s]
-  long count_ = 0;       // whole fixed steps since
-  double h_ = 0.0;       // step under way [s]
-  int halvings_ = 0;     // of the fixed steps now tried, and how many in a row have gone well
-  int good_ = 0;
-  double mass_ = 0.0;  // largest entry of dr/dVdot at the last start
-
-  State begin_, end_, moved_;
+  double h_ = 0.0;  // step under way [s]
+  State moved_;
   std::array<State, stages> stage_;
   Stages q_, dV_;            // dV = V - V_i
   std::vector<Vec6> carry_;  // what the last V has lost by round-off (Kahan)
@@ -135,7 +116,6 @@ class Radau final : public Stepper {
   double stiffness_ = 0.0;      // largest entry of K [N/m], of the last linearisation
   bool linearized_ = false;     // P0, P1, P2 are there
   bool fresh_ = false;          // and of this step
-  bool tolerant_ = false;       // with -eps I in place of the zero block of (2)
   double factored_step_ = 0.0;  // h of the last factorisation; 0: none
   double theta_ = 0.1;          // contraction of the kept tangent
   bool relinearize_next_ = true;

@@ -30,9 +30,8 @@ enum class Balance { acceleration, momentum };
 enum class TimeMethod { generalized_alpha, radau, ida };
 
 struct Counters {
-  long steps = 0;  // whole ones
-  long substeps =
-      0;  // accepted, among them those that end at a breakpoint or are parts of a failed step
+  long steps = 0;     // whole ones
+  long substeps = 0;  // accepted, among them those cut by a breakpoint and parts of a failed step
   long retries = 0;   // steps that failed and were tried in halves
   long rejected = 0;  // steps whose estimated error was too large
   long tolerant = 0;  // steps near a singular configuration, done with a rank-tolerant tangent
@@ -45,9 +44,8 @@ struct Counters {
 
 // What step control did, and what it believes of the error.
 struct StepSizes {
-  double least = 0.0,
-         most =
-             0.0;  // accepted steps [s]; those cut by a breakpoint or the end not counted in least
+  // Accepted steps [s]; `least` without those cut by a breakpoint or the end.
+  double least = 0.0, most = 0.0;
   // Largest estimated local error of an accepted step, of what was allowed.
   double worst_error = 0.0;
   // Sums of the estimated local errors of all accepted steps: positions [m], rotations [rad]. Of the error at

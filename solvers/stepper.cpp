@@ -4,21 +4,65 @@
 
 #include <algorithm>
 
+#include "libmbd/core/error.hpp"
 #include "solvers/increments.hpp"
 
 namespace mbd {
 
+bool Stepper::restart_at(double t, State& state, StepReport& report) {
+  const double reached = state.t;
+  state.t = t;
+  const StepReport again = restart(state);
+  ++counters_.restarts;
+  if (again.converged) return true;
+  report.converged = false;
+  report.failure =
+      fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", reached, again.failure);
+  return false;
+}
+
+void Stepper::record_size(double h, bool cut) {
+  if (!cut && (sizes_.least == 0.0 || h < sizes_.least)) sizes_.least = h;
+  sizes_.most = std::max(sizes_.most, h);
+}
+
 Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack) {
   auto first = std::upper_bound(breakpoints.begin(), breakpoints.end(), t + slack,
                                 [](double at, const Breakpoint& b) { return at < b.t; });
-  Landing landing{end, false, end};
+  Landing landing{.t = end, .restart_at = end};
   if (first == breakpoints.end() || first->t > end + slack) return landing;
   auto last = first;
   for (; last != breakpoints.end() && last->t <= std::min(first->t, end) + slack; ++last)
     landing.restart = landing.restart || last->restart;
   landing.t = first->t;
+  landing.breakpoint = true;
   landing.restart_at = std::prev(last)->t;
   return landing;
+}
+
+double start_time(std::span<const Breakpoint> breakpoints, double t, double slack) {
+  double start = t;
+  for (const Breakpoint& b : breakpoints)
+    if (b.t > t && b.t <= t + slack) start = b.t;
+  return start;
+}
+
+void check_motion(const System& system, double max_step) {
+  if (!system.with_rates())
+    throw Error("the system was compiled for statics: it has no inertia to integrate");
+  if (!(max_step >= 0.0))
+    throw Error(fmt::format("max_step must be positive, or 0 for the usual one, not {}", max_step));
+}
+
+double time_between(double start, double end) {
+  if (!(end > start))
+    throw Error(fmt::format("the end {} s is not after the start {} s", end, start));
+  return end - start;
+}
+
+std::string singular_failure(const std::string& unknown) {
+  return fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
+                     unknown.empty() ? unknown : " at " + unknown);
 }
 
 std::string initial_accelerations(const System& system, LinearSolver& solver, State& state,

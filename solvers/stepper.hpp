@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libmbd/core/system.hpp"
@@ -43,6 +44,16 @@ class Stepper {
   }
 
  protected:
+  static constexpr double time_floor = 1e-12;   // round-off of times, of the time until the end
+  static constexpr double longest_step = 0.05;  // adaptive ones, of the time until the end
+
+  // Consistent accelerations and multipliers; nothing from before state.t is used after it.
+  virtual StepReport restart(State& state) = 0;
+  // At the end of a step that landed on breakpoints, of which the last is at t. False: `report` says why.
+  bool restart_at(double t, State& state, StepReport& report);
+  // Of an accepted step, `cut` by a breakpoint or the end.
+  void record_size(double h, bool cut);
+
   Counters counters_;
   StepSizes sizes_;
   std::function<void(const DenseStep&)> observer_;
@@ -50,13 +61,24 @@ class Stepper {
 
 // Where a step that would end at `end` has to stop.
 struct Landing {
-  double t = 0.0;        // [s] `end`, or a breakpoint before it
-  bool restart = false;  // what accelerates jumps there,
-  double restart_at =
-      0.0;  // at this time: the last of the breakpoints that are one but for `slack`
+  double t = 0.0;           // [s] `end`, or a breakpoint before it
+  bool breakpoint = false;  // it is one
+  bool restart = false;     // what accelerates jumps there, at the time that follows:
+  double restart_at = 0.0;  // the last of the breakpoints that are one but for `slack`
 };
 // `slack` is the round-off of times: breakpoints closer than that to the start have been passed.
 Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack);
+
+// `t`, or a breakpoint that is there but for `slack`.
+double start_time(std::span<const Breakpoint> breakpoints, double t, double slack);
+
+// Throws Error for a system without inertia, or a largest step that is negative; 0 stands for the usual one.
+void check_motion(const System& system, double max_step);
+// From `start` to `end` [s]; throws Error if that is not after it.
+double time_between(double start, double end);
+
+// What to say of a tangent that is singular at an unknown; empty: not known which.
+std::string singular_failure(const std::string& unknown);
 
 // Vdot and multipliers that satisfy the equations of motion at state.t, from the right, and the constraints
 // at the level of accelerations. Returns an empty string, or why there are none. `mass` becomes the largest
@@ -64,7 +86,7 @@ Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double e
 std::string initial_accelerations(const System& system, LinearSolver& solver, State& state,
                                   double& mass, Counters& counters);
 
-// Work of loads and drives over a step by a rule of weights and powers [W].
+// What loads and drives do to a state in motion [W].
 struct Power {
   double loads = 0.0;
   double drives = 0.0;

@@ -4,6 +4,7 @@
 // rounded to T: double, or long double for reference solutions below the round-off of double.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "libmbd/core/types.hpp"
@@ -42,6 +43,17 @@ BasicSpectralTable<T> spectral_table(int order, Rule rule);  // throws Error for
 // All l_k(xi), and all l'_k(xi), of the Lagrange polynomials through given nodes (barycentric weights
 // would lose digits at the nodes; products do not).
 VecX lagrange(const std::vector<double>& nodes, double xi);
+// For steps in time: in double, without memory of its own.
+template <std::size_t n>
+std::array<double, n> lagrange(const std::array<double, n>& nodes, double t) {
+  std::array<double, n> l;
+  for (std::size_t k = 0; k < n; ++k) {
+    l[k] = 1.0;
+    for (std::size_t j = 0; j < n; ++j)
+      if (j != k) l[k] *= (t - nodes[j]) / (nodes[k] - nodes[j]);
+  }
+  return l;
+}
 VecX lagrange_derivative(const std::vector<double>& nodes, double xi);
 
 }  // namespace mbd

@@ -1,5 +1,5 @@
 // T(U) x without its matrix: against the series that defines T, against T_of(), and its derivatives.
-#include "libmbd/core/se3_rates.hpp"
+#include "libmbd/core/se3.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,52 +12,14 @@
 #include <numeric>
 
 #include "tests/support/rigid_cases.hpp"
-#include "tests/support/scenes.hpp"
+#include "tests/support/stepping.hpp"
 
 namespace mbd::test::test_orders {
 namespace {
 
-using Columns = std::vector<const std::vector<double>*>;
-using Eigen::Vector3d;
-
 std::string listed(const std::vector<double>& x) { return testing::PrintToString(x); }
 
-Columns components_of(const Table& t, const std::string& name, int count = 3) {
-  Columns columns;
-  for (int i = 1; i <= count; ++i) columns.push_back(&t[name + "." + std::to_string(i)]);
-  return columns;
-}
-
-RecordScene joint_record(const std::string& joint) {
-  RecordScene record;
-  record.name = "joint_" + joint;
-  record.joint = joint;
-  record.quantities = {"reaction_force", "reaction_moment"};
-  return record;
-}
-
 // ---- rigid bodies -----------------------------------------------------------------------------
-
-Columns columns_of(const std::vector<std::vector<double>>& x) {
-  Columns columns;
-  for (const std::vector<double>& one : x) columns.push_back(&one);
-  return columns;
-}
-
-// Component of a force, given in the joint's frame, along the direction it has when it is largest: that of
-// the rod, which turns with the frame.
-std::vector<double> along_largest(const Columns& force) {
-  const auto at = [&force](std::size_t k) {
-    return Vector3d((*force[0])[k], (*force[1])[k], (*force[2])[k]);
-  };
-  Vector3d largest = Vector3d::Zero();
-  for (std::size_t k = 0; k < force[0]->size(); ++k)
-    if (at(k).norm() > largest.norm()) largest = at(k);
-  std::vector<double> component;
-  for (std::size_t k = 0; k < force[0]->size(); ++k)
-    component.push_back(at(k).dot(largest.normalized()));
-  return component;
-}
 
 struct TimeErrors {
   std::vector<double> motion, multipliers;
@@ -78,15 +40,21 @@ TimeErrors rigid_errors(const RigidCase& c, const Scene& model, double rho,
     const Table& t = history.table;
     const std::size_t n = reference.tension.size();
     EXPECT_EQ(t.rows(), n);
-    errors.motion.push_back(relative_rms(components_of(t, c.place + ".position"),
+<<<<<<< HEAD
+    errors.motion.push_back(relative_rms(components(t, c.place + ".position"),
                                          columns_of(reference.position), 0, n));
-    const Columns force = components_of(t, "joint_" + c.joint + ".reaction_force");
+    const Columns force = components(t, "joint_" + c.joint + ".reaction_force");
     if (c.model == "pendulum") {
       const std::vector<double> tension = along_largest(force);
       errors.multipliers.push_back(relative_rms({&tension}, {&reference.tension}, 0, n));
     } else {
       errors.multipliers.push_back(relative_rms(force, columns_of(reference.force), 0, n));
     }
+=======
+    errors.motion.push_back(
+        relative_rms(components(t, c.place + ".position"), columns_of(reference.position), 0, n));
+    errors.multipliers.push_back(reaction_error(c, reference, t));
+>>>>>>> tidy7
   }
   return errors;
 }
@@ -139,7 +107,7 @@ TEST_P(OrderInTime, OfTheFirstMultipliersOfHeavyTop) {
       scene.transient->duration = c.duration;
       scene.transient->rho_infinity = GetParam();
       const History history = run_to_table(scene);
-      errors.push_back(relative_rms(components_of(history.table, "joint_O.reaction_force"),
+      errors.push_back(relative_rms(components(history.table, "joint_O.reaction_force"),
                                     columns_of(reference.force), k, k + 1));
     }
     EXPECT_GT(fitted_order(h, errors), 1.9) << "accepted time " << k << ": " << listed(errors);
@@ -204,9 +172,9 @@ TEST(OrderInTimeOfStarts, OfAChainThatStartsTurning) {
       scene.transient->step = step / 16;
       const Table fine = run_to_table(scene, 16).table;
       for (const JointScene& joint : scene.joints) {
-        for (const auto* column : components_of(coarse, "joint_" + joint.name + ".reaction_force"))
+        for (const auto* column : components(coarse, "joint_" + joint.name + ".reaction_force"))
           a.push_back(column);
-        for (const auto* column : components_of(fine, "joint_" + joint.name + ".reaction_force"))
+        for (const auto* column : components(fine, "joint_" + joint.name + ".reaction_force"))
           b.push_back(column);
       }
       first.push_back(relative_rms(a, b, 1, 2));
@@ -252,7 +220,7 @@ TEST_P(OrderInTimeSlow, Shaft) {
                                        std::pair{"joint_R.reaction_moment", &R_moment},
                                        std::pair{"joint_T.reaction_force", &T_force},
                                        std::pair{"joint_T.reaction_moment", &T_moment}})
-      errors->push_back(error(components_of(t, name), components_of(reference, name)));
+      errors->push_back(error(components(t, name), components(reference, name)));
   }
   const double tolerance = rho == 0.0 ? 0.2 : 0.06;
   expect_order("motion", h, motion, 2.0, tolerance);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "libmbd/core/error.hpp"
+#include "tests/support/landings.hpp"
 #include "tests/support/rigid_cases.hpp"
 #include "tests/support/stepping.hpp"
 
@@ -15,9 +16,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-Scene scene_of(const std::string& items, const Overrides& overrides = {}) {
-  return read_model_text("<mbd name=\"test\">" + items + "</mbd>", "test.xml", overrides);
-}
 void expect_has(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no: " << part;
 }
@@ -125,44 +123,19 @@ TEST(RadauLandings, OnJumps) {
   }
 }
 
-// Breakpoints on steps cost none, kinks no restart, and times that differ by round-off are one.
 TEST(RadauLandings, CountBreakpointsAsTheyAre) {
-  const auto counters = [](const std::string& force) {
-    return drive(scene_of(R"xml(<body name="ball" mass="2" inertia="1 1 1"/>
-        <load at="ball" force=")xml" +
-                          force + R"xml( 0 0"/><transient duration="1" step="0.1"/>)xml"),
-                 radau({.step = 0.1}), 1.0)
-        .counters;
-  };
-  Counters c = counters("t&gt;0.3?1:0");
-  EXPECT_EQ(c.substeps, 10);
-  EXPECT_EQ(c.restarts, 1);
-  c = counters("t&gt;0.35?t-0.35:0");
-  EXPECT_EQ(c.substeps, 11);
-  EXPECT_EQ(c.restarts, 0);
-  c = counters("(t&gt;0.3?1:0)+(t&gt;0.1*3?1:0)+(t&gt;0.3+1e-9?1:0)");
-  EXPECT_EQ(c.substeps, 10);
-  EXPECT_EQ(c.restarts, 1);
+  expect_breakpoints_counted(
+      [](const Scene& scene) { return drive(scene, radau({.step = 0.1}), 1.0).counters; });
 }
 
-// A disk under a moment cos(5 t) from an instant no step meets.
 TEST(RadauLandings, KeepTheOrderAcrossAJump) {
-  const double t0 = std::sqrt(0.11);
-  const double exact =
-      0.5 * ((std::cos(5 * t0) - std::cos(5.0)) / 25.0 - std::sin(5 * t0) / 5.0 * (1.0 - t0));
   const std::vector<double> h = {0.2, 0.1, 0.05, 0.025};
   std::vector<double> error;
   for (const double step : h) {
-    const Driven d = drive(scene_of(R"xml(
-          <body name="disk" mass="1" inertia="1 1 2"/>
-          <revolute name="R" between="ground disk" axis="0 0 1"/>
-          <load at="disk" moment="0 0 t&lt;sqrt(0.11)?0:cos(5*t)"/>
-          <transient duration="1" step="0.1"/>)xml"),
-                           radau({.step = step}), 1.0);
+    const Driven d = drive(late_disk(step), radau({.step = step}), 1.0);
     ASSERT_TRUE(d.last.converged) << d.last.failure;
     EXPECT_EQ(d.counters.restarts, 1);
-    const double angle = 2.0 * std::atan2(d.state.pose[1].p.z(), d.state.pose[1].p.w());
-    error.push_back(std::abs(angle - exact) / std::abs(exact));
+    error.push_back(late_disk_error(d.state));
   }
   RecordProperty("errors", testing::PrintToString(error));
   EXPECT_GT(fitted_order(h, error), 4.5) << testing::PrintToString(error);
@@ -506,22 +479,8 @@ TEST(RadauFailures, StepsThatShrinkToNothing) {
   EXPECT_LT(e.counters.steps, 5000);
 }
 
-// A crank of 1 drives a rocker of 1 through a rod of 1 over a base of 2: at cos(theta) = 1/4 the rod and
-// the rocker are in line, and the crank cannot go on.
-const char* const locking = R"xml(
-  <body name="crank" at="0 0 0" mass="1" center="0.5 0 0" inertia="1e-3 0.1 0.1"/>
-  <body name="rod" at="1 0 0" orientation="0 0 atan2(sqrt(3)/2,0.5)" mass="1" center="0.5 0 0" inertia="0.01 0.1 0.1"/>
-  <body name="rocker" at="2 0 0" orientation="0 0 atan2(sqrt(3)/2,-0.5)" mass="1" center="0.5 0 0" inertia="1e-3 0.1 0.1"/>
-  <revolute name="A" between="ground crank" at="0 0 0" axis="0 0 1"/>
-  <spherical name="B" between="crank rod" at="1 0 0"/>
-  <spherical name="C" between="rod rocker" at="1.5 sqrt(3)/2 0"/>
-  <revolute name="D" between="ground rocker" at="2 0 0" axis="0 0 1"/>
-  <drive joint="A" rate="t&lt;0.5?(1-cos(2*pi*t))/2:1"/>
-  <transient duration="4" step="0.01"/>)xml";
-
 TEST(RadauFailures, ALockEndsTheRunWithItsResults) {
   const Model model = compile(scene_of(locking));
-  const double lock = std::acos(0.25) + 0.25;  // [s]: the law loses 0.25 s
   for (const RadauOptions& options :
        {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 4.0}}) {
     const Ended e = until_the_end(model, radau(options), 4.0);
@@ -535,8 +494,8 @@ TEST(RadauFailures, ALockEndsTheRunWithItsResults) {
                 e.last.failure.find("rocker") != std::string::npos)
         << e.last.failure;
     if (options.step > 0.0) expect_has(e.last.failure, "even with a step of 0.000313 s");
-    EXPECT_LE(e.state.t, lock);
-    EXPECT_GT(e.state.t, lock - 0.02);
+    EXPECT_LE(e.state.t, lock_time);
+    EXPECT_GT(e.state.t, lock_time - 0.02);
     EXPECT_GT(e.counters.retries, 0);
     const double angle = 2.0 * std::atan2(e.state.pose[1].p.z(), e.state.pose[1].p.w());
     EXPECT_NEAR(angle, e.state.t - 0.25, 1e-9);

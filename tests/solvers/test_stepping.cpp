@@ -6,14 +6,11 @@
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
 #include "tests/support/altered_solver.hpp"
+#include "tests/support/landings.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_stepping {
 namespace {
-
-Scene scene_of(const std::string& items, const Overrides& overrides = {}) {
-  return read_model_text("<mbd name=\"test\">" + items + "</mbd>", "test.xml", overrides);
-}
 
 struct Stepped {
   Model model;
@@ -67,46 +64,18 @@ TEST(Stepping, LandsOnAJumpBetweenTwoSteps) {
   }
 }
 
-// Breakpoints on steps cost no step, kinks no restart, and times that differ by round-off are one.
 TEST(Stepping, CountsBreakpointsAsTheyAre) {
-  const auto counters = [](const std::string& force) {
-    return step_through(scene_of(R"xml(
-      <body name="ball" mass="2" inertia="1 1 1"/><load at="ball" force=")xml" +
-                                 force + R"xml( 0 0"/><transient duration="1" step="0.1"/>)xml"))
-        .counters;
-  };
-  Counters c = counters("t&gt;0.3?1:0");
-  EXPECT_EQ(c.substeps, 10);
-  EXPECT_EQ(c.restarts, 1);
-  c = counters("t&gt;0.35?t-0.35:0");
-  EXPECT_EQ(c.substeps, 11);
-  EXPECT_EQ(c.restarts, 0);
-  c = counters("(t&gt;0.3?1:0)+(t&gt;0.1*3?1:0)+(t&gt;0.3+1e-9?1:0)");
-  EXPECT_EQ(c.substeps, 10);
-  EXPECT_EQ(c.restarts, 1);
+  expect_breakpoints_counted([](const Scene& scene) { return step_through(scene).counters; });
 }
 
-// A disk under a moment cos(5 t) from an instant no step meets: order two, error of the angle at 1 s.
-// The same law with the jump unknown to the integrator gives order one.
+// Order two; with the jump unknown to the integrator it is one.
 TEST(Stepping, KeepsItsOrderAcrossAJump) {
   for (const Balance balance : {Balance::acceleration, Balance::momentum}) {
     const std::vector<double> h = {0.04, 0.02, 0.01, 0.005};
     std::vector<double> error;
-    for (const double step : h) {
-      const Stepped s = step_through(scene_of(R"xml(<parameter name="h" value="1"/>
-              <body name="disk" mass="1" inertia="1 1 2"/>
-              <revolute name="R" between="ground disk" axis="0 0 1"/>
-              <load at="disk" moment="0 0 t&lt;sqrt(0.11)?0:cos(5*t)"/>
-              <transient duration="1" step="h" rho_infinity="0.5"/>)xml",
-                                              {{"h", fmt::format("{}", step)}}),
-                                     {.balance = balance, .newton = {}});
-      const double t0 = std::sqrt(0.11);
-      // theta'' = cos(5 t)/2 from t0 on
-      const double exact =
-          0.5 * ((std::cos(5 * t0) - std::cos(5.0)) / 25.0 - std::sin(5 * t0) / 5.0 * (1.0 - t0));
-      const double angle = 2.0 * std::atan2(s.state.pose[1].p.z(), s.state.pose[1].p.w());
-      error.push_back(std::abs(angle - exact) / std::abs(exact));
-    }
+    for (const double step : h)
+      error.push_back(
+          late_disk_error(step_through(late_disk(step), {.balance = balance, .newton = {}}).state));
     // Single slopes vary with where in its step the jump falls.
     EXPECT_NEAR(fitted_order(h, error), 2.0, 0.1) << testing::PrintToString(error);
   }
@@ -137,24 +106,8 @@ TEST(Stepping, UnequalStepsChangeNothingForALinearForce) {
 
 // ---- failures ---------------------------------------------------------------------------------
 
-// A crank of 1 drives a rocker of 1 through a rod of 1 over a base of 2: at cos(theta) = 1/4 the rod and
-// the rocker are in line, and the crank cannot go on.
-const char* const locking = R"xml(
-  <parameter name="rate" value="1"/><parameter name="h" value="0.01"/>
-  <body name="crank" at="0 0 0" mass="1" center="0.5 0 0" inertia="1e-3 0.1 0.1"/>
-  <body name="rod" at="1 0 0" orientation="0 0 atan2(sqrt(3)/2,0.5)" mass="1" center="0.5 0 0" inertia="0.01 0.1 0.1"/>
-  <body name="rocker" at="2 0 0" orientation="0 0 atan2(sqrt(3)/2,-0.5)" mass="1" center="0.5 0 0" inertia="1e-3 0.1 0.1"/>
-  <revolute name="A" between="ground crank" at="0 0 0" axis="0 0 1"/>
-  <spherical name="B" between="crank rod" at="1 0 0"/>
-  <spherical name="C" between="rod rocker" at="1.5 sqrt(3)/2 0"/>
-  <revolute name="D" between="ground rocker" at="2 0 0" axis="0 0 1"/>
-  <drive joint="A" rate="t&lt;0.5?rate*(1-cos(2*pi*t))/2:rate"/>
-  <transient duration="4" step="h" rho_infinity="0.8"/>
-  <record name="A" joint="A" quantities="angle"/>)xml";
-
 TEST(Stepping, ALockEndsTheRunWithItsResults) {
   const Scene scene = scene_of(locking);
-  const double lock = std::acos(0.25) + 0.25;  // [s]: the law loses 0.25 s
   const History history = run_to_table(scene);
   EXPECT_FALSE(history.report.complete());
   EXPECT_NE(history.report.failure.find("even with a step of 0.000313 s"), std::string::npos)
@@ -163,8 +116,8 @@ TEST(Stepping, ALockEndsTheRunWithItsResults) {
               history.report.failure.find("'C'") != std::string::npos ||
               history.report.failure.find("'A'") != std::string::npos)
       << history.report.failure;
-  EXPECT_LE(history.table["time"].back(), lock);
-  EXPECT_GT(history.table["time"].back(), lock - 0.02);
+  EXPECT_LE(history.table["time"].back(), lock_time);
+  EXPECT_GT(history.table["time"].back(), lock_time - 0.02);
   EXPECT_NEAR(history.table["A.angle"].back(), history.table["time"].back() - 0.25, 1e-9);
   EXPECT_EQ(static_cast<std::size_t>(history.report.rows), history.table.rows());
   EXPECT_GT(history.report.transient_counters.retries, 0);
@@ -296,6 +249,43 @@ TEST(Stepping, EndsStepsInASingularConfiguration) {
       EXPECT_FALSE(report.converged);
     }
   }
+}
+
+// Its first step is rank-tolerant, and rejected.
+class RejectedOnce final : public OneStep {
+ public:
+  explicit RejectedOnce(const System& system)
+      : OneStep(system, make_klu_solver(),
+                settings_of(GeneralizedAlphaOptions{
+                    .tolerances = {.relative = 1e-3}, .end = 1.0, .newton = {}}),
+                2) {
+    solver_->analyze(system.graph());
+  }
+  std::vector<bool> tolerant;  // as each step finds it
+
+ private:
+  void begin_at(State&) override {}
+  bool solve_step(double t, double, StepReport&) override {
+    tolerant.push_back(tolerant_);
+    tolerant_ = tolerant.size() == 1;
+    end_ = begin_;
+    end_.t = t;
+    return true;
+  }
+  double estimated_error(bool again) override { return again ? 0.5 : 2.0; }
+  void accept() override {}
+  void settle() override { tolerant_ = false; }
+};
+
+TEST(Stepping, ARejectedStepLeavesNoRankTolerantTangent) {
+  const Model model = compile(model_scene("pendulum"));
+  RejectedOnce stepper(*model.system);
+  State state = model.initial;
+  ASSERT_TRUE(stepper.start(state).converged);
+  ASSERT_TRUE(stepper.step(state).converged);
+  EXPECT_EQ(stepper.tolerant, (std::vector<bool>{false, false}));
+  EXPECT_EQ(stepper.counters().rejected, 1);
+  EXPECT_EQ(stepper.counters().tolerant, 0);
 }
 
 TEST(Stepping, RefusesOptionsThatMeanNothing) {

@@ -1,10 +1,11 @@
-// Models of rigid bodies whose motion and reactions rigid_motion.hpp gives.
+// Models of rigid bodies whose motion and reactions rigid_motion.hpp gives, and the errors of reactions.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "tests/support/rigid_motion.hpp"
+#include "tests/support/stepping.hpp"
 
 namespace mbd::test {
 
@@ -61,6 +62,30 @@ inline RigidReference reference_of(const RigidCase& c, int steps = 200) {
     r.tension.push_back(-f.dot(c.body.center.normalized()));
   }
   return r;
+}
+
+// Component of a force, given in the joint's frame, along the direction it has when it is largest: that of
+// the rod, which turns with the frame.
+inline std::vector<double> along_largest(const Columns& force) {
+  const auto at = [&force](std::size_t k) {
+    return Vec3((*force[0])[k], (*force[1])[k], (*force[2])[k]);
+  };
+  Vec3 largest = Vec3::Zero();
+  for (std::size_t k = 0; k < force[0]->size(); ++k)
+    if (at(k).norm() > largest.norm()) largest = at(k);
+  std::vector<double> component;
+  for (std::size_t k = 0; k < force[0]->size(); ++k)
+    component.push_back(at(k).dot(largest.normalized()));
+  return component;
+}
+
+// Of the recorded reaction (joint_record), or of the pendulum's tension.
+inline double reaction_error(const RigidCase& c, const RigidReference& reference, const Table& t) {
+  const std::size_t n = reference.tension.size();
+  const Columns force = components(t, "joint_" + c.joint + ".reaction_force");
+  if (c.model != "pendulum") return relative_rms(force, columns_of(reference.force), 0, n);
+  const std::vector<double> tension = along_largest(force);
+  return relative_rms({&tension}, {&reference.tension}, 0, n);
 }
 
 }  // namespace mbd::test

@@ -1,0 +1,203 @@
+#include "solvers/one_step.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libmbd/core/error.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr int most_halvings = 40;
+constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
+constexpr double rank_tolerance = 1e-3;     // eps, in units of 1/mass
+constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
+
+}  // namespace
+
+OneStep::OneStep(const System& system, std::unique_ptr<LinearSolver> solver,
+                 const Settings& settings, int error_order)
+    : system_(system),
+      solver_(std::move(solver)),
+      settings_(settings),
+      norm_(system, settings.newton),
+      error_order_(error_order) {
+  const bool adaptive = settings.adaptive();
+  if (!adaptive && (!(settings.step > 0.0) || !std::isfinite(settings.step)))
+    throw Error(fmt::format("the time step must be positive, not {}", settings.step));
+  if (adaptive && !(settings.end > 0.0 && std::isfinite(settings.end)))
+    throw Error(fmt::format("adaptive steps need a time at which they end, not {}", settings.end));
+  check_motion(system, settings.max_step);
+  if (!(settings.max_halvings >= 0 && settings.max_halvings <= most_halvings))
+    throw Error(fmt::format("max_halvings must lie in 0 … {}, not {}", most_halvings,
+                            settings.max_halvings));
+}
+
+void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
+  for (std::size_t k = 0; k < own.size(); ++k)
+    for (Index i = 0; i < system_.constraints()[k].rows; ++i)
+      own[k].data[i * (own[k].ld + 1)] -= rank_tolerance / mass_;
+}
+
+double OneStep::multiplier_slack() const {
+  return tolerant_ ? std::max(1.0, loose_multipliers / settings_.newton.multiplier_tolerance) : 1.0;
+}
+
+std::string OneStep::newton_failure(const std::string& out_of_range, const VecX& r) const {
+  if (!out_of_range.empty()) return range_failure(out_of_range);
+  return fmt::format(
+      "Newton's iterations do not converge (worst equation: {}); look for a lock, a jump or an "
+      "instability there, or try a smaller step",
+      system_.name_of(worst_row(system_, r)));
+}
+
+StepReport OneStep::start(State& state) {
+  origin_ = state.t;
+  if (settings_.adaptive()) {
+    const double span = time_between(origin_, settings_.end);
+    error_norm_ = std::make_unique<ErrorNorm>(system_, settings_.tolerances, span);
+    controller_ = std::make_unique<StepController>(
+        error_order_, settings_.max_step > 0.0 ? settings_.max_step : longest_step * span);
+    slack_ = time_floor * span;
+  } else {
+    slack_ = time_rounding * settings_.step;
+  }
+  state.t = start_time(system_.breakpoints(), origin_, slack_);
+  count_ = 0;
+  halvings_ = 0;
+  sizes_ = {};
+  return restart(state);
+}
+
+StepReport OneStep::restart(State& state) {
+  StepReport report;
+  report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
+  if (!report.failure.empty()) return report;
+  norm_.observe(state.lambda);
+  begin_at(state);
+  if (controller_) controller_->start(first_step(system_, state, settings_.end - state.t));
+  report.converged = true;
+  return report;
+}
+
+StepReport OneStep::step(State& state) {
+  return settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
+}
+
+bool OneStep::try_step(const State& state, double t, StepReport& report) {
+  begin_ = state;
+  double h = t - begin_.t;
+  // Not the round-off of times: accelerations see it divided by h^2.
+  if (std::abs(h - settings_.step) <= time_rounding * settings_.step) h = settings_.step;
+  const int before = report.iterations;
+  report.iterations = 0;
+  report.failure.clear();
+  const bool converged = solve_step(t, h, report);
+  report.iterations += before;
+  if (converged)
+    report.failure.clear();
+  else
+    settle();
+  return converged;
+}
+
+void OneStep::take_step(State& state) {
+  accept();
+  norm_.observe(end_.lambda);
+  state = end_;
+  ++counters_.substeps;
+  if (!tolerant_) return;
+  ++counters_.tolerant;
+  settle();
+}
+
+StepReport OneStep::fixed_step(State& state) {
+  StepReport report;
+  const double end = origin_ + static_cast<double>(count_ + 1) * settings_.step;
+  double reached = state.t;
+  while (reached < end - slack_) {
+    const Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
+    reached = landing.t;
+    const double whole = landing.t - state.t;
+    for (bool last = false; !last;) {  // in one step, or in pieces
+      const double h = std::ldexp(whole, -halvings_);
+      last = h > (landing.t - state.t) * (1.0 - time_rounding);
+      if (try_step(state, last ? landing.t : state.t + h, report)) {
+        take_step(state);
+        if (halvings_ > 0 && ++good_ == successes_double) {
+          --halvings_;
+          good_ = 0;
+        }
+        continue;
+      }
+      last = false;
+      good_ = 0;
+      if (halvings_ == settings_.max_halvings) {
+        report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
+                                     settings_.max_halvings > 0
+                                         ? fmt::format(", even with a step of {:.3g} s", h)
+                                         : std::string(),
+                                     report.failure);
+        return report;
+      }
+      ++halvings_;
+      ++counters_.retries;
+    }
+    if (landing.restart && !restart_at(landing.restart_at, state, report)) return report;
+  }
+  ++count_;
+  ++counters_.steps;
+  report.converged = true;
+  return report;
+}
+
+StepReport OneStep::adaptive_step(State& state) {
+  StepReport report;
+  const Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
+  bool again = false;
+  for (;;) {
+    double h = controller_->step();
+    const double rest = landing.t - state.t;
+    const bool last = h > rest * (1.0 - same_step);
+    if (last)
+      h = rest;
+    else if (2.0 * h > rest)
+      h = 0.5 * rest;  // two alike, rather than a whole one and a rest
+    if (!(h > slack_)) {
+      report.failure = fmt::format(
+          "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
+          h,
+          report.failure.empty() ? "the estimated error stays too large at " +
+                                       system_.name_of(error_norm_->worst_row())
+                                 : report.failure);
+      return report;
+    }
+    if (!try_step(state, last ? landing.t : state.t + h, report)) {
+      ++counters_.retries;
+      controller_->failed(h);
+      continue;
+    }
+    report.error = estimated_error(again);
+    if (!(report.error <= 1.0)) {
+      ++counters_.rejected;
+      again = true;
+      controller_->rejected(h, report.error);
+      if (tolerant_) settle();
+      continue;
+    }
+    controller_->accepted(h, report.error);
+    record_size(h, last);
+    sizes_.worst_error = std::max(sizes_.worst_error, report.error);
+    sizes_.position_error += error_norm_->position();
+    sizes_.rotation_error += error_norm_->rotation();
+    take_step(state);
+    ++counters_.steps;
+    if (last && landing.restart && !restart_at(landing.restart_at, state, report)) return report;
+    report.converged = true;
+    return report;
+  }
+}
+
+}  // namespace mbd

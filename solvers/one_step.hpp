@@ -1,0 +1,99 @@
+// Drives a method of one step: fixed steps, which land on breakpoints and are halved where they fail, and
+// adaptive ones by an estimate of their error (error_control.hpp).
+//
+// A step ends on every breakpoint of the signals inside it, and starts afresh where accelerations jump. A fixed
+// step that fails is tried in halves, down to 2^-max_halvings.
+//
+// Rank-tolerant steps. Near a singular configuration, where all links of a mechanism come into line, B loses
+// rank and Newton's iterations their convergence, though the motion goes smoothly through it. A step that fails
+// is then tried with -eps I in place of the zero block of its matrix, in units of 1/mass: with B of full rank
+// that costs a factor eps a iteration; where it is not, the motion is still determined, and multipliers stay
+// finite.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/error_control.hpp"
+#include "solvers/increments.hpp"
+#include "solvers/stepper.hpp"
+
+namespace mbd {
+
+class OneStep : public Stepper {
+ public:
+  StepReport start(State& state) final;
+  StepReport step(State& state) final;
+
+ protected:
+  // Of a fixed step: what sums of steps can be wrong by, and more.
+  static constexpr double time_rounding = 1e-6;
+  static constexpr double same_step = 1e-3;  // steps that differ less share a tangent
+
+  // What the options of all methods say by these names.
+  struct Settings {
+    double step;
+    ErrorTolerances tolerances;
+    double end, max_step;
+    int max_halvings;
+    NewtonOptions newton;
+    bool adaptive() const { return step == 0.0 && tolerances.relative != 0.0; }
+  };
+  template <class Options>
+  static Settings settings_of(const Options& o) {
+    return {o.step, o.tolerances, o.end, o.max_step, o.max_halvings, o.newton};
+  }
+
+  // `error_order`: the estimated error of a step goes with h to this power. Throws Error for settings without
+  // sense.
+  OneStep(const System& system, std::unique_ptr<LinearSolver> solver, const Settings& settings,
+          int error_order);
+
+  // -eps I onto the multipliers' own blocks, of a rank-tolerant step.
+  void add_rank_tolerance(std::span<const Slot> own) const;
+  // On the tolerance of multipliers, of which some are not determined in a rank-tolerant step.
+  double multiplier_slack() const;
+
+  // Why Newton's iterations end without a solution; `out_of_range` as of System.
+  std::string newton_failure(const std::string& out_of_range, const VecX& r) const;
+
+  const System& system_;
+  std::unique_ptr<LinearSolver> solver_;  // of accelerations at the start and after jumps
+  const Settings settings_;
+  IncrementNorm norm_;
+  std::unique_ptr<ErrorNorm> error_norm_;  // of adaptive steps, made by start()
+  double mass_ = 0.0;                      // largest entry of dr/dVdot at the last start
+  State begin_, end_;                      // of the step under way
+  bool tolerant_ = false;                  // it is rank-tolerant
+
+ private:
+  // What a method is. `state` has consistent accelerations: what was before is forgotten.
+  virtual void begin_at(State& state) = 0;
+  // Solves a step of h [s] from begin_ to t; not yet accepted. False: report.failure says why.
+  virtual bool solve_step(double t, double h, StepReport& report) = 0;
+  // Estimated error of the step that has been solved, in units of what is allowed. `again`: one before it was
+  // rejected.
+  virtual double estimated_error(bool again) = 0;
+  // Completes end_, and keeps what the next step needs.
+  virtual void accept() = 0;
+  // After a step has failed, or was rank-tolerant: its tangents are not kept.
+  virtual void settle() = 0;
+
+  StepReport restart(State& state) final;
+  StepReport fixed_step(State& state);
+  StepReport adaptive_step(State& state);
+  bool try_step(const State& state, double t, StepReport& report);
+  void take_step(State& state);
+
+  int error_order_;
+  std::unique_ptr<StepController> controller_;  // of adaptive steps
+  double origin_ = 0.0;                         // time of start() [s]
+  double slack_ = 0.0;                          // round-off of times [s]
+  long count_ = 0;                              // whole fixed steps since
+  int halvings_ = 0;  // of the fixed steps now tried, and how many in a row have gone well
+  int good_ = 0;
+};
+
+}  // namespace mbd
