@@ -133,11 +133,6 @@ History as_history(const Findings& findings, const std::string& file) {
   return history;
 }
 
-// Of a path's columns those that say where it is, not what it finds.
-bool is_bookkeeping(const std::string& name) {
-  return name == "branch" || name == "event" || name == "negative_eigenvalues" || name == "arc_length";
-}
-
 std::vector<Quantity> quantities_of(const Scene& scene, const Findings& findings,
                                     std::vector<std::string> names) {
   const History history = as_history(findings, scene.file);
@@ -168,8 +163,7 @@ std::vector<Quantity> quantities_of(const Scene& scene, const Findings& findings
   }
   const auto known = [&](const std::string& name) {
     return std::find(findings.columns.begin(), findings.columns.end(), name) !=
-               findings.columns.end() &&
-           !is_bookkeeping(name);
+           findings.columns.end();
   };
   if (scene.path) add("load_factor", true);
   for (const ExpectScene& expect : scene.expects)
@@ -179,8 +173,7 @@ std::vector<Quantity> quantities_of(const Scene& scene, const Findings& findings
       if (known(y)) add(std::string(quantity_of(y)), false);
   if (all.size() < most_quantities)
     for (const std::string& column : findings.columns)
-      if (!is_bookkeeping(column) && record_of(column) != "system")
-        add(std::string(quantity_of(column)), false);
+      if (record_of(column) != "system") add(std::string(quantity_of(column)), false);
   if (all.empty())
     for (const std::string& column : findings.columns) add(std::string(quantity_of(column)), false);
   if (all.size() > most_quantities) all.resize(most_quantities);
@@ -274,7 +267,7 @@ std::array<Setting, 2> ways_of(const Scene& scene, int level) {
   }
   if (scene.transient) {
     a.method = b.method = TimeMethod::radau;
-    a.tolerance = std::pow(10.0, -5 - level);
+    a.tolerance = std::pow(10.0, -4 - level);
     b.tolerance = *a.tolerance / 3.0;
     if (scene.beams.empty()) b.method = TimeMethod::ida;
   }
@@ -302,6 +295,7 @@ double judge(std::vector<Quantity>& quantities, const Findings& truth, const Fin
     }
     quantity.reference_rms = 0.0;
     const QuantityError error = error_of(other, truth, quantity);
+    if (!error.known) throw Error("two runs of a scene found different columns");
     quantity.reference_rms = error.rms;
     quantity.reference_largest = error.largest;
     worst = std::max(worst, error.rms);
@@ -328,6 +322,18 @@ std::string growth(const Findings& truth, const Findings& other, const Quantity&
   return text;
 }
 
+// Complete, or a motion that came far enough before it was stopped.
+bool is_usable(const Scene& scene, const Trial& trial) {
+  return trial.complete || (trial.stopped && scene.transient && !trial.findings.at.empty() &&
+                            trial.findings.at.back() >= least_resolved * scene.transient->duration);
+}
+
+void cut(Findings& findings, double end) {
+  const std::size_t n = places_until(findings, end);
+  findings.at.resize(n);
+  findings.rows.resize(n);
+}
+
 void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
                     const AccuracyOptions& options) {
   const double budget = reference_share * options.budget;
@@ -344,18 +350,20 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
     if (level > 0 && expected > left) break;
     std::array<Trial, 2> done;
     double cost = 0.0;
-    bool complete = true;
+    bool complete = true, partial = false;
     for (std::size_t w = 0; w < 2 && complete; ++w) {
       if (options.progress)
         options.progress(fmt::format("reference {}{}: {}", level + 1, w == 0 ? "a" : "b",
                                      to_text(scene, ways[w])),
                          0, 0, 0.0);
-      TrialPoint point = trials.point(ways[w], budget - trials.used());
+      const auto limit = [&] { return (budget - trials.used()) / (level == 0 && w == 0 ? 2.0 : 1.0); };
+      TrialPoint point = trials.point(ways[w], limit());
       if (!point.trial.complete && !point.trial.stopped && ways[w].method == TimeMethod::ida) {
         ways[w].method = TimeMethod::radau;  // where IDA does not get through
-        point = trials.point(ways[w], budget - trials.used());
+          point = trials.point(ways[w], limit());
       }
-      complete = point.trial.complete;
+      complete = is_usable(scene, point.trial);
+      partial = partial || !point.trial.complete;
       cost += point.trial.cpu * point.trial.repeats;
       done[w] = point.trial;
       study.ways.push_back(std::move(point));
@@ -366,6 +374,10 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
     }
     if (last_cost > 0.0) growth_of_cost = std::max(1.5, 1.2 * cost / last_cost);
     last_cost = cost;
+    if (partial && best < not_known) break;  // a whole one is worth more
+    if (partial)
+      for (Trial& trial : done) cut(trial.findings, std::min(done[0].findings.at.back(), done[1].findings.at.back()));
+    if (done[0].findings.at.size() != done[1].findings.at.size()) continue;  // of special points
     const double worst = judge(quantities, done[0].findings, done[1].findings);
     const bool first = best == not_known && study.truth.at.empty();
     if (worst < best || first) {
@@ -377,7 +389,7 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
     } else if (worst > 10.0 * best) {
       break;  // round-off
     }
-    if (best < agreed) break;
+    if (best < agreed || partial) break;
   }
   if (study.truth.at.empty())
     throw Error(scene.source, fmt::format("no reference could be made within {:.3g} s ({}); give more budget, or "
@@ -385,6 +397,10 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
                                           budget, study.ways.empty() ? "no run" : study.ways.back().trial.failure));
   study.reference = fmt::format("{}; its own error is the difference to {}", to_text(scene, chosen[0]),
                                 to_text(scene, chosen[1]));
+  if (scene.transient && study.truth.at.back() < scene.transient->duration * (1.0 - near))
+    study.notes.push_back(fmt::format("the budget allowed a reference up to {:.4g} s only: errors are those before; for more, "
+                                      "give more budget",
+                                      study.truth.at.back()));
   for (const Quantity& quantity : study.quantities) {
     if (quantity.until == 0.0)
       study.notes.push_back(fmt::format("{}: refinements do not approach each other; its motion is chaotic, or "
@@ -557,17 +573,28 @@ void find_fronts(AccuracyStudy& study) {
   }
 }
 
-std::optional<double> theory_of(const Scene& scene, const Setting& setting, Knob knob) {
-  if (knob == Knob::tolerance) return 1.0;
-  if (knob == Knob::step) {
-    const TimeMethod method = setting.method.value_or(scene.transient->method);
-    return method == TimeMethod::radau ? 5.0 : 2.0;
+// Of motion and velocities. Section forces are derivatives of the motion between nodes, of order N; joints'
+// forces and accelerations are of order 3 in Radau's steps (radau.hpp), and do not go with a tolerance.
+std::optional<double> theory_of(const Scene& scene, const Setting& setting, Knob knob,
+                                const std::string& quantity) {
+  const auto is_any = [&](std::initializer_list<std::string_view> names) {
+    const std::string_view name = std::string_view(quantity).substr(quantity.find('.') + 1);
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const bool acceleration = is_any({"reaction_force", "reaction_moment", "acceleration", "angular_acceleration"});
+  const bool section = is_any({"force", "moment"});
+  switch (knob) {
+    case Knob::tolerance: return acceleration || section ? std::nullopt : std::optional(1.0);
+    case Knob::step:
+      if (setting.method.value_or(scene.transient->method) == TimeMethod::radau)
+        return acceleration ? 3.0 : 5.0;
+      return 2.0;
+    case Knob::elements:
+      if (const std::optional<int> order = setting.order ? setting.order : setting_of(scene).order)
+        return section ? -*order : -2.0 * *order;
+      return std::nullopt;
+    default: return std::nullopt;
   }
-  if (knob == Knob::elements) {
-    const std::optional<int> order = setting.order ? setting.order : setting_of(scene).order;
-    if (order) return -2.0 * *order;
-  }
-  return std::nullopt;
 }
 
 // The longest run of points whose error falls as the knob is refined, between the coarsest that counts and where other
@@ -643,7 +670,8 @@ void fit_orders(AccuracyStudy& study, const Scene& scene) {
         for (const std::size_t i : best)
           off = std::max(off, std::abs(v_of(i) - y / n - fit.slope * (u_of(i) - x / n)));
         fit.spread = std::exp(off);
-        fit.theory = theory_of(scene, study.points[best.front()].setting, knob);
+        fit.theory = theory_of(scene, study.points[best.front()].setting, knob,
+                               study.quantities[q].name);
         study.fits.push_back(std::move(fit));
       }
     }

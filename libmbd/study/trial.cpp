@@ -44,18 +44,19 @@ class Finder : public Observer {
 
   void accepted(const Sample& sample) override {
     if (used_cpu() > stop_at_) throw TooLong();
-    const std::size_t first = scene_.path ? 0 : 1;  // of a path, the load is what is found
     if (findings_.columns.empty()) {
       const std::vector<Column> all = columns(sample.model);
-      for (std::size_t c = first; c < all.size(); ++c) {
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        if (scene_.path ? says_where(all[c].name) : c == 0) continue;
         findings_.columns.push_back(all[c].name);
         findings_.units.push_back(all[c].unit);
+        chosen_.push_back(c);
       }
     }
     const auto found = [&](double at) {
       findings_.at.push_back(at);
-      findings_.rows.emplace_back(sample.row.begin() + static_cast<std::ptrdiff_t>(first),
-                                  sample.row.end());
+      findings_.rows.emplace_back();
+      for (const std::size_t c : chosen_) findings_.rows.back().push_back(sample.row[c]);
     };
     if (scene_.transient) {
       found(sample.state.t);
@@ -69,8 +70,16 @@ class Finder : public Observer {
   }
 
  private:
+  // Columns of a path that say where on it a point is, and depend on the mesh or are not always there. Its load is what is
+  // found.
+  static bool says_where(std::string_view name) {
+    return name == "arc_length" || name == "branch" || name == "event" ||
+           name == "negative_eigenvalues";
+  }
+
   const Scene& scene_;
   Findings& findings_;
+  std::vector<std::size_t> chosen_;  // columns
   double stop_at_;
 };
 

@@ -14,7 +14,8 @@ namespace mbd {
 
 // What a run found, at places that are the same for all runs of a scene.
 struct Findings {
-  std::vector<std::string> columns;  // of history.csv, without the first
+  // Of history.csv, without the first; of path.csv, without those that say where on the path a point is.
+  std::vector<std::string> columns;
   std::vector<std::string> units;
   // Where: times [s], evenly spread over the run and its end among them; of load steps the load factor 1; of a path
   // its limit points, bifurcations and marks, by number 1, 2, …, and its end.
