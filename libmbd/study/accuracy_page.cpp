@@ -280,6 +280,20 @@ std::string lines(std::string_view text) {
   return result;
 }
 
+// Escaped, and numbers with an exponent are not broken at its sign.
+std::string prose(std::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    const std::string word = xml_escaped(text.substr(0, end));
+    const bool number = word.find("e-") != std::string::npos && word[0] >= '0' && word[0] <= '9';
+    result += number ? "<span class=\"w\">" + word + "</span>" : word;
+    if (end < text.size()) result += ' ';
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return result;
+}
+
 // The picture of one panel for a page, with what it is for those who do not see it.
 std::string figure(const plot::Panel& panel, const std::string& ids, const std::string& label) {
   std::string svg = plot::to_svg({&panel, 1}, {.ids = ids});
@@ -299,9 +313,9 @@ std::string answer(const AccuracyStudy& study, std::size_t q) {
   const Quantity& quantity = study.quantities[q];
   const std::string name = fmt::format("<strong>{}</strong>", xml_escaped(quantity.name));
   if (!resolved(quantity))
-    return name + ": no accuracy can be told, since refinements do not approach each other. ";
+    return name + ": no accuracy can be told, since refinements do not approach each other.";
   const std::vector<Range> ranges = ranges_of(study, q);
-  if (ranges.empty()) return name + ": no power of ten was reached. ";
+  if (ranges.empty()) return name + ": no power of ten was reached.";
   const auto from_usual = [](const Range& r) { return std::abs(std::log10(r.to) + 4.0); };
   const auto usual =
       static_cast<std::size_t>(std::min_element(ranges.begin(), ranges.end(),
@@ -314,13 +328,13 @@ std::string answer(const AccuracyStudy& study, std::size_t q) {
   const double first = study.points[ranges.front().point].trial.cpu;
   for (const std::size_t i : std::set<std::size_t>{0, usual, ranges.size() - 1}) {
     const TrialPoint& point = study.points[ranges[i].point];
-    text += fmt::format("{} to {}: {} s", i == 0 ? "" : ";", number_text(ranges[i].to, 1),
+    text += fmt::format("{} to {}: {} s", i == 0 ? "" : ";", prose(number_text(ranges[i].to, 1)),
                         seconds_text(point.trial.cpu));
     text += i == 0 ? " of CPU time"
                    : fmt::format(", {} times as long", times_text(point.trial.cpu / first));
-    text += fmt::format(" ({})", point.text.empty() ? "as the model is" : xml_escaped(point.text));
+    text += fmt::format(" ({})", point.text.empty() ? "as the model is" : prose(point.text));
   }
-  return text + ". ";
+  return text + ".";
 }
 
 // The parts of the page append to it.
@@ -348,7 +362,7 @@ class Page {
 
   std::string setting_text(std::size_t point) const {
     const std::string& text = study_.points[point].text;
-    return text.empty() ? "as the model is" : xml_escaped(text);
+    return text.empty() ? "as the model is" : prose(text);
   }
 
   // A table that scrolls inside its box, for which it can be focused.
@@ -405,6 +419,7 @@ caption { text-align: left; font-weight: bold; padding: .3rem 0; }
 th, td { text-align: left; vertical-align: top; padding: .25rem .6rem; border-bottom: 1px solid #bbb; }
 thead th { border-bottom: 2px solid #111; vertical-align: bottom; }
 .n { text-align: right; white-space: nowrap; }
+.w { white-space: nowrap; }
 .quantities { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 28rem), 1fr)); }
 .quantities > * { min-width: 0; }
 .advice { width: 100%; }
@@ -439,10 +454,14 @@ summary { cursor: pointer; padding: .3rem 0; }
   main { max-width: none; padding: 0; }
   p, li, dd { max-width: none; }
   .box { overflow: visible; }
-  .quantities, .pictures { grid-template-columns: 1fr 1fr; }
+  .quantities { grid-template-columns: 1fr; }
+  .pictures { grid-template-columns: 1fr 1fr; }
+  table { font-size: 8.5pt; }
+  pre { font-size: 7.5pt; }
   .all { page: wide; }
   .runs { font-size: 7pt; }
   .runs td, .runs th { padding: .1rem .25rem; }
+  .runs .t { min-width: 34em; }
   h2, h3, .numbers { break-after: avoid; }
   tr, pre { break-inside: avoid; }
   a { color: inherit; text-decoration: none; }
@@ -461,9 +480,8 @@ void Page::begin() {
       name, style_sheet,
       xml_escaped(fmt::format("{}, {}. {}, in {} s.", study_.file, study_.date, tally_text(study_),
                               seconds_text(study_.seconds))));
-  text_ += "<p>";
-  for (std::size_t q = 0; q < study_.quantities.size(); ++q) text_ += answer(study_, q);
-  text_ += "</p>\n";
+  for (std::size_t q = 0; q < study_.quantities.size(); ++q)
+    text_ += "<p>" + answer(study_, q) + "</p>\n";
 }
 
 void Page::advice() {
@@ -557,7 +575,7 @@ void Page::orders() {
         numeric(fmt::format("{:.2f}", fit.slope)),
         numeric(fit.theory ? fmt::format("{:g}", *fit.theory) : "-"),
         numeric(fmt::format("{:.2f}", fit.spread)), numeric(std::to_string(fit.points.size())),
-        xml_escaped(family_text(study_, fit)));
+        prose(family_text(study_, fit)));
   close_table();
   text_ += "</section>\n";
 }
@@ -585,7 +603,7 @@ void Page::reference() {
     head({"setting", "#CPU [s]", "state"});
     for (const TrialPoint& way : study_.ways)
       text_ +=
-          fmt::format("<tr><td class=\"t\">{}</td>{}<td>{}</td></tr>\n", xml_escaped(way.text),
+          fmt::format("<tr><td class=\"t\">{}</td>{}<td>{}</td></tr>\n", prose(way.text),
                       numeric(seconds_text(way.trial.cpu)), xml_escaped(state_text(way.trial)));
     close_table();
   }
