@@ -40,10 +40,10 @@ struct Room {
 };
 
 constexpr std::array rooms{
-    Room{"libmbd/core/", 0},  Room{"elements/", 1}, Room{"joints/", 2}, Room{"solvers/", 3},
-    Room{"libmbd/front/", 4}, Room{"tools/", 5},    Room{"tests/", 5},
+    Room{"libmbd/core/", 0},  Room{"elements/", 1},     Room{"joints/", 2}, Room{"solvers/", 3},
+    Room{"libmbd/front/", 4}, Room{"libmbd/study/", 5}, Room{"tools/", 6},  Room{"tests/", 6},
 };
-constexpr int outside_the_library = 5;                   // level of tools/ and tests/
+constexpr int outside_the_library = 6;                   // level of tools/ and tests/
 constexpr std::string_view umbrella = "libmbd/mbd.hpp";  // includes the library, for its users
 
 struct ThirdParty {
@@ -67,7 +67,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"sundials/", {"solvers/sundials.hpp"}, false, true},
       {"solvers/sundials.hpp", {"solvers/ida.cpp", "solvers/kinsol.cpp"}, true, false},  // ours
       {"CLI/", {"tools/"}, false, false},
-      {"nlohmann/", {"libmbd/front/", "tools/", "tests/"}, true, false},
+      {"nlohmann/", {"libmbd/front/", "libmbd/study/", "tools/", "tests/"}, true, false},
       {"fmt/", everywhere, true, false},
       {"gtest/", {"tests/"}, false, false},
       {"gmock/", {"tests/"}, false, false},
@@ -279,6 +279,8 @@ TEST(Layering, AcceptsWhatIsAllowed) {
       {"solvers/ida.cpp", include("<ida/ida.h>") + include("\"solvers/sundials.hpp\"")},
       {"libmbd/front/xml_reader.cpp", include("<tinyxml2.h>") + include("\"solvers/newton.hpp\"")},
       {"libmbd/front/report.cpp", include("<nlohmann/json.hpp>")},
+      {"libmbd/study/accuracy_report.cpp",
+       include("\"libmbd/front/text.hpp\"") + include("<nlohmann/json.hpp>")},
       {"libmbd/mbd.hpp", include("\"libmbd/front/compile.hpp\"")},
       {"tools/mbd/main.cpp", include("\"libmbd/mbd.hpp\"") + include("<CLI/CLI.hpp>")},
       {"tests/test_beam.cpp", include("\"tests/laws.hpp\"") + include("<gtest/gtest.h>")},
@@ -293,6 +295,9 @@ TEST(Layering, FindsEachViolation) {
        {{"elements/beam.hpp", "// text\n" + include("\"joints/revolute.hpp\"")}}},
       {"core includes front", {{"libmbd/core/state.cpp", include("\"libmbd/front/scene.hpp\"")}}},
       {"blanks do not hide it", {{"elements/a.hpp", " #  include  \"solvers/newton.hpp\"\n"}}},
+      {"front includes study", {{"libmbd/front/run.cpp", include("\"libmbd/study/trial.hpp\"")}}},
+      {"XML in a study", {{"libmbd/study/a.cpp", include("<tinyxml2.h>")}}},
+      {"JSON in a header of a study", {{"libmbd/study/a.hpp", include("<nlohmann/json.hpp>")}}},
       {"library includes a test", {{"solvers/newton.cpp", include("\"tests/laws.hpp\"")}}},
       {"a test includes a tool", {{"tests/test_beam.cpp", include("\"tools/mbd/plot.hpp\"")}}},
       {"library includes the umbrella", {{"solvers/newton.cpp", include("\"libmbd/mbd.hpp\"")}}},

@@ -33,40 +33,11 @@ struct Style {
   std::string_view colour, dashes;
   Marker marker;
 };
+constexpr Style pale_style = {"#b0b0b0", "", Marker::circle};
 constexpr Style styles[] = {
     {"#000000", "", Marker::circle},           {"#0b62a4", "11 5", Marker::square},
     {"#c1440e", "3 4", Marker::triangle},      {"#4f8a10", "14 4 3 4", Marker::diamond},
     {"#7a3e9d", "6 3 2 3 2 3", Marker::cross}, {"#806000", "20 6", Marker::ring}};
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t size = utf8_size(text, i);
-    if (size != 1) {  // a letter, or a byte that is none
-      result += size == 0 ? std::string_view("\xEF\xBF\xBD") : text.substr(i, size);
-      i += std::max<std::size_t>(1, size);
-      continue;
-    }
-    const char c = text[i++];
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20) result += c;
-    }
-  }
-  return result;
-}
 
 // The first `count` letters, and where the rest begins.
 std::size_t bytes_of(std::string_view text, std::size_t count) {
@@ -215,16 +186,37 @@ Axis make_log_axis(const Extent& extent, int wanted) {
   return axis;
 }
 
+// Of an axis of x.
+constexpr double axis_width = panel_width - least_left - right;
+
+// Least distance of two ticks, as a share of the axis.
+double least_gap(const Axis& axis) {
+  const double span = axis.extent.max - axis.extent.min;
+  double least = axis.ticks.size() < 2 ? 0.0 : span;
+  for (std::size_t i = 1; i < axis.ticks.size(); ++i)
+    least = std::min(least, axis.scaled(axis.ticks[i]) - axis.scaled(axis.ticks[i - 1]));
+  return least / span;
+}
+
+// With these ticks, if their labels have room; they rise.
+std::optional<Axis> make_axis_at(const Extent& extent, bool log, const std::vector<double>& ticks) {
+  Axis axis{extent, {}, {}, {}, log};
+  for (const double at : ticks) {
+    if (!axis.shows(at) || axis.scaled(at) < extent.min || axis.scaled(at) > extent.max) continue;
+    axis.ticks.push_back(at);
+    axis.labels.push_back(with_minus(fmt::format("{:g}", at)));
+  }
+  if (axis.ticks.empty()) return std::nullopt;
+  const bool room =
+      axis.ticks.size() == 1 || widest_label(axis) + letter / 2 <= least_gap(axis) * axis_width;
+  return room ? std::optional(axis) : std::nullopt;
+}
+
 // As many ticks, five if possible, as have room for their labels beside each other.
 Axis make_x_axis(const Extent& extent, bool log) {
-  constexpr double width = panel_width - least_left - right;
   for (int wanted = log ? 7 : 5;; --wanted) {
     Axis axis = log ? make_log_axis(extent, wanted) : make_axis(extent, wanted);
-    double least = axis.ticks.size() < 2 ? 0.0 : extent.max - extent.min;  // distance of two ticks
-    for (std::size_t i = 1; i < axis.ticks.size(); ++i)
-      least = std::min(least, axis.scaled(axis.ticks[i]) - axis.scaled(axis.ticks[i - 1]));
-    const double part = least / (extent.max - extent.min);
-    if (wanted == 1 || widest_label(axis) + letter <= part * width) return axis;
+    if (wanted == 1 || widest_label(axis) + letter <= least_gap(axis) * axis_width) return axis;
   }
 }
 
@@ -330,16 +322,60 @@ std::string marker_at(const Point& p, const Style& style) {
                      open);
 }
 
+// As marker_at, but each filled or each hollow; shapes that cannot be either have another.
+std::string filled_marker_at(const Point& p, const Style& style, bool hollow) {
+  std::vector<Point> corners;
+  switch (style.marker) {
+    case Marker::circle:
+      for (int i = 0; i < 12; ++i)
+        corners.push_back(
+            {5.5 * std::cos(i * std::numbers::pi / 6), 5.5 * std::sin(i * std::numbers::pi / 6)});
+      break;
+    case Marker::square:
+      corners = {{-5, -5}, {5, -5}, {5, 5}, {-5, 5}};
+      break;
+    case Marker::triangle:
+      corners = {{-6, 5}, {6, 5}, {0, -6.5}};
+      break;
+    case Marker::diamond:
+      corners = {{-6.5, 0}, {0, 6.5}, {6.5, 0}, {0, -6.5}};
+      break;
+    case Marker::cross:
+      corners = {{-6, -5}, {6, -5}, {0, 6.5}};
+      break;
+    case Marker::ring:
+      for (int i = 0; i < 5; ++i)
+        corners.push_back({6.5 * std::sin(i * 0.4 * std::numbers::pi),
+                           -6.5 * std::cos(i * 0.4 * std::numbers::pi)});
+      break;
+  }
+  std::string d;
+  for (const Point& c : corners)
+    d += fmt::format("{}{:.1f},{:.1f}", d.empty() ? "M" : " ", p[0] + c[0], p[1] + c[1]);
+  return fmt::format(
+      "<path class=\"m{}\" d=\"{}Z\" fill=\"{}\" stroke=\"{}\" stroke-width=\"2\"/>\n",
+      hollow ? " hollow" : "", d, hollow ? "#ffffff" : style.colour, style.colour);
+}
+
+// Of a curve's point; in the legend, without a number, filled.
+std::string marker_of(const Curve& curve, const Style& style, const Point& p, std::size_t number) {
+  if (curve.hollow.empty()) return marker_at(p, style);
+  return filled_marker_at(p, style, number < curve.hollow.size() && curve.hollow[number]);
+}
+constexpr auto no_number = static_cast<std::size_t>(-1);
+
 // Attributes of a curve's line, in the axes and in the legend.
 std::string stroke(const Curve& curve, const Style& style) {
   if (curve.wide)
     return fmt::format("stroke=\"{}\" stroke-width=\"9\" stroke-opacity=\"0.3\"", style.colour);
+  if (curve.pale) return fmt::format("stroke=\"{}\" stroke-width=\"1.5\"", style.colour);
   return fmt::format(
       "stroke=\"{}\" stroke-width=\"2.5\"{}", style.colour,
       style.dashes.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", style.dashes));
 }
 
 const Style& style_of(const Panel& panel, std::size_t curve) {
+  if (panel.curves[curve].pale) return pale_style;
   const int style = panel.curves[curve].style;
   return styles[(style < 0 ? curve : static_cast<std::size_t>(style)) % std::size(styles)];
 }
@@ -367,7 +403,7 @@ std::vector<bool> marked_curves(const Panel& panel) {
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const bool nothing = styles_differ && sizes[i] <= round_off * most;
     const bool few = panel.curves[i].trace.points().size() <= few_points;
-    marked.push_back(!nothing && (few || styles_differ));
+    marked.push_back(!nothing && !panel.curves[i].plain && (few || styles_differ));
   }
   return marked;
 }
@@ -401,9 +437,10 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
     svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n", path.take(),
                        stroke(curve, style));
   if (!marked && !curve.points_only) return;
-  if (points.size() <= few_points || curve.points_only) {
-    for (const Point& p : points)
-      if (x.shows(p[0]) && y.shows(p[1])) svg += marker_at(to_picture(p), style);
+  if (points.size() <= few_points || curve.points_only || !curve.hollow.empty()) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (x.shows(points[i][0]) && y.shows(points[i][1]))
+        svg += marker_of(curve, style, to_picture(points[i]), i);
     return;
   }
   // Each curve has its own phase, so that markers of curves that coincide stand side by side.
@@ -481,6 +518,8 @@ Axes axes_of(const Panel& panel) {
         span_x.add(panel.x_log ? exponent(p[0]) : p[0]);
         span_y.add(panel.y_log ? exponent(p[1]) : p[1]);
       }
+  for (const Level& level : panel.levels)
+    if (!panel.y_log || level.y > 0.0) span_y.add(panel.y_log ? exponent(level.y) : level.y);
   if (panel.x_range) {
     span_x = {(*panel.x_range)[0], (*panel.x_range)[1]};
     if (panel.x_log) span_x = {exponent(span_x.min), exponent(span_x.max)};
@@ -497,7 +536,9 @@ Axes axes_of(const Panel& panel) {
   const Extent extent_x =
       extent_of(span_x, panel.x_log, given ? 0.0 : 0.04, given ? 1e-12 : constant_below);
   const Extent extent_y = extent_of(span_y, panel.y_log, 0.04, constant_below);
-  Axes axes{angles ? *angles : make_x_axis(extent_x, panel.x_log),
+  const std::optional<Axis> chosen =
+      angles ? angles : make_axis_at(extent_x, panel.x_log, panel.x_ticks);
+  Axes axes{chosen ? *chosen : make_x_axis(extent_x, panel.x_log),
             panel.y_log ? make_log_axis(extent_y, 8) : make_axis(extent_y, 6),
             {},
             {}};
@@ -537,12 +578,47 @@ Head head_of(const Panel& panel, const std::string& y_label, bool y_label_above)
 std::string text_at(double x, double y, std::string_view anchor, std::string_view text,
                     std::string_view more = "") {
   return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}>{}</text>\n", x, y,
-                     anchor, more, escaped(text));
+                     anchor, more, xml_escaped(text));
 }
 
-// Draws it and returns its height.
+// White round its letters: what it is written on does not matter.
+constexpr std::string_view halo =
+    " stroke=\"#ffffff\" stroke-width=\"5\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
+
+void draw_level(std::string& svg, const Level& level, const Axis& y, double x0, double x1,
+                double y0, double top) {
+  if (!y.shows(level.y)) return;
+  const double at = y.place(level.y, y0, top);
+  svg += fmt::format(
+      "<path class=\"level\" d=\"M{0:.1f},{2:.1f} {1:.1f},{2:.1f}\" stroke=\"#000000\" "
+      "stroke-width=\"2\" stroke-dasharray=\"2 5\"/>\n",
+      x0, x1, at);
+  const double base = at - top < font + 12.0 ? at + font + 2.0 : at - 8.0;
+  svg += text_at(level.at_end ? x1 - 12.0 : x0 + 12.0, base, level.at_end ? "end" : "start",
+                 shortened(level.text, x1 - x0 - 24.0), halo);
+}
+
+void draw_slope(std::string& svg, const Slope& slope, const Axis& x, const Axis& y, double x0,
+                double x1, double y0, double top) {
+  for (const Point& p : {slope.from, slope.to})
+    if (!x.shows(p[0]) || !y.shows(p[1])) return;
+  const Point from = {x.place(slope.from[0], x0, x1), y.place(slope.from[1], y0, top)};
+  const Point to = {x.place(slope.to[0], x0, x1), y.place(slope.to[1], y0, top)};
+  const double low = std::max(from[1], to[1]);  // y points down
+  const double corner = to[1] < from[1] ? to[0] : from[0];
+  svg += fmt::format(
+      "<path class=\"slope\" d=\"M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}Z\" fill=\"none\" "
+      "stroke=\"#000000\" stroke-width=\"1.5\"/>\n",
+      from[0], from[1], to[0], to[1], corner, low);
+  const double half = width_of(slope.text) / 2 + 4.0;
+  const double middle =
+      std::clamp((from[0] + to[0]) / 2, x0 + half, std::max(x0 + half, x1 - half));
+  svg += text_at(middle, std::min(low + font, y0 - 8.0), "middle", slope.text, halo);
+}
+
+// Draws it and returns its height. `id` is that of its clip path.
 double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const Frame& frame,
-                  std::size_t number, double at_x, double at_y) {
+                  const std::string& id, double at_x, double at_y) {
   const Axis& x = axes.x;
   const Axis& y = axes.y;
   const Head head = head_of(panel, axes.y_label, frame.y_label_above);
@@ -582,7 +658,7 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
           sample(panel.curves[other]);
       if (!curve.points_only) sample(curve);
       if (marked[i] || curve.points_only)
-        svg += marker_at({item + (legend_line - 8.0) / 2, top - 4.0}, style);
+        svg += marker_of(curve, style, {item + (legend_line - 8.0) / 2, top - 4.0}, no_number);
       svg += text_at(item + legend_line, top + 4.0, "start", legend_text(curve));
       item += legend_width(curve);
     }
@@ -619,14 +695,17 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
     svg += text_at(x0 - tick_gap, at + 7.0, "end", y.labels[i]);
   }
   svg += fmt::format(
-      "<clipPath id=\"c{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
+      "<clipPath id=\"{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
       "height=\"{:.1f}\"/></clipPath>\n",
-      number, x0, top, x1 - x0, y0 - top);
-  svg += fmt::format("<g clip-path=\"url(#c{})\">\n", number);
-  for (const bool wide : {true, false})
+      id, x0, top, x1 - x0, y0 - top);
+  svg += fmt::format("<g clip-path=\"url(#{})\">\n", id);
+  for (const Level& level : panel.levels) draw_level(svg, level, y, x0, x1, y0, top);
+  const auto layer = [](const Curve& curve) { return curve.pale ? 0 : curve.wide ? 1 : 2; };
+  for (const int at : {0, 1, 2})
     for (std::size_t i = 0; i < panel.curves.size(); ++i)
-      if (panel.curves[i].wide == wide)
+      if (layer(panel.curves[i]) == at)
         draw_curve(svg, i, style_of(panel, i), marked[i], panel, x, y, x0, x1, y0, top);
+  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, x, y, x0, x1, y0, top);
   svg += "</g>\n";
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
@@ -731,8 +810,9 @@ std::string to_svg(std::span<const Panel> panels, const Layout& layout) {
   for (std::size_t begin = 0; begin < panels.size(); begin += columns) {
     double height = 0.0;
     for (std::size_t i = begin; i < std::min(begin + columns, panels.size()); ++i)
-      height = std::max(height, draw_panel(body, panels[i], axes[i], frame, i,
-                                           panel_width * static_cast<double>(i - begin), y));
+      height = std::max(height,
+                        draw_panel(body, panels[i], axes[i], frame, layout.ids + std::to_string(i),
+                                   panel_width * static_cast<double>(i - begin), y));
     y += height;
   }
   const std::vector<std::string> note = wrapped(layout.note, width - 48.0);

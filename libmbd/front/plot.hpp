@@ -42,6 +42,22 @@ struct Curve {
   int style = -1;     // dashes, marker and colour; default: the number of the curve in its panel
   bool wide = false;  // a broad pale line without dashes, under those that are not
   bool points_only = false;  // markers, no line
+  bool pale = false;         // thin and grey, below the others: what is there, but does not matter
+  bool plain = false;        // no markers
+  std::vector<bool> hollow = {};  // by point; where there are some, all other markers are filled
+};
+
+// A line across the axes, which then reach it.
+struct Level {
+  double y;
+  std::string text;     // on it
+  bool at_end = false;  // the text: at its right, not its left
+};
+
+// A right triangle below the line from `from` to `to`, which rises or falls to the right.
+struct Slope {
+  Point from, to;
+  std::string text;  // below it
 };
 
 // What changes by less than 1e-6 of its size is drawn as a constant, in a range of 1 % about it. On a
@@ -51,13 +67,17 @@ struct Panel {
   std::optional<std::array<double, 2>> x_range = {};  // default: what the curves span
   bool x_is_time = false;             // or the load factor: then the curves fill the width
   bool x_log = false, y_log = false;  // logarithmic axes
+  std::vector<double> x_ticks = {};   // where there are ticks, if there is room for their labels
   std::vector<Curve> curves = {};
+  std::vector<Level> levels = {};
+  std::vector<Slope> slopes = {};
 };
 
 struct Layout {
   int columns = 1;        // of panels
   std::string note = {};  // below the last panel
   std::string title = {};
+  std::string ids = "c";  // beginning of all ids: pictures in one page need different ones
 };
 
 // Long titles and notes are broken into lines, long entries of a legend lose their middle. The axes of all

@@ -69,4 +69,34 @@ std::string wrapped(std::string head, std::string_view words, std::size_t indent
   return text + "\n";
 }
 
+std::string xml_escaped(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t size = utf8_size(text, i);
+    if (size != 1) {  // a letter, or a byte that is none
+      result += size == 0 ? std::string_view("\xEF\xBF\xBD") : text.substr(i, size);
+      i += std::max<std::size_t>(1, size);
+      continue;
+    }
+    const char c = text[i++];
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        if (static_cast<unsigned char>(c) >= 0x20) result += c;
+    }
+  }
+  return result;
+}
+
 }  // namespace mbd

@@ -12,6 +12,10 @@ std::string excerpt(std::string_view text);
 
 std::string in_quotes(std::string_view text);
 
+// As text or attribute (in double quotes) of XML and HTML: & < > " as entities, bytes that are no UTF-8 as U+FFFD,
+// without control characters.
+std::string xml_escaped(std::string_view text);
+
 // Without white space at its ends.
 std::string_view trimmed(std::string_view text);
 
