@@ -1,0 +1,238 @@
+// The study of accuracy: its errors against numbers from elsewhere, its orders, and what it does when time is short.
+#include "libmbd/study/accuracy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "libmbd/front/files.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test::test_accuracy {
+namespace {
+
+namespace fs = std::filesystem;
+
+AccuracyStudy study_of(const Scene& scene, const std::vector<std::string>& vary,
+                       AccuracyOptions options = {}) {
+  for (const std::string& one : vary) add_variation(options.variations, one);
+  return study_accuracy(scene, options);
+}
+
+double slope_of(const AccuracyStudy& study, Knob knob, std::size_t number = 0) {
+  for (const OrderFit& fit : study.fits)
+    if (fit.knob == knob && fit.quantity == 0 && number-- == 0) return fit.slope;
+  ADD_FAILURE() << "no fit over " << name_of(knob);
+  return 0.0;
+}
+
+// A rod that swings by half a turn and more: 4/(1+k) K, Gauss's mean.
+double pendulum_period(double length, double gravity, double amplitude) {
+  double a = 1.0, b = std::cos(amplitude / 2.0);
+  while (std::abs(a - b) > 1e-15) {
+    const double mean = (a + b) / 2.0;
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return 2.0 * M_PI * std::sqrt(length / gravity) / a;
+}
+
+// The reference's own error covers its true one: after a period the pendulum is where it began.
+TEST(Accuracy, ReferenceIsAsGoodAsItSays) {
+  Scene scene = model_scene("pendulum");
+  // A point mass on a rod of 1 m, from rest at a right angle (models/pendulum.xml).
+  scene.transient->duration = pendulum_period(1.0, 9.81, M_PI / 2.0);
+  scene.transient->step = scene.transient->duration / 2000.0;
+  const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-3,1e-4"},
+                                       {.quantities = {"bob.position"}, .budget = 20.0});
+  ASSERT_EQ(study.quantities.size(), 1u);
+  const Quantity& quantity = study.quantities[0];
+  EXPECT_LT(quantity.reference_rms, 1e-9);
+  EXPECT_EQ(quantity.until, study.end);
+  double off = 0.0;
+  for (const std::size_t c : quantity.columns)
+    off = std::max(off, std::abs(study.truth.rows.back()[c] - study.truth.rows.front()[c]));
+  EXPECT_LT(off, 10.0 * quantity.reference_largest + 1e-13);
+  EXPECT_EQ(study.places, 201u);
+}
+
+TEST(Accuracy, OrdersInTimeAreThoseOfTheory) {
+  Scene scene = model_scene("heavy_top");
+  scene.transient->duration = 0.5;
+  const std::string steps = "step=2e-3,1e-3,5e-4,2.5e-4";
+  const AccuracyStudy alpha = study_of(scene, {"method=generalized_alpha", steps}, {.budget = 30.0});
+  EXPECT_NEAR(slope_of(alpha, Knob::step), 2.0, 0.1);
+  EXPECT_EQ(*alpha.fits[0].theory, 2.0);
+  const AccuracyStudy radau = study_of(scene, {"method=radau", steps}, {.budget = 30.0});
+  EXPECT_NEAR(slope_of(radau, Knob::step), 5.0, 0.3);
+  EXPECT_EQ(*radau.fits[0].theory, 5.0);
+  const AccuracyStudy adaptive =
+      study_of(scene, {"method=radau", "tolerance=1e-3:1e-8"}, {.budget = 30.0});
+  EXPECT_NEAR(slope_of(adaptive, Knob::tolerance), 1.0, 0.15);
+}
+
+TEST(Accuracy, OrdersInSpaceAreThoseOfTheory) {
+  const AccuracyStudy study = study_of(model_scene("bend45"), {"order=1:3", "elements=4,8,16,32"},
+                                       {.quantities = {"tip.displacement", "root.force"}, .budget = 30.0});
+  for (std::size_t n = 0; n < 3; ++n) {
+    const double order = static_cast<double>(n + 1);
+    EXPECT_NEAR(slope_of(study, Knob::elements, n), -2.0 * order, 0.1 * order) << n;
+  }
+  // A resultant is a derivative of the motion: half as many.
+  std::size_t forces = 0;
+  for (const OrderFit& fit : study.fits)
+    if (fit.quantity == 1) {
+      ++forces;
+      EXPECT_EQ(*fit.theory, -*study.points[fit.points[0]].setting.order);
+      EXPECT_NEAR(fit.slope, *fit.theory, 0.15 * std::abs(*fit.theory));
+    }
+  EXPECT_GE(forces, 2u);
+}
+
+TEST(Accuracy, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
+  const AccuracyStudy study =
+      study_of(model_scene("pendulum"), {"method=generalized_alpha,radau", "step=2e-3,1e-3,5e-4",
+                                         "tolerance=1e-2:1e-7"},
+               {.budget = 20.0});
+  ASSERT_EQ(study.points.size(), 9u);
+  EXPECT_TRUE(study.whole);
+  for (std::size_t q = 0; q < study.quantities.size(); ++q) {
+    const auto& front = study.fronts[q];
+    ASSERT_FALSE(front.empty());
+    for (const TrialPoint& point : study.points) {
+      ASSERT_TRUE(point.trial.complete) << point.trial.failure;
+      bool reached = false;  // something on the front is as good and as cheap
+      for (const std::size_t i : front)
+        reached = reached || (study.points[i].trial.cpu <= point.trial.cpu &&
+                              study.points[i].errors[q].rms <=
+                                  std::max(point.errors[q].rms, study.quantities[q].reference_rms));
+      EXPECT_TRUE(reached) << point.text;
+      EXPECT_GE(point.errors[q].largest, point.errors[q].rms);
+    }
+  }
+  ASSERT_FALSE(study.advice.empty());
+  for (const Advice& advice : study.advice) {
+    EXPECT_LE(study.points[advice.point].errors[advice.quantity].rms, advice.accuracy);
+    for (const std::size_t i : study.fronts[advice.quantity])
+      if (study.points[i].trial.cpu < study.points[advice.point].trial.cpu)
+        EXPECT_GT(study.points[i].errors[advice.quantity].rms, advice.accuracy);
+  }
+}
+
+// A file in which a column has been made 10 % larger: the error is that.
+TEST(Accuracy, AgainstAFileIsTheDifferenceToIt) {
+  Scene scene = model_scene("pendulum");
+  scene.transient->duration = 2.0;
+  const AccuracyStudy own = study_of(scene, {"method=radau", "tolerance=1e-9"},
+                                     {.quantities = {"bob.position"}, .budget = 20.0});
+  std::string text = "# units: s, m, m, m\ntime,bob.position.1,bob.position.2,bob.position.3\n";
+  for (std::size_t k = 0; k < own.truth.at.size(); ++k) {
+    char line[200];
+    std::snprintf(line, sizeof line, "%.17g", own.truth.at[k]);
+    text += line;
+    for (const std::size_t c : own.quantities[0].columns) {
+      std::snprintf(line, sizeof line, ",%.17g", 1.1 * own.truth.rows[k][c]);
+      text += line;
+    }
+    text += "\n";
+  }
+  const fs::path file = fs::path(testing::TempDir()) / "mbd_accuracy_reference.csv";
+  write_file(file, text);
+  const AccuracyStudy study =
+      study_of(scene, {"method=radau", "tolerance=1e-9"},
+               {.quantities = {"bob.position"}, .reference = file, .budget = 20.0});
+  fs::remove(file);
+  ASSERT_TRUE(study.points[0].errors[0].known);
+  EXPECT_NEAR(study.points[0].errors[0].largest, 0.1 / 1.1, 1e-6);
+  EXPECT_NE(study.reference.find("not known"), std::string::npos);
+}
+
+// Two rods that whirl: after some seconds nothing computes the same.
+TEST(Accuracy, SaysFromWhenOnThereIsNoReference) {
+  Scene scene = model_scene("double_pendulum");
+  scene.transient->duration = 60.0;
+  const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-4,1e-6"},
+                                       {.quantities = {"tip.position"}, .budget = 30.0});
+  const Quantity& quantity = study.quantities[0];
+  EXPECT_GT(quantity.until, 3.0);
+  EXPECT_LT(quantity.until, 60.0);
+  bool said = false;
+  for (const std::string& note : study.notes) said = said || note.find("chaotic") != std::string::npos;
+  EXPECT_TRUE(said);
+}
+
+TEST(Accuracy, GoesOnWithWhatIsKept) {
+  const fs::path keep = fs::path(testing::TempDir()) / "mbd_accuracy_kept";
+  fs::remove_all(keep);
+  const Scene scene = model_scene("pendulum");
+  AccuracyOptions options{
+      .quantities = {"bob.position"}, .budget = 20.0, .keep = keep, .fingerprint = "one"};
+  const std::vector<std::string> vary{"method=radau", "tolerance=1e-3,1e-4"};
+  const AccuracyStudy first = study_of(scene, vary, options);
+  std::map<fs::path, fs::file_time_type> written;
+  for (const auto& entry : fs::directory_iterator(keep)) written[entry.path()] = entry.last_write_time();
+  EXPECT_GE(written.size(), 4u);
+  const AccuracyStudy again = study_of(scene, vary, options);
+  for (std::size_t i = 0; i < first.points.size(); ++i)
+    EXPECT_EQ(first.points[i].trial.cpu, again.points[i].trial.cpu);  // not run again
+  for (const auto& [file, time] : written) EXPECT_EQ(fs::last_write_time(file), time);
+  // What is damaged, or of another model, is run again.
+  std::ofstream(written.begin()->first, std::ios::trunc) << "# one\nmbd trial 1\nsta";
+  EXPECT_EQ(study_of(scene, vary, options).points.size(), first.points.size());
+  options.fingerprint = "two";
+  study_of(scene, vary, options);
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(keep)) files += entry.exists() ? 1 : 0;
+  EXPECT_GE(files, 2 * written.size());
+  fs::remove_all(keep);
+}
+
+TEST(Accuracy, InterruptedKeepsWhatIsDone) {
+  std::atomic<bool> interrupted = false;
+  AccuracyOptions options{.quantities = {"bob.position"}, .budget = 60.0};
+  options.interrupted = &interrupted;
+  options.progress = [&](const std::string&, std::size_t done, std::size_t all, double) {
+    if (all > 0 && done == 2) interrupted = true;
+  };
+  const AccuracyStudy study =
+      study_of(model_scene("pendulum"), {"method=radau", "tolerance=1e-2:1e-6"}, options);
+  EXPECT_EQ(study.points.size(), 2u);
+  EXPECT_FALSE(study.whole);
+  EXPECT_EQ(study.untried, 3u);
+  EXPECT_FALSE(study.fronts[0].empty());
+}
+
+TEST(Accuracy, DivergedRunsAreDataPoints) {
+  const AccuracyStudy study =
+      study_of(model_scene("shaft"), {"order=1,4", "elements=1,8", "method=radau", "step=0.01,2.5"},
+               {.quantities = {"M.displacement"}, .budget = 40.0});
+  EXPECT_EQ(study.points.size() + study.untried, 8u);
+  bool failed = false;
+  for (const TrialPoint& point : study.points)
+    failed = failed || (!point.trial.complete && !point.trial.failure.empty()) ||
+             (point.trial.complete && point.errors[0].rms > 0.1);
+  EXPECT_TRUE(failed);
+}
+
+TEST(Accuracy, RefusesWhatTheSceneDoesNotHave) {
+  EXPECT_THROW(study_of(model_scene("pendulum"), {"order=2"}), Error);
+  EXPECT_THROW(study_of(model_scene("pendulum"), {}, {.quantities = {"bib"}}), Error);
+  EXPECT_THROW(study_of(model_scene("bend45"), {"step=1e-3"}), Error);
+  EXPECT_THROW(study_of(model_scene("pendulum"), {}, {.reference = "no/such/file.csv"}), Error);
+  Scene wrong = model_scene("pendulum");
+  wrong.bodies[0].mass = -1.0;
+  EXPECT_THROW(study_of(wrong, {}), Error);
+}
+
+TEST(AccuracySlow, KeepsItsBudget) {
+  const AccuracyStudy study = study_of(model_scene("four_bar"), {}, {.budget = 20.0});
+  EXPECT_LT(study.seconds, 1.1 * 20.0 + 3.0);  // 3 s: a process that must be killed
+  EXPECT_GT(study.untried, 0u);
+  EXPECT_GT(study.points.size(), 3u);
+}
+
+}  // namespace
+}  // namespace mbd::test::test_accuracy
