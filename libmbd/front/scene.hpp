@@ -272,9 +272,9 @@ struct ExpectScene {
 };
 
 struct Scene {
-  std::string file;  // for messages; empty when built in C++
+  std::string file;                   // for messages; empty when built in C++
   std::vector<std::string> includes;  // files it was read from besides, in order
-  Source source;     // of the <mbd> element
+  Source source;                      // of the <mbd> element
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
   std::vector<Section> sections;

@@ -24,7 +24,8 @@ namespace {
 constexpr std::size_t most_quantities = 4;  // when none are named
 constexpr int samples = 200;                // of a transient
 constexpr double reference_share = 0.5;     // of the budget, for the reference
-constexpr double unresolved = 1e-2;    // of the scale: where the two ways differ by that, there is no reference
+constexpr double unresolved =
+    1e-2;  // of the scale: where the two ways differ by that, there is no reference
 constexpr double least_resolved = 0.05;  // of the duration, for a reference
 constexpr double agreed = 1e-11;         // of the scale: nothing is gained by more
 constexpr double near = 1e-9;            // of the last place: two places that are the same
@@ -149,7 +150,8 @@ std::vector<Quantity> quantities_of(const Scene& scene, const Findings& findings
         found->name = group;
         found->unit = findings.units[column - 1];
       }
-      if (std::find(found->columns.begin(), found->columns.end(), column - 1) == found->columns.end())
+      if (std::find(found->columns.begin(), found->columns.end(), column - 1) ==
+          found->columns.end())
         found->columns.push_back(column - 1);
     }
   };
@@ -196,7 +198,8 @@ class Trials {
 
   // One of an earlier study, or a new one of at most `limit` seconds.
   Trial operator()(const Setting& setting, double limit) {
-    const std::string key = fmt::format("{}\n{} samples\n{}", options_.fingerprint, samples, words(setting));
+    const std::string key =
+        fmt::format("{}\n{} samples\n{}", options_.fingerprint, samples, words(setting));
     const std::filesystem::path file =
         options_.keep ? *options_.keep / fmt::format("{:016x}.txt", hash(key)) : "";
     if (options_.keep)
@@ -222,7 +225,8 @@ class Trials {
  private:
   static std::string words(const Setting& setting) {
     std::string text;
-    for (const Knob knob : knobs) text += fmt::format("{}={};", name_of(knob), value_of(setting, knob));
+    for (const Knob knob : knobs)
+      text += fmt::format("{}={};", name_of(knob), value_of(setting, knob));
     return text;
   }
   static std::string replaced(std::string text) {
@@ -356,11 +360,13 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
         options.progress(fmt::format("reference {}{}: {}", level + 1, w == 0 ? "a" : "b",
                                      to_text(scene, ways[w])),
                          0, 0, 0.0);
-      const auto limit = [&] { return (budget - trials.used()) / (level == 0 && w == 0 ? 2.0 : 1.0); };
+      const auto limit = [&] {
+        return (budget - trials.used()) / (level == 0 && w == 0 ? 2.0 : 1.0);
+      };
       TrialPoint point = trials.point(ways[w], limit());
       if (!point.trial.complete && !point.trial.stopped && ways[w].method == TimeMethod::ida) {
         ways[w].method = TimeMethod::radau;  // where IDA does not get through
-          point = trials.point(ways[w], limit());
+        point = trials.point(ways[w], limit());
       }
       complete = is_usable(scene, point.trial);
       partial = partial || !point.trial.complete;
@@ -376,7 +382,8 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
     last_cost = cost;
     if (partial && best < not_known) break;  // a whole one is worth more
     if (partial)
-      for (Trial& trial : done) cut(trial.findings, std::min(done[0].findings.at.back(), done[1].findings.at.back()));
+      for (Trial& trial : done)
+        cut(trial.findings, std::min(done[0].findings.at.back(), done[1].findings.at.back()));
     if (done[0].findings.at.size() != done[1].findings.at.size()) continue;  // of special points
     const double worst = judge(quantities, done[0].findings, done[1].findings);
     const bool first = best == not_known && study.truth.at.empty();
@@ -392,25 +399,30 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
     if (best < agreed || partial) break;
   }
   if (study.truth.at.empty())
-    throw Error(scene.source, fmt::format("no reference could be made within {:.3g} s ({}); give more budget, or "
-                                          "a reference from a file",
-                                          budget, study.ways.empty() ? "no run" : study.ways.back().trial.failure));
-  study.reference = fmt::format("{}; its own error is the difference to {}", to_text(scene, chosen[0]),
-                                to_text(scene, chosen[1]));
+    throw Error(
+        scene.source,
+        fmt::format("no reference could be made within {:.3g} s ({}); give more budget, or "
+                    "a reference from a file",
+                    budget, study.ways.empty() ? "no run" : study.ways.back().trial.failure));
+  study.reference = fmt::format("{}; its own error is the difference to {}",
+                                to_text(scene, chosen[0]), to_text(scene, chosen[1]));
   if (scene.transient && study.truth.at.back() < scene.transient->duration * (1.0 - near))
-    study.notes.push_back(fmt::format("the budget allowed a reference up to {:.4g} s only: errors are those before; for more, "
-                                      "give more budget",
-                                      study.truth.at.back()));
+    study.notes.push_back(fmt::format(
+        "the budget allowed a reference up to {:.4g} s only: errors are those before; for more, "
+        "give more budget",
+        study.truth.at.back()));
   for (const Quantity& quantity : study.quantities) {
     if (quantity.until == 0.0)
-      study.notes.push_back(fmt::format("{}: refinements do not approach each other; its motion is chaotic, or "
-                                        "rings faster than the runs resolve, and it has no reference",
-                                        quantity.name));
+      study.notes.push_back(
+          fmt::format("{}: refinements do not approach each other; its motion is chaotic, or "
+                      "rings faster than the runs resolve, and it has no reference",
+                      quantity.name));
     else if (quantity.until < study.truth.at.back())
-      study.notes.push_back(fmt::format(
-          "{}: from {:.4g} s on refinements differ by more than 1 %: the motion is chaotic, or rings faster than "
-          "the runs resolve; errors are those before",
-          quantity.name, quantity.until));
+      study.notes.push_back(
+          fmt::format("{}: from {:.4g} s on refinements differ by more than 1 %: the motion is "
+                      "chaotic, or rings faster than "
+                      "the runs resolve; errors are those before",
+                      quantity.name, quantity.until));
     else if (scene.transient)
       if (const std::string text = growth(study.truth, other, quantity); !text.empty())
         study.notes.push_back(fmt::format("{}: the reference is good to {}", quantity.name, text));
@@ -446,7 +458,8 @@ void read_reference(AccuracyStudy& study, const Findings& own, const std::filesy
         if (columns[c] > 0) row[c] = file.values[columns[c]][k];
     } else {
       if (t.size() < 4)
-        throw Error(fmt::format("{}: has no row at {}, and too few to interpolate", path.string(), at));
+        throw Error(
+            fmt::format("{}: has no row at {}, and too few to interpolate", path.string(), at));
       ++interpolated;
       k = std::clamp<std::size_t>(k, 2, t.size() - 2) - 2;
       for (std::size_t i = k; i < k + 4; ++i) {
@@ -468,8 +481,9 @@ void read_reference(AccuracyStudy& study, const Findings& own, const std::filesy
   }
   study.reference = fmt::format("the file {}, whose own error is not known", path.string());
   if (interpolated > 0)
-    study.notes.push_back(fmt::format("{} of {} places lie between the rows of {}: interpolated by cubics", interpolated,
-                                      study.truth.at.size(), path.string()));
+    study.notes.push_back(
+        fmt::format("{} of {} places lie between the rows of {}: interpolated by cubics",
+                    interpolated, study.truth.at.size(), path.string()));
 }
 
 // ---- the grid ---------------------------------------------------------------------------------------
@@ -490,7 +504,9 @@ double work_of(const Scene& scene, const Setting& setting) {
 
 // Those that take fixed steps, follow tolerances, and each method, cost differently.
 std::string kind_of(const Setting& setting) {
-  return value_of(setting, Knob::method) + (setting.step ? " step" : setting.tolerance ? " tolerance" : "");
+  return value_of(setting, Knob::method) + (setting.step        ? " step"
+                                            : setting.tolerance ? " tolerance"
+                                                                : "");
 }
 
 void try_settings(AccuracyStudy& study, const Scene& scene, Trials& trials,
@@ -517,9 +533,9 @@ void try_settings(AccuracyStudy& study, const Scene& scene, Trials& trials,
   std::size_t done = 0;
   while (!order.empty() && !trials.interrupted()) {
     // The cheapest of what is left: so that what the budget does not allow are the dear ones.
-    const auto next = std::min_element(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return cost(settings[a]) < cost(settings[b]);
-    });
+    const auto next = std::min_element(
+        order.begin(), order.end(),
+        [&](std::size_t a, std::size_t b) { return cost(settings[a]) < cost(settings[b]); });
     const std::size_t i = *next;
     const double expected = cost(settings[i]);
     if (expected > trials.left() || trials.left() < 0.02 * options.budget) break;
@@ -560,7 +576,8 @@ void find_fronts(AccuracyStudy& study) {
       if (front.empty() || error(i) < error(front.back())) front.push_back(i);
     // The cheapest setting for each power of ten that was reached.
     if (!front.empty()) {
-      const int first = static_cast<int>(std::floor(-std::log10(std::max(error(front.front()), 1e-16))));
+      const int first =
+          static_cast<int>(std::floor(-std::log10(std::max(error(front.front()), 1e-16))));
       for (int power = std::max(first, 1); power <= 14; ++power) {
         const double accuracy = std::pow(10.0, -power);
         const auto found = std::find_if(front.begin(), front.end(),
@@ -581,10 +598,12 @@ std::optional<double> theory_of(const Scene& scene, const Setting& setting, Knob
     const std::string_view name = std::string_view(quantity).substr(quantity.find('.') + 1);
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  const bool acceleration = is_any({"reaction_force", "reaction_moment", "acceleration", "angular_acceleration"});
+  const bool acceleration =
+      is_any({"reaction_force", "reaction_moment", "acceleration", "angular_acceleration"});
   const bool section = is_any({"force", "moment"});
   switch (knob) {
-    case Knob::tolerance: return acceleration || section ? std::nullopt : std::optional(1.0);
+    case Knob::tolerance:
+      return acceleration || section ? std::nullopt : std::optional(1.0);
     case Knob::step:
       if (setting.method.value_or(scene.transient->method) == TimeMethod::radau)
         return acceleration ? 3.0 : 5.0;
@@ -593,7 +612,8 @@ std::optional<double> theory_of(const Scene& scene, const Setting& setting, Knob
       if (const std::optional<int> order = setting.order ? setting.order : setting_of(scene).order)
         return section ? -*order : -2.0 * *order;
       return std::nullopt;
-    default: return std::nullopt;
+    default:
+      return std::nullopt;
   }
 }
 
@@ -607,7 +627,8 @@ std::vector<std::size_t> falling_part(const AccuracyStudy& study, std::size_t q,
     const bool counts = study.points[i].trial.complete && error.known && error.rms < coarsest &&
                         error.rms > above_reference * study.quantities[q].reference_rms &&
                         error.rms > 1e-15;
-    if (!counts || (!part.empty() && error.rms * falling > study.points[part.back()].errors[q].rms)) {
+    if (!counts ||
+        (!part.empty() && error.rms * falling > study.points[part.back()].errors[q].rms)) {
       if (part.size() > best.size()) best = part;
       part.clear();
     }
@@ -616,11 +637,37 @@ std::vector<std::size_t> falling_part(const AccuracyStudy& study, std::size_t q,
   return part.size() > best.size() ? part : best;
 }
 
+struct Line {
+  std::vector<std::size_t> points;
+  double slope = 0.0, spread = 1.0;
+};
+
+// Least squares of logarithms of errors over those of the knob.
+Line line_through(const AccuracyStudy& study, Knob knob, std::size_t q,
+                  std::vector<std::size_t> points) {
+  const auto u_of = [&](std::size_t i) {
+    return std::log(*number_of(study.points[i].setting, knob));
+  };
+  const auto v_of = [&](std::size_t i) { return std::log(study.points[i].errors[q].rms); };
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const std::size_t i : points) {
+    const double u = u_of(i), v = v_of(i);
+    n += 1, x += u, y += v, xx += u * u, xy += u * v;
+  }
+  Line line;
+  line.slope = (n * xy - x * y) / (n * xx - x * x);
+  double off = 0.0;
+  for (const std::size_t i : points)
+    off = std::max(off, std::abs(v_of(i) - y / n - line.slope * (u_of(i) - x / n)));
+  line.spread = std::exp(off);
+  line.points = std::move(points);
+  return line;
+}
+
 void fit_orders(AccuracyStudy& study, const Scene& scene) {
   for (const Knob knob : {Knob::elements, Knob::step, Knob::tolerance})
     for (std::size_t q = 0; q < study.quantities.size(); ++q) {
-      // Families by all other knobs; of those that differ in numbers of other kinds, the one whose errors fall the most:
-      // there other errors show least.
+      // Families by all other knobs; one is chosen of those that differ in other numbers only.
       std::map<std::string, std::vector<std::vector<std::size_t>>> groups;
       std::map<std::string, std::vector<std::size_t>> families;
       for (std::size_t i = 0; i < study.points.size(); ++i) {
@@ -644,33 +691,28 @@ void fit_orders(AccuracyStudy& study, const Scene& scene) {
         groups[group].push_back(family);
       }
       for (const auto& [group, all] : groups) {
-        std::vector<std::size_t> best;
+        // Of those whose errors fall far, the straightest: a fall may also be the chance of errors that cancel.
+        std::vector<std::pair<double, Line>> lines;
         double most = 0.0;
         for (const std::vector<std::size_t>& family : all) {
           const std::vector<std::size_t> part = falling_part(study, q, family);
           if (part.size() < 3) continue;
-          const double fall =
-              study.points[part.front()].errors[q].rms / study.points[part.back()].errors[q].rms;
-          if (fall > most) most = fall, best = part;
+          lines.emplace_back(std::log(study.points[part.front()].errors[q].rms /
+                                      study.points[part.back()].errors[q].rms),
+                             line_through(study, knob, q, part));
+          most = std::max(most, lines.back().first);
         }
-        if (best.empty()) continue;
+        const Line* best = nullptr;
+        for (const auto& [fall, line] : lines)
+          if (fall > 0.6 * most && (best == nullptr || line.spread < best->spread)) best = &line;
+        if (best == nullptr) continue;
         OrderFit fit;
         fit.knob = knob;
         fit.quantity = q;
-        fit.points = best;
-        double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-        const auto u_of = [&](std::size_t i) { return std::log(*number_of(study.points[i].setting, knob)); };
-        const auto v_of = [&](std::size_t i) { return std::log(study.points[i].errors[q].rms); };
-        for (const std::size_t i : best) {
-          const double u = u_of(i), v = v_of(i);
-          n += 1, x += u, y += v, xx += u * u, xy += u * v;
-        }
-        fit.slope = (n * xy - x * y) / (n * xx - x * x);
-        double off = 0.0;
-        for (const std::size_t i : best)
-          off = std::max(off, std::abs(v_of(i) - y / n - fit.slope * (u_of(i) - x / n)));
-        fit.spread = std::exp(off);
-        fit.theory = theory_of(scene, study.points[best.front()].setting, knob,
+        fit.points = best->points;
+        fit.slope = best->slope;
+        fit.spread = best->spread;
+        fit.theory = theory_of(scene, study.points[fit.points.front()].setting, knob,
                                study.quantities[q].name);
         study.fits.push_back(std::move(fit));
       }
@@ -688,7 +730,9 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
   study.machine = machine();
   study.build = to_lines(build_facts());
   study.budget = options.budget;
-  study.place = scene.transient ? "time" : scene.path ? "number of the special point" : "load factor";
+  study.place = scene.transient ? "time"
+                : scene.path    ? "number of the special point"
+                                : "load factor";
 
   const std::vector<Setting> settings = settings_of(default_variations(scene, options.variations));
   // Knobs that the scene does not have are the user's mistake, not a trial that fails.
@@ -712,10 +756,11 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
   try_settings(study, scene, trials, options, settings);
   for (std::vector<TrialPoint>* const list : {&study.points, &study.ways})
     for (TrialPoint& point : *list) {
-      if (scene.path && point.trial.complete && point.trial.findings.at.size() != study.truth.at.size()) {
+      if (scene.path && point.trial.complete &&
+          point.trial.findings.at.size() != study.truth.at.size()) {
         point.trial.complete = false;
-        point.trial.failure = fmt::format("found {} special points, and not {}", point.trial.findings.at.size(),
-                                          study.truth.at.size());
+        point.trial.failure = fmt::format("found {} special points, and not {}",
+                                          point.trial.findings.at.size(), study.truth.at.size());
       }
       for (const Quantity& quantity : study.quantities)
         point.errors.push_back(error_of(point.trial.findings, study.truth, quantity));
@@ -723,10 +768,12 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
   find_fronts(study);
   fit_orders(study, scene);
   if (trials.interrupted())
-    study.notes.push_back(fmt::format("interrupted: {} of {} settings were not tried", study.untried, settings.size()));
+    study.notes.push_back(fmt::format("interrupted: {} of {} settings were not tried",
+                                      study.untried, settings.size()));
   else if (!study.whole)
-    study.notes.push_back(fmt::format("{} of {} settings, the dearest, were not tried: the budget of {:g} s did not allow them",
-                                      study.untried, settings.size(), options.budget));
+    study.notes.push_back(fmt::format(
+        "{} of {} settings, the dearest, were not tried: the budget of {:g} s did not allow them",
+        study.untried, settings.size(), options.budget));
   study.seconds = trials.used();
   return study;
 }

@@ -86,16 +86,16 @@ struct AccuracyStudy {
 
 struct AccuracyOptions {
   std::vector<std::string>
-      quantities;         // names; none: those that the scene expects, plots or records, at most 4
-  Variations variations;  // empty knobs: default_variations()
-  std::optional<std::filesystem::path> reference;  // a history.csv, in place of one's own
-  double budget = 120.0;                           // wall time of it all [s]
+      quantities;  // names; none: those that the scene expects, plots or records, at most 4
+  Variations variations = {};                           // empty knobs: default_variations()
+  std::optional<std::filesystem::path> reference = {};  // a history.csv, in place of one's own
+  double budget = 120.0;                                // wall time of it all [s]
   // Where finished trials are kept and found again (OUT/trials); none: nowhere. `fingerprint` says what they belong to.
-  std::optional<std::filesystem::path> keep;
-  std::string fingerprint, command;
+  std::optional<std::filesystem::path> keep = {};
+  std::string fingerprint = {}, command = {};
   // Told before each trial: how many are done, how many there are (0: not known), seconds to come.
   std::function<void(const std::string& what, std::size_t done, std::size_t all, double eta)>
-      progress;
+      progress = {};
   const std::atomic<bool>* interrupted = nullptr;  // becomes true: finish with what is there
 };
 

@@ -338,20 +338,18 @@ Variations default_variations(const Scene& scene, Variations given) {
          scene.transient ? std::vector{own, 2 * own} : std::vector{own, 2 * own, 4 * own, 8 * own});
   }
   if (scene.transient) {
-    if (given.method.empty() && given.step.empty() && given.tolerance.empty())
-      given.method = {TimeMethod::generalized_alpha, TimeMethod::radau};
+    // With steps or tolerances given, nothing is missing.
+    if (!given.step.empty() || !given.tolerance.empty()) return given;
+    if (given.method.empty()) given.method = {TimeMethod::generalized_alpha, TimeMethod::radau};
     const bool alpha = std::find(given.method.begin(), given.method.end(),
                                  TimeMethod::generalized_alpha) != given.method.end();
     // About the scene's own; else about a thousandth of the duration.
     const double duration = scene.transient->duration;
-    const double own =
-        duration /
-        std::max(4.0, std::round(duration / scene.transient->step.value_or(duration / 1000)));
-    if (alpha && given.tolerance.empty())
-      fill(given.step, std::vector{2 * own, own, own / 2, own / 4, own / 8});
-    const bool adaptive = given.method.empty() || given.method.size() > (alpha ? 1u : 0u);
-    if (adaptive && (given.step.empty() || !given.method.empty()))
-      fill(given.tolerance, std::vector{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8});
+    const double wanted = scene.transient->step.value_or(duration / 1000.0);
+    const double own = duration / std::max(4.0, std::round(duration / wanted));
+    if (alpha) given.step = {2 * own, own, own / 2, own / 4, own / 8};
+    if (given.method.size() > (alpha ? 1u : 0u))
+      given.tolerance = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
   }
   return given;
 }

@@ -41,8 +41,8 @@ TimeErrors rigid_errors(const RigidCase& c, const Scene& model, double rho,
     const std::size_t n = reference.tension.size();
     EXPECT_EQ(t.rows(), n);
 <<<<<<< HEAD
-    errors.motion.push_back(relative_rms(components(t, c.place + ".position"),
-                                         columns_of(reference.position), 0, n));
+    errors.motion.push_back(
+        relative_rms(components(t, c.place + ".position"), columns_of(reference.position), 0, n));
     const Columns force = components(t, "joint_" + c.joint + ".reaction_force");
     if (c.model == "pendulum") {
       const std::vector<double> tension = along_largest(force);

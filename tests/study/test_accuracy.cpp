@@ -41,7 +41,7 @@ double pendulum_period(double length, double gravity, double amplitude) {
 }
 
 // The reference's own error covers its true one: after a period the pendulum is where it began.
-TEST(Accuracy, ReferenceIsAsGoodAsItSays) {
+TEST(AccuracySlow, ReferenceIsAsGoodAsItSays) {
   Scene scene = model_scene("pendulum");
   // A point mass on a rod of 1 m, from rest at a right angle (models/pendulum.xml).
   scene.transient->duration = pendulum_period(1.0, 9.81, M_PI / 2.0);
@@ -59,24 +59,26 @@ TEST(Accuracy, ReferenceIsAsGoodAsItSays) {
   EXPECT_EQ(study.places, 201u);
 }
 
-TEST(Accuracy, OrdersInTimeAreThoseOfTheory) {
+TEST(AccuracySlow, OrdersInTimeAreThoseOfTheory) {
   Scene scene = model_scene("heavy_top");
   scene.transient->duration = 0.5;
   const std::string steps = "step=2e-3,1e-3,5e-4,2.5e-4";
-  const AccuracyStudy alpha = study_of(scene, {"method=generalized_alpha", steps}, {.budget = 30.0});
+  const AccuracyStudy alpha =
+      study_of(scene, {"method=generalized_alpha", steps}, {.budget = 15.0});
   EXPECT_NEAR(slope_of(alpha, Knob::step), 2.0, 0.1);
   EXPECT_EQ(*alpha.fits[0].theory, 2.0);
-  const AccuracyStudy radau = study_of(scene, {"method=radau", steps}, {.budget = 30.0});
+  const AccuracyStudy radau = study_of(scene, {"method=radau", steps}, {.budget = 15.0});
   EXPECT_NEAR(slope_of(radau, Knob::step), 5.0, 0.3);
   EXPECT_EQ(*radau.fits[0].theory, 5.0);
   const AccuracyStudy adaptive =
-      study_of(scene, {"method=radau", "tolerance=1e-3:1e-8"}, {.budget = 30.0});
+      study_of(scene, {"method=radau", "tolerance=1e-3:1e-8"}, {.budget = 15.0});
   EXPECT_NEAR(slope_of(adaptive, Knob::tolerance), 1.0, 0.15);
 }
 
-TEST(Accuracy, OrdersInSpaceAreThoseOfTheory) {
-  const AccuracyStudy study = study_of(model_scene("bend45"), {"order=1:3", "elements=4,8,16,32"},
-                                       {.quantities = {"tip.displacement", "root.force"}, .budget = 30.0});
+TEST(AccuracySlow, OrdersInSpaceAreThoseOfTheory) {
+  const AccuracyStudy study =
+      study_of(model_scene("bend45"), {"order=1:3", "elements=4,8,16,32"},
+               {.quantities = {"tip.displacement", "root.force"}, .budget = 15.0});
   for (std::size_t n = 0; n < 3; ++n) {
     const double order = static_cast<double>(n + 1);
     EXPECT_NEAR(slope_of(study, Knob::elements, n), -2.0 * order, 0.1 * order) << n;
@@ -92,10 +94,10 @@ TEST(Accuracy, OrdersInSpaceAreThoseOfTheory) {
   EXPECT_GE(forces, 2u);
 }
 
-TEST(Accuracy, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
+TEST(AccuracySlow, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
   const AccuracyStudy study =
-      study_of(model_scene("pendulum"), {"method=generalized_alpha,radau", "step=2e-3,1e-3,5e-4",
-                                         "tolerance=1e-2:1e-7"},
+      study_of(model_scene("pendulum"),
+               {"method=generalized_alpha,radau", "step=2e-3,1e-3,5e-4", "tolerance=1e-2:1e-7"},
                {.budget = 20.0});
   ASSERT_EQ(study.points.size(), 9u);
   EXPECT_TRUE(study.whole);
@@ -117,13 +119,14 @@ TEST(Accuracy, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
   for (const Advice& advice : study.advice) {
     EXPECT_LE(study.points[advice.point].errors[advice.quantity].rms, advice.accuracy);
     for (const std::size_t i : study.fronts[advice.quantity])
-      if (study.points[i].trial.cpu < study.points[advice.point].trial.cpu)
+      if (study.points[i].trial.cpu < study.points[advice.point].trial.cpu) {
         EXPECT_GT(study.points[i].errors[advice.quantity].rms, advice.accuracy);
+      }
   }
 }
 
 // A file in which a column has been made 10 % larger: the error is that.
-TEST(Accuracy, AgainstAFileIsTheDifferenceToIt) {
+TEST(AccuracySlow, AgainstAFileIsTheDifferenceToIt) {
   Scene scene = model_scene("pendulum");
   scene.transient->duration = 2.0;
   const AccuracyStudy own = study_of(scene, {"method=radau", "tolerance=1e-9"},
@@ -151,16 +154,17 @@ TEST(Accuracy, AgainstAFileIsTheDifferenceToIt) {
 }
 
 // Two rods that whirl: after some seconds nothing computes the same.
-TEST(Accuracy, SaysFromWhenOnThereIsNoReference) {
+TEST(AccuracySlow, SaysFromWhenOnThereIsNoReference) {
   Scene scene = model_scene("double_pendulum");
   scene.transient->duration = 60.0;
   const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-4,1e-6"},
-                                       {.quantities = {"tip.position"}, .budget = 30.0});
+                                       {.quantities = {"tip.position"}, .budget = 15.0});
   const Quantity& quantity = study.quantities[0];
   EXPECT_GT(quantity.until, 3.0);
   EXPECT_LT(quantity.until, 60.0);
   bool said = false;
-  for (const std::string& note : study.notes) said = said || note.find("chaotic") != std::string::npos;
+  for (const std::string& note : study.notes)
+    said = said || note.find("chaotic") != std::string::npos;
   EXPECT_TRUE(said);
 }
 
@@ -173,7 +177,8 @@ TEST(Accuracy, GoesOnWithWhatIsKept) {
   const std::vector<std::string> vary{"method=radau", "tolerance=1e-3,1e-4"};
   const AccuracyStudy first = study_of(scene, vary, options);
   std::map<fs::path, fs::file_time_type> written;
-  for (const auto& entry : fs::directory_iterator(keep)) written[entry.path()] = entry.last_write_time();
+  for (const auto& entry : fs::directory_iterator(keep))
+    written[entry.path()] = entry.last_write_time();
   EXPECT_GE(written.size(), 4u);
   const AccuracyStudy again = study_of(scene, vary, options);
   for (std::size_t i = 0; i < first.points.size(); ++i)
@@ -205,10 +210,10 @@ TEST(Accuracy, InterruptedKeepsWhatIsDone) {
   EXPECT_FALSE(study.fronts[0].empty());
 }
 
-TEST(Accuracy, DivergedRunsAreDataPoints) {
+TEST(AccuracySlow, DivergedRunsAreDataPoints) {
   const AccuracyStudy study =
       study_of(model_scene("shaft"), {"order=1,4", "elements=1,8", "method=radau", "step=0.01,2.5"},
-               {.quantities = {"M.displacement"}, .budget = 40.0});
+               {.quantities = {"M.displacement"}, .budget = 12.0});
   EXPECT_EQ(study.points.size() + study.untried, 8u);
   bool failed = false;
   for (const TrialPoint& point : study.points)

@@ -56,23 +56,24 @@ TEST(Setting, RefusesKnobsThatTheSceneDoesNotHave) {
 
 TEST(Setting, IsSaidInWordsAndAsASnippet) {
   const Scene scene = model_scene("four_bar");
-  const Setting setting{
-      .order = 4, .elements = 2, .method = TimeMethod::radau, .tolerance = 1e-5};
+  const Setting setting{.order = 4, .elements = 2, .method = TimeMethod::radau, .tolerance = 1e-5};
   EXPECT_EQ(to_text(scene, setting), "order 4, 2/4/2 elements, radau, tolerance 1e-05");
   EXPECT_EQ(to_text(scene, {}), "as it is");
   const std::string text = snippet(scene, setting);
   EXPECT_NE(text.find("<beam name=\"bar1\" … order=\"4\"/>"), std::string::npos) << text;
   EXPECT_EQ(text.find("elements="), std::string::npos) << text;  // they stay
-  EXPECT_NE(text.find("<transient duration=\"36\" method=\"radau\" tolerance=\"1e-05\" output=\"0.009\"/>"),
-            std::string::npos)
+  EXPECT_NE(
+      text.find(
+          "<transient duration=\"36\" method=\"radau\" tolerance=\"1e-05\" output=\"0.009\"/>"),
+      std::string::npos)
       << text;
   EXPECT_EQ(snippet(scene, setting_of(scene)), "");
 }
 
 // The <transient> of the snippet says the same as the setting, when it stands in the model.
 TEST(Setting, SnippetsAreReadBackAsTheSameScene) {
-  const std::string begin =
-      "<mbd name=\"m\"><body name=\"b\" mass=\"1\" inertia=\"1 1 1\"/>", end = "</mbd>";
+  const std::string begin = "<mbd name=\"m\"><body name=\"b\" mass=\"1\" inertia=\"1 1 1\"/>",
+                    end = "</mbd>";
   const Scene scene = read_model_text(
       begin + "<transient duration=\"2\" step=\"0.01\" rho_infinity=\"0.5\"/>" + end);
   for (const Setting& setting :
@@ -91,8 +92,9 @@ TEST(Setting, SnippetsAreReadBackAsTheSameScene) {
 
 TEST(Variations, AreListsRangesAndAll) {
   Variations v;
-  for (const char* text : {"order=2:4,6", "elements=1,2,4,2", "tolerance=1e-2:1e-5", "step=1e-3,5e-4",
-                           "metric=all", "rule=gauss_lobatto", "method=ida,radau"})
+  for (const char* text :
+       {"order=2:4,6", "elements=1,2,4,2", "tolerance=1e-2:1e-5", "step=1e-3,5e-4", "metric=all",
+        "rule=gauss_lobatto", "method=ida,radau"})
     add_variation(v, text);
   EXPECT_EQ(v.order, (std::vector{2, 3, 4, 6}));
   EXPECT_EQ(v.elements, (std::vector{1, 2, 4}));

@@ -56,8 +56,9 @@ std::string command_of(const AccuracyArguments& arguments) {
   std::string text = "mbd accuracy " + arguments.model;
   const auto add = [&](std::string_view option, const std::vector<std::string>& words) {
     for (const std::string& word : words)
-      text += fmt::format(" {} {}", option,
-                          word.find_first_of(" \t'\"") == std::string::npos ? word : "\"" + word + "\"");
+      text += fmt::format(
+          " {} {}", option,
+          word.find_first_of(" \t'\"") == std::string::npos ? word : "\"" + word + "\"");
   };
   add("--set", arguments.set);
   add("--quantity", arguments.quantities);
@@ -101,7 +102,8 @@ int study_model(const AccuracyArguments& arguments) {
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
   if (shown)
     options.progress = [](const std::string& what, std::size_t done, std::size_t all, double eta) {
-      const std::string count = all > 0 ? fmt::format("{} of {}, about {:.0f} s left: ", done + 1, all, eta) : "";
+      const std::string count =
+          all > 0 ? fmt::format("{} of {}, about {:.0f} s left: ", done + 1, all, eta) : "";
       fmt::print(stderr, "\r\033[K{}{}", count, what);
       std::fflush(stderr);
     };
@@ -120,9 +122,11 @@ int study_model(const AccuracyArguments& arguments) {
   write_file(output / "accuracy.html", accuracy_page(study, scene));
   if (!arguments.quiet) {
     fmt::print("{}", to_text(study));
-    fmt::print("\nwritten to {}: accuracy.html (open it in a browser), accuracy.svg, knobs.svg, accuracy.csv, "
-               "accuracy.json, advice.md\n",
-               output.string());
+    fmt::print(
+        "\nwritten to {}: accuracy.html (open it in a browser), accuracy.svg, knobs.svg, "
+        "accuracy.csv, "
+        "accuracy.json, advice.md\n",
+        output.string());
   }
   return interrupted ? interrupted_status : 0;
 }
@@ -135,39 +139,44 @@ void add_accuracy_command(CLI::App& app, int& status) {
       "accuracy", "What accuracy costs in time: errors and CPU seconds of many settings.");
   command->add_option("MODEL", arguments->model, "model file (XML)")->required();
   command
-      ->add_option("-Q,--quantity", arguments->quantities,
-                   "whose error: columns, quantities or records; default: what the model expects, plots or "
-                   "records, at most 4")
+      ->add_option(
+          "-Q,--quantity", arguments->quantities,
+          "whose error: columns, quantities or records; default: what the model expects, plots or "
+          "records, at most 4")
       ->type_name("NAME …");
   command
-      ->add_option("-v,--vary", arguments->vary,
-                   "values of a knob: order, elements (of the beams that have the fewest; others in "
-                   "proportion), metric, rule, form, method, step, tolerance; as lists (1,2,4), ranges "
-                   "(2:6, 1e-2:1e-8) or all; default: those that suit the model")
+      ->add_option(
+          "-v,--vary", arguments->vary,
+          "values of a knob: order, elements (of the beams that have the fewest; others in "
+          "proportion), metric, rule, form, method, step, tolerance; as lists (1,2,4), ranges "
+          "(2:6, 1e-2:1e-8) or all; default: those that suit the model")
       ->type_name("KNOB=VALUES …");
   command
-      ->add_option("-r,--reference", arguments->reference,
-                   "auto (made here, by two different ways), or a CSV with the columns of history.csv")
+      ->add_option(
+          "-r,--reference", arguments->reference,
+          "auto (made here, by two different ways), or a CSV with the columns of history.csv")
       ->type_name("FILE.csv");
   command
       ->add_option("-b,--budget", arguments->budget,
                    "seconds for it all; half of them at most for the reference; default: 120")
       ->type_name("SECONDS");
   command
-      ->add_option("-o,--out", arguments->output,
-                   "directory of the page, pictures and data; what is there of an interrupted study of the "
-                   "same model is gone on with; default: results/MODEL/accuracy")
+      ->add_option(
+          "-o,--out", arguments->output,
+          "directory of the page, pictures and data; what is there of an interrupted study of the "
+          "same model is gone on with; default: results/MODEL/accuracy")
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
-  set_examples(*command,
-               "mbd accuracy models/shaft.xml\n"
-               "mbd accuracy models/four_bar.xml --quantity C.displacement.3 --budget 600\n"
-               "mbd accuracy models/bend45.xml --vary order=1:6 elements=1,2,4,8,16 metric=all\n"
-               "mbd accuracy models/shaft.xml --vary method=radau tolerance=1e-2:1e-8 order=4\n"
-               "mbd accuracy models/four_bar.xml --reference fine/history.csv",
-               "Exit status: 0 all went well (also if some settings failed: they are shown); 1 an error;\n"
-               "130 interrupted, with what was done written; 100 and more: wrong use of the command.");
+  set_examples(
+      *command,
+      "mbd accuracy models/shaft.xml\n"
+      "mbd accuracy models/four_bar.xml --quantity C.displacement.3 --budget 600\n"
+      "mbd accuracy models/bend45.xml --vary order=1:6 elements=1,2,4,8,16 metric=all\n"
+      "mbd accuracy models/shaft.xml --vary method=radau tolerance=1e-2:1e-8 order=4\n"
+      "mbd accuracy models/four_bar.xml --reference fine/history.csv",
+      "Exit status: 0 all went well (also if some settings failed: they are shown); 1 an error;\n"
+      "130 interrupted, with what was done written; 100 and more: wrong use of the command.");
   command->callback([arguments, &status] { status = study_model(*arguments); });
 }
 
