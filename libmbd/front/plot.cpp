@@ -323,7 +323,7 @@ std::string marker_at(const Point& p, const Style& style) {
 }
 
 // As marker_at, but each filled or each hollow; shapes that cannot be either have another.
-std::string filled_marker_at(const Point& p, const Style& style, bool hollow) {
+std::string filled_marker_at(const Point& p, const Style& style, bool hollow, double size) {
   std::vector<Point> corners;
   switch (style.marker) {
     case Marker::circle:
@@ -351,7 +351,8 @@ std::string filled_marker_at(const Point& p, const Style& style, bool hollow) {
   }
   std::string d;
   for (const Point& c : corners)
-    d += fmt::format("{}{:.1f},{:.1f}", d.empty() ? "M" : " ", p[0] + c[0], p[1] + c[1]);
+    d += fmt::format("{}{:.1f},{:.1f}", d.empty() ? "M" : " ", p[0] + size * c[0],
+                     p[1] + size * c[1]);
   return fmt::format(
       "<path class=\"m{}\" d=\"{}Z\" fill=\"{}\" stroke=\"{}\" stroke-width=\"2\"/>\n",
       hollow ? " hollow" : "", d, hollow ? "#ffffff" : style.colour, style.colour);
@@ -360,7 +361,8 @@ std::string filled_marker_at(const Point& p, const Style& style, bool hollow) {
 // Of a curve's point; in the legend, without a number, filled.
 std::string marker_of(const Curve& curve, const Style& style, const Point& p, std::size_t number) {
   if (curve.hollow.empty()) return marker_at(p, style);
-  return filled_marker_at(p, style, number < curve.hollow.size() && curve.hollow[number]);
+  const bool hollow = number < curve.hollow.size() && curve.hollow[number];
+  return filled_marker_at(p, style, hollow, curve.pale ? 0.7 : 1.0);
 }
 constexpr auto no_number = static_cast<std::size_t>(-1);
 
