@@ -595,7 +595,9 @@ void draw_level(std::string& svg, const Level& level, const Axis& y, double x0, 
       "<path class=\"level\" d=\"M{0:.1f},{2:.1f} {1:.1f},{2:.1f}\" stroke=\"#000000\" "
       "stroke-width=\"2\" stroke-dasharray=\"2 5\"/>\n",
       x0, x1, at);
-  const double base = at - top < font + 12.0 ? at + font + 2.0 : at - 8.0;
+  // Below, if there is room: what reaches beyond a level is less than what does not.
+  const bool below = y0 - at > font + 10.0 || at - top < font + 12.0;
+  const double base = below ? at + font : at - 8.0;
   svg += text_at(level.at_end ? x1 - 12.0 : x0 + 12.0, base, level.at_end ? "end" : "start",
                  shortened(level.text, x1 - x0 - 24.0), halo);
 }

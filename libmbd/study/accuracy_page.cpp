@@ -422,7 +422,7 @@ thead th { border-bottom: 2px solid #111; vertical-align: bottom; }
 .w { white-space: nowrap; }
 .quantities { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 28rem), 1fr)); }
 .quantities > * { min-width: 0; }
-.advice { width: 100%; }
+.advice { width: 100%; max-width: 44rem; }
 .advice tr.numbers > * { border-bottom: none; }
 .advice td.change { padding-top: 0; }
 .t { min-width: 12rem; }
