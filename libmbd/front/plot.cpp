@@ -572,7 +572,7 @@ Head head_of(const Panel& panel, const std::string& y_label, bool y_label_above)
   head.legend = legend_rows(panel);
   if (y_label_above && !y_label.empty()) head.y_label = wrapped("↑ " + y_label, text_width);
   head.height = line_height * static_cast<double>(head.title.size() + head.legend.size() +
-                                                  head.y_label.size()) +
+                                                  panel.levels.size() + head.y_label.size()) +
                 (head.title.empty() ? 0.0 : 10.0);
   return head;
 }
@@ -587,19 +587,12 @@ std::string text_at(double x, double y, std::string_view anchor, std::string_vie
 constexpr std::string_view halo =
     " stroke=\"#ffffff\" stroke-width=\"5\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
 
-void draw_level(std::string& svg, const Level& level, const Axis& y, double x0, double x1,
-                double y0, double top) {
-  if (!y.shows(level.y)) return;
-  const double at = y.place(level.y, y0, top);
-  svg += fmt::format(
+// Of a level, and of its sample.
+std::string level_line(double x0, double x1, double y) {
+  return fmt::format(
       "<path class=\"level\" d=\"M{0:.1f},{2:.1f} {1:.1f},{2:.1f}\" stroke=\"#000000\" "
       "stroke-width=\"2\" stroke-dasharray=\"2 5\"/>\n",
-      x0, x1, at);
-  // Below, if there is room: what reaches beyond a level is less than what does not.
-  const bool below = y0 - at > font + 10.0 || at - top < font + 12.0;
-  const double base = below ? at + font : at - 8.0;
-  svg += text_at(level.at_end ? x1 - 12.0 : x0 + 12.0, base, level.at_end ? "end" : "start",
-                 shortened(level.text, x1 - x0 - 24.0), halo);
+      x0, x1, y);
 }
 
 void draw_slope(std::string& svg, const Slope& slope, const Axis& x, const Axis& y, double x0,
@@ -668,6 +661,12 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
     }
     top += line_height;
   }
+  for (const Level& level : panel.levels) {
+    svg += level_line(legend_x, legend_x + legend_line - 8.0, top - 4.0);
+    svg += text_at(legend_x + legend_line, top + 4.0, "start",
+                   shortened(level.text, text_width - legend_line));
+    top += line_height;
+  }
   for (const std::string& line : head.y_label) {
     svg += text_at(at_x + 24.0, top + 4.0, "start", line);
     top += line_height;
@@ -703,13 +702,15 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
       "height=\"{:.1f}\"/></clipPath>\n",
       id, x0, top, x1 - x0, y0 - top);
   svg += fmt::format("<g clip-path=\"url(#{})\">\n", id);
-  for (const Level& level : panel.levels) draw_level(svg, level, y, x0, x1, y0, top);
+  // Under the curves: no point is hidden.
+  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, x, y, x0, x1, y0, top);
+  for (const Level& level : panel.levels)
+    if (y.shows(level.y)) svg += level_line(x0, x1, y.place(level.y, y0, top));
   const auto layer = [](const Curve& curve) { return curve.pale ? 0 : curve.wide ? 1 : 2; };
   for (const int at : {0, 1, 2})
     for (std::size_t i = 0; i < panel.curves.size(); ++i)
       if (layer(panel.curves[i]) == at)
         draw_curve(svg, i, style_of(panel, i), marked[i], panel, x, y, x0, x1, y0, top);
-  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, x, y, x0, x1, y0, top);
   svg += "</g>\n";
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "

@@ -153,7 +153,7 @@ TEST(Plot, LevelsSlopesAndChosenTicks) {
   panel.slopes.push_back({{2.0, 1e-3}, {4.0, 1e-3 / 64}, "−6.01 (−6)"});
   panel.x_ticks = {1, 2, 4, 8};
   const std::string svg = to_svg(std::vector<Panel>{panel});
-  EXPECT_EQ(count(svg, "class=\"level\""), 1u);
+  EXPECT_EQ(count(svg, "class=\"level\""), 2u);  // and in the legend
   EXPECT_EQ(count(svg, ">own &lt; error<"), 1u);
   EXPECT_EQ(count(svg, "class=\"slope\""), 1u);
   EXPECT_EQ(count(svg, ">−6.01 (−6)<"), 1u);

@@ -316,7 +316,7 @@ TEST(AccuracyReport, PicturesShowWhatIsKnown) {
     }
   ASSERT_GT(below, 1u);
   EXPECT_EQ(count(svg, "class=\"m hollow\""), below);
-  EXPECT_EQ(count(svg, "class=\"level\""), 2u);
+  EXPECT_EQ(count(svg, "class=\"level\""), 2u * 2);  // each also in a legend
   EXPECT_EQ(count(svg, "cheapest for its error"), 2u);
   EXPECT_EQ(count(svg, "other settings"), 2u);
   const std::size_t entries = count(svg, "class=\"m\"") + below - drawn;  // markers of the legend
