@@ -323,7 +323,7 @@ std::string marker_at(const Point& p, const Style& style) {
 }
 
 // As marker_at, but each filled or each hollow; shapes that cannot be either have another.
-std::string filled_marker_at(const Point& p, const Style& style, bool hollow) {
+std::string filled_marker_at(const Point& p, const Style& style, bool hollow, double size) {
   std::vector<Point> corners;
   switch (style.marker) {
     case Marker::circle:
@@ -351,7 +351,8 @@ std::string filled_marker_at(const Point& p, const Style& style, bool hollow) {
   }
   std::string d;
   for (const Point& c : corners)
-    d += fmt::format("{}{:.1f},{:.1f}", d.empty() ? "M" : " ", p[0] + c[0], p[1] + c[1]);
+    d += fmt::format("{}{:.1f},{:.1f}", d.empty() ? "M" : " ", p[0] + size * c[0],
+                     p[1] + size * c[1]);
   return fmt::format(
       "<path class=\"m{}\" d=\"{}Z\" fill=\"{}\" stroke=\"{}\" stroke-width=\"2\"/>\n",
       hollow ? " hollow" : "", d, hollow ? "#ffffff" : style.colour, style.colour);
@@ -360,7 +361,8 @@ std::string filled_marker_at(const Point& p, const Style& style, bool hollow) {
 // Of a curve's point; in the legend, without a number, filled.
 std::string marker_of(const Curve& curve, const Style& style, const Point& p, std::size_t number) {
   if (curve.hollow.empty()) return marker_at(p, style);
-  return filled_marker_at(p, style, number < curve.hollow.size() && curve.hollow[number]);
+  const bool hollow = number < curve.hollow.size() && curve.hollow[number];
+  return filled_marker_at(p, style, hollow, curve.pale ? 0.7 : 1.0);
 }
 constexpr auto no_number = static_cast<std::size_t>(-1);
 
@@ -570,7 +572,7 @@ Head head_of(const Panel& panel, const std::string& y_label, bool y_label_above)
   head.legend = legend_rows(panel);
   if (y_label_above && !y_label.empty()) head.y_label = wrapped("↑ " + y_label, text_width);
   head.height = line_height * static_cast<double>(head.title.size() + head.legend.size() +
-                                                  head.y_label.size()) +
+                                                  panel.levels.size() + head.y_label.size()) +
                 (head.title.empty() ? 0.0 : 10.0);
   return head;
 }
@@ -585,17 +587,12 @@ std::string text_at(double x, double y, std::string_view anchor, std::string_vie
 constexpr std::string_view halo =
     " stroke=\"#ffffff\" stroke-width=\"5\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
 
-void draw_level(std::string& svg, const Level& level, const Axis& y, double x0, double x1,
-                double y0, double top) {
-  if (!y.shows(level.y)) return;
-  const double at = y.place(level.y, y0, top);
-  svg += fmt::format(
+// Of a level, and of its sample.
+std::string level_line(double x0, double x1, double y) {
+  return fmt::format(
       "<path class=\"level\" d=\"M{0:.1f},{2:.1f} {1:.1f},{2:.1f}\" stroke=\"#000000\" "
       "stroke-width=\"2\" stroke-dasharray=\"2 5\"/>\n",
-      x0, x1, at);
-  const double base = at - top < font + 12.0 ? at + font + 2.0 : at - 8.0;
-  svg += text_at(level.at_end ? x1 - 12.0 : x0 + 12.0, base, level.at_end ? "end" : "start",
-                 shortened(level.text, x1 - x0 - 24.0), halo);
+      x0, x1, y);
 }
 
 void draw_slope(std::string& svg, const Slope& slope, const Axis& x, const Axis& y, double x0,
@@ -664,6 +661,12 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
     }
     top += line_height;
   }
+  for (const Level& level : panel.levels) {
+    svg += level_line(legend_x, legend_x + legend_line - 8.0, top - 4.0);
+    svg += text_at(legend_x + legend_line, top + 4.0, "start",
+                   shortened(level.text, text_width - legend_line));
+    top += line_height;
+  }
   for (const std::string& line : head.y_label) {
     svg += text_at(at_x + 24.0, top + 4.0, "start", line);
     top += line_height;
@@ -699,13 +702,15 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
       "height=\"{:.1f}\"/></clipPath>\n",
       id, x0, top, x1 - x0, y0 - top);
   svg += fmt::format("<g clip-path=\"url(#{})\">\n", id);
-  for (const Level& level : panel.levels) draw_level(svg, level, y, x0, x1, y0, top);
+  // Under the curves: no point is hidden.
+  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, x, y, x0, x1, y0, top);
+  for (const Level& level : panel.levels)
+    if (y.shows(level.y)) svg += level_line(x0, x1, y.place(level.y, y0, top));
   const auto layer = [](const Curve& curve) { return curve.pale ? 0 : curve.wide ? 1 : 2; };
   for (const int at : {0, 1, 2})
     for (std::size_t i = 0; i < panel.curves.size(); ++i)
       if (layer(panel.curves[i]) == at)
         draw_curve(svg, i, style_of(panel, i), marked[i], panel, x, y, x0, x1, y0, top);
-  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, x, y, x0, x1, y0, top);
   svg += "</g>\n";
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "

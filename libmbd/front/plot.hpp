@@ -47,11 +47,10 @@ struct Curve {
   std::vector<bool> hollow = {};  // by point; where there are some, all other markers are filled
 };
 
-// A line across the axes, which then reach it.
+// A line across the axes, which then reach it; its text is a line of the legend, where it hides no point.
 struct Level {
   double y;
-  std::string text;     // on it
-  bool at_end = false;  // the text: at its right, not its left
+  std::string text;
 };
 
 // A right triangle below the line from `from` to `to`, which rises or falls to the right.

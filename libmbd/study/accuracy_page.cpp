@@ -81,14 +81,14 @@ void add_families(plot::Panel& panel, const AccuracyStudy& study, std::size_t q,
 }
 
 // The reference's own error is drawn where it does not press the curves together.
-void add_level(plot::Panel& panel, const Quantity& quantity, bool at_end) {
+void add_level(plot::Panel& panel, const Quantity& quantity) {
   constexpr double nearest = 30.0;
   double least = std::numeric_limits<double>::infinity();
   for (const plot::Curve& curve : panel.curves)
     for (const plot::Point& p : curve.trace.points()) least = std::min(least, p[1]);
   if (quantity.reference_rms > 0.0 && quantity.reference_rms * nearest >= least)
-    panel.levels.push_back({quantity.reference_rms,
-                            "reference's own error " + bound_text(quantity.reference_rms), at_end});
+    panel.levels.push_back(
+        {quantity.reference_rms, "reference's own error " + bound_text(quantity.reference_rms)});
 }
 
 bool resolved(const Quantity& quantity) { return quantity.until > 0.0; }
@@ -126,7 +126,7 @@ std::vector<plot::Panel> cost_panels(const AccuracyStudy& study, std::vector<std
     if (front.trace.points().size() > 1) panel.curves.push_back(std::move(front));
     std::stable_partition(panel.curves.begin(), panel.curves.end(),
                           [](const plot::Curve& c) { return !c.pale; });
-    add_level(panel, study.quantities[q], false);
+    add_level(panel, study.quantities[q]);
     panels.push_back(std::move(panel));
     of.push_back(q);
   }
@@ -225,7 +225,7 @@ std::vector<plot::Panel> knob_panels(const AccuracyStudy& study) {
       add_families(panel, study, q, families, style,
                    [&](std::size_t point) { return number_of(study.points[point].setting, knob); });
       if (panel.curves.empty()) continue;
-      add_level(panel, study.quantities[q], rises);
+      add_level(panel, study.quantities[q]);
       add_slopes(panel, study, knob, q, families, style);
       if (!rises) {
         std::set<double> values;
@@ -422,7 +422,7 @@ thead th { border-bottom: 2px solid #111; vertical-align: bottom; }
 .w { white-space: nowrap; }
 .quantities { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 28rem), 1fr)); }
 .quantities > * { min-width: 0; }
-.advice { width: 100%; }
+.advice { width: 100%; max-width: 44rem; }
 .advice tr.numbers > * { border-bottom: none; }
 .advice td.change { padding-top: 0; }
 .t { min-width: 12rem; }

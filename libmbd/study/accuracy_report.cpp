@@ -352,10 +352,10 @@ std::string markdown_of(const AccuracyStudy& study) {
     const std::vector<Range> ranges = ranges_of(study, q);
     for (const Range& range : ranges)
       text += "- " + plain(sentence_of(study, {q, range.to, range.point})) + "\n";
-    if (ranges.empty()) text += "- " + plain(quantity.name) + ": no run came to an error of 0.1\n";
+    if (ranges.empty()) text += "- " + plain(quantity.name) + ": no power of ten was reached\n";
   }
   text += "\n" + plain(capital(tally_text(study))) + ", in " + seconds_text(study.seconds) +
-          " s. Reference: " + plain(study.reference) + "\n";
+          " s on " + plain(study.machine) + ". Reference: " + plain(study.reference) + "\n";
   for (const Quantity& quantity : study.quantities)
     if (quantity.until > 0.0)
       text += fmt::format("Its own error for {}: {}.\n", plain(quantity.name),

@@ -109,6 +109,8 @@ std::string seconds_text(double seconds) {
 std::string number_text(double value, int digits) {
   if (!std::isfinite(value)) return "-";
   if (value == 0.0) return "0";
+  if (std::abs(value) >= 1.0 && std::abs(value) < 1000.0)
+    return fmt::format("{:.{}g}", value, std::max(digits, std::abs(value) >= 10.0 ? 3 : digits));
   std::string text = fmt::format("{:.{}e}", value, digits - 1);
   const std::size_t e = text.find('e');
   std::string lead = text.substr(0, e);
@@ -224,9 +226,10 @@ std::string text_of(const Range& range) {
 }
 
 std::vector<Family> families_of(const AccuracyStudy& study) {
+  const std::vector<Knob> varied = numeric_knobs(study);
   const auto along_of = [&](const Setting& setting) {
-    for (const Knob knob : {Knob::step, Knob::tolerance, Knob::elements, Knob::order})
-      if (number_of(setting, knob) && values_of(study, knob) > 1) return knob;
+    for (const Knob knob : varied)
+      if (number_of(setting, knob)) return knob;
     return Knob::step;
   };
   std::vector<Family> families;

@@ -12,7 +12,7 @@ namespace mbd::study {
 // "0.0012", "0.93", "12", "1200": two digits, whole from ten on.
 std::string seconds_text(double seconds);
 
-// "3e-9", "1.2e-5", "0": `digits` of them, the exponent without zeros in front; not a number: "-".
+// "3e-9", "1.2e-5", "0", "1.3", "120": `digits` of them, the exponent without zeros in front; not a number: "-".
 std::string number_text(double value, int digits = 2);
 
 // rms or largest error of a point: "1.2e-5"; "< 3e-9" where it is not above the reference's own, which is rounded

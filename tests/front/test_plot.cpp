@@ -110,6 +110,69 @@ TEST(Plot, LogAxes) {
   EXPECT_EQ(count(d, "M"), 2u) << d;  // in two parts
 }
 
+// Markers filled and hollow, point by point, in every style; pale and plain curves beside them.
+TEST(Plot, HollowPalePlain) {
+  Panel panel{.x_log = true, .y_log = true};
+  for (int style = 0; style < 6; ++style) {
+    Curve curve;
+    curve.label = "curve " + std::to_string(style);
+    for (const double x : {1.0, 2.0, 4.0}) {
+      curve.trace.add({x, std::pow(x, -2)});
+      curve.hollow.push_back(x > 3.0);
+    }
+    panel.curves.push_back(curve);
+  }
+  std::string svg = to_svg(std::vector<Panel>{panel});
+  EXPECT_EQ(count(svg, "class=\"m hollow\""), 6u);
+  EXPECT_EQ(count(svg, "class=\"m\""), 6u * 3);  // two points and the legend
+  std::set<std::string> shapes;                  // of the legend: relative to their first corner
+  for (std::size_t at = svg.find("class=\"m\" d=\"M"), n = 0; n < 6; ++n) {
+    const std::string d = svg.substr(at, svg.find("fill", at) - at);
+    shapes.insert(std::to_string(count(d, " ")) + d.substr(d.find(' ', 12)));
+    at = svg.find("class=\"m\" d=\"M", at + 1);
+  }
+  EXPECT_EQ(shapes.size(), 6u);
+
+  panel.curves[1].pale = true;
+  panel.curves[2].plain = true;
+  svg = to_svg(std::vector<Panel>{panel});
+  EXPECT_EQ(count(svg, "class=\"m hollow\""), 5u);
+  EXPECT_GE(count(svg, "#b0b0b0"), 4u);
+  // under all others
+  EXPECT_LT(svg.find("stroke=\"#b0b0b0\"", svg.find("<g clip-path")),
+            svg.find("stroke=\"#000000\"", svg.find("<g clip-path")));
+}
+
+TEST(Plot, LevelsSlopesAndChosenTicks) {
+  Panel panel{.x_label = "elements", .y_label = "error", .x_log = true, .y_log = true};
+  panel.curves.push_back({"a", {}});
+  for (const double n : {1.0, 2.0, 4.0, 8.0}) panel.curves[0].trace.add({n, std::pow(n, -6)});
+  const std::string before = to_svg(std::vector<Panel>{panel});
+  EXPECT_FALSE(count(before, ">10⁻⁸<"));
+  panel.levels.push_back({1e-9, "own < error"});
+  panel.slopes.push_back({{2.0, 1e-3}, {4.0, 1e-3 / 64}, "−6.01 (−6)"});
+  panel.x_ticks = {1, 2, 4, 8};
+  const std::string svg = to_svg(std::vector<Panel>{panel});
+  EXPECT_EQ(count(svg, "class=\"level\""), 2u);  // and in the legend
+  EXPECT_EQ(count(svg, ">own &lt; error<"), 1u);
+  EXPECT_EQ(count(svg, "class=\"slope\""), 1u);
+  EXPECT_EQ(count(svg, ">−6.01 (−6)<"), 1u);
+  EXPECT_EQ(count(svg, ">10⁻⁸<"), 1u);  // the axes reach the level
+  for (const char* tick : {">2<", ">4<", ">8<"}) EXPECT_EQ(count(svg, tick), 1u) << tick;
+  EXPECT_EQ(count(svg, ">5<"), 0u);
+  panel.x_ticks.clear();  // no room for all
+  for (int n = 1; n < 200; ++n) panel.x_ticks.push_back(1.0 + n / 30.0);
+  EXPECT_EQ(count(to_svg(std::vector<Panel>{panel}), ">5<"), 1u);
+}
+
+TEST(Plot, IdsAreGiven) {
+  const std::vector<Panel> panels = {sine(10, "a"), sine(10, "b")};
+  const std::string svg = to_svg(panels, {.ids = "first-"});
+  for (const char* part : {"id=\"first-0\"", "url(#first-0)", "id=\"first-1\"", "url(#first-1)"})
+    EXPECT_EQ(count(svg, part), 1u) << part;
+  EXPECT_EQ(count(svg, "id=\"c"), 0u);
+}
+
 TEST(Plot, TraceIsBoundedAndKeepsExtremes) {
   Trace trace(1000);
   double least = 1e9, most = -1e9;
