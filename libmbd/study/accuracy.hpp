@@ -85,8 +85,8 @@ struct AccuracyStudy {
 };
 
 struct AccuracyOptions {
-  std::vector<std::string>
-      quantities;  // names; none: those that the scene expects, plots or records, at most 4
+  // Names; none: those that the scene expects, plots or records, at most 4.
+  std::vector<std::string> quantities = {};
   Variations variations = {};                           // empty knobs: default_variations()
   std::optional<std::filesystem::path> reference = {};  // a history.csv, in place of one's own
   double budget = 120.0;                                // wall time of it all [s]

@@ -121,7 +121,7 @@ int study_model(const AccuracyArguments& arguments) {
   write_file(output / "advice.md", to_markdown(study));
   write_file(output / "accuracy.html", accuracy_page(study, scene));
   if (!arguments.quiet) {
-    fmt::print("{}", to_text(study));
+    fmt::print("{}", to_text(study, scene));
     fmt::print(
         "\nwritten to {}: accuracy.html (open it in a browser), accuracy.svg, knobs.svg, "
         "accuracy.csv, "
