@@ -91,6 +91,10 @@ class Program {
     return true;
   }
 
+  void signal(int number) {
+    if (pid_ > 0) kill(pid_, number);
+  }
+
   const Ended& wait() {
     while (!ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return ended_;
