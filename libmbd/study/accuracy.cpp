@@ -28,6 +28,7 @@ constexpr double unresolved =
     1e-2;  // of the scale: where the two ways differ by that, there is no reference
 constexpr double least_resolved = 0.05;  // of the duration, for a reference
 constexpr double agreed = 1e-11;         // of the scale: nothing is gained by more
+constexpr double zero = 1e-8;            // of others in its unit: a quantity that is round-off
 constexpr double near = 1e-9;            // of the last place: two places that are the same
 constexpr double coarsest = 0.1;         // errors that are fitted are below,
 constexpr double above_reference = 3.0;  // and above that many times the reference's own,
@@ -98,10 +99,15 @@ std::size_t places_until(const Findings& truth, double until) {
 }
 
 void set_scale(Quantity& quantity, const Findings& truth) {
-  double most = 0.0;
-  for (std::size_t k = 0; k < places_until(truth, quantity.until); ++k)
-    most = std::max(most, length_of(truth, k, quantity));
-  quantity.scale = most > 0.0 ? most : 1.0;
+  double own = 0.0, of_unit = 0.0;
+  for (std::size_t k = 0; k < places_until(truth, quantity.until); ++k) {
+    own = std::max(own, length_of(truth, k, quantity));
+    for (std::size_t c = 0; c < truth.columns.size(); ++c)
+      if (truth.units[c] == quantity.unit) of_unit = std::max(of_unit, std::abs(truth.rows[k][c]));
+  }
+  quantity.is_zero = own <= zero * of_unit;
+  const double scale = quantity.is_zero ? of_unit : own;
+  quantity.scale = scale > 0.0 ? scale : 1.0;
 }
 
 QuantityError error_of(const Findings& found, const Findings& truth, const Quantity& quantity) {
@@ -750,6 +756,12 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
     read_reference(study, own.findings, *options.reference);
   else
     make_reference(study, scene, trials, options);
+  for (const Quantity& quantity : study.quantities)
+    if (quantity.is_zero && quantity.until > 0.0)
+      study.notes.push_back(fmt::format(
+          "{} is zero but for round-off: its errors are relative to the largest number in its "
+          "unit that the model records",
+          quantity.name));
   study.places = study.truth.at.size();
   study.end = study.truth.at.back();
 

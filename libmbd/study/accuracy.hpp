@@ -20,7 +20,10 @@ struct Quantity {
   std::string name;                  // "C.displacement", "C.displacement.3"
   std::string unit;                  // of the columns
   std::vector<std::size_t> columns;  // of Findings
-  double scale = 0.0;  // largest length of the reference's vector up to `until`; 1 if that is zero
+  // Largest length of the reference's vector up to `until`. Where that is round-off beside other columns of its unit, the
+  // largest of those (`is_zero`); 1 if all are zero.
+  double scale = 0.0;
+  bool is_zero = false;
   // Of the reference itself, as the difference of the two ways to it.
   double reference_rms = 0.0, reference_largest = 0.0;
   // Up to which time its refinements approach each other [s]: the end, unless the motion is chaotic or rings faster than
