@@ -39,11 +39,12 @@ struct TooLong {};
 // The places of Findings, as the run comes to them.
 class Finder : public Observer {
  public:
-  Finder(const Scene& scene, Findings& findings, double stop_at)
-      : scene_(scene), findings_(findings), stop_at_(stop_at) {}
+  Finder(const Scene& scene, Findings& findings, double stop_at, ResolutionMeter* meter)
+      : scene_(scene), findings_(findings), stop_at_(stop_at), meter_(meter) {}
 
   void accepted(const Sample& sample) override {
     if (used_cpu() > stop_at_) throw TooLong();
+    if (meter_) meter_->look(sample.model, sample.state);
     const std::size_t first = scene_.path ? 0 : 1;  // of a path, the load is what is found
     if (findings_.columns.empty()) {
       const std::vector<Column> all = columns(sample.model);
@@ -72,6 +73,7 @@ class Finder : public Observer {
   const Scene& scene_;
   Findings& findings_;
   double stop_at_;
+  ResolutionMeter* meter_;
 };
 
 // What the child does: a run without files.
@@ -84,7 +86,9 @@ Trial run_here(Scene scene, const TrialOptions& options) {
     scene.transient->output = scene.transient->duration / options.samples;
   }
   const double begin = used_cpu();
-  Finder finder(scene, trial.findings, begin + options.limit);
+  ResolutionMeter meter(scene);
+  Finder finder(scene, trial.findings, begin + options.limit,
+                options.resolution ? &meter : nullptr);
   RunOptions run_options;
   run_options.observers = {&finder};
   run_options.progress = [&](const Progress&) {
@@ -92,6 +96,7 @@ Trial run_here(Scene scene, const TrialOptions& options) {
   };
   try {
     const RunReport report = run(scene, run_options);
+    trial.beams = meter.beams();
     trial.complete = report.complete();
     trial.failure = report.failure;
     trial.cpu_stepping = scene.transient ? report.integration.cpu : report.equilibrium.cpu;
@@ -260,6 +265,9 @@ std::string serialize(const Trial& trial) {
       fmt::join(trial.findings.units, ","), trial.findings.at.size());
   for (std::size_t k = 0; k < trial.findings.at.size(); ++k)
     text += fmt::format("{} {}\n", trial.findings.at[k], fmt::join(trial.findings.rows[k], " "));
+  for (const BeamResolution& beam : trial.beams)
+    text += fmt::format("beam {} {} {} {} {}\nname {}\n", beam.order, beam.elements, beam.strain,
+                        beam.jump, fmt::join(beam.coefficients, " "), one_line(beam.name));
   return text + "end\n";
 }
 
@@ -301,6 +309,18 @@ std::optional<Trial> deserialize(const std::string& text) {
     trial.findings.at.push_back(values.front());
     values.erase(values.begin());
     trial.findings.rows.push_back(std::move(values));
+  }
+  while (reader.in.peek() == 'b') {
+    std::vector<double> values = reader.numbers("beam");
+    BeamResolution beam;
+    beam.name = reader.line("name");
+    if (!reader.good || values.size() < 4) return std::nullopt;
+    beam.order = static_cast<int>(values[0]);
+    beam.elements = static_cast<int>(values[1]);
+    beam.strain = values[2];
+    beam.jump = values[3];
+    beam.coefficients.assign(values.begin() + 4, values.end());
+    trial.beams.push_back(std::move(beam));
   }
   return trial;
 }

@@ -9,6 +9,7 @@
 
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/report.hpp"
+#include "libmbd/study/resolution.hpp"
 
 namespace mbd {
 
@@ -33,12 +34,14 @@ struct Trial {
   double memory = 0.0;  // largest resident size of the process [bytes]
   Counters counters;    // of load steps and time steps
   Index nodes = 0, unknowns = 0, multipliers = 0;
-  Findings findings;  // also of a run that is not complete, up to where it came
+  Findings findings;                  // also of a run that is not complete, up to where it came
+  std::vector<BeamResolution> beams;  // over the states of all rows; if asked for
 };
 
 struct TrialOptions {
-  int samples = 200;    // of a transient
-  double limit = 1e30;  // CPU time at which it is stopped [s]
+  int samples = 200;        // of a transient
+  bool resolution = false;  // look at how well elements resolve the beams (Trial::beams)
+  double limit = 1e30;      // CPU time at which it is stopped [s]
   // Repeated up to `repeats` times, as long as all together have taken less than `repeat_within` [s].
   int repeats = 3;
   double repeat_within = 1.0;
