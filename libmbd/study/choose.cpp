@@ -20,12 +20,16 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double part_of_time = 0.4, part_alone = 0.7;
 constexpr double aimed = 0.5;  // of a part, when a knob is turned
 constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
+constexpr double finest_step = 1.0 / 4096;     // part of the model's own
+constexpr double part_of_first_run = 1.0 / 6;  // of the limit: for one run with a tolerance, and
+constexpr double dear = 30.0;                  // as much as the model's own run
 constexpr int first_order = 3, highest_order = 8;
 constexpr int usual_highest = 6;  // of a transient: above, more elements cost less
 constexpr int most_elements = 4000;
 constexpr double slow = 3.0;          // decay below which elements are doubled
 constexpr double much_jump = 0.3;     // of the strain
 constexpr int most_without_gain = 3;  // refinements in a row
+constexpr double zero_angle = 1e-8;   // [rad]
 constexpr double worth_a_look = 0.1;  // [s] of a run for which a cheaper method is tried
 
 struct Vector {
@@ -43,6 +47,9 @@ std::vector<Vector> vectors_of(const Findings& findings, const std::vector<std::
   std::vector<Vector> vectors;
   for (const std::size_t column : choose_columns(history, names)) {
     const std::string name(quantity_of(history.columns[column].name));
+    // Of a path, the load is found; how long the way there was depends on the number of nodes.
+    const bool recorded = name.find('.') != std::string::npos || name == "load_factor";
+    if (names.empty() && !recorded) continue;
     auto found = std::find_if(vectors.begin(), vectors.end(),
                               [&](const Vector& v) { return v.name == name; });
     if (found == vectors.end()) {
@@ -53,6 +60,14 @@ std::vector<Vector> vectors_of(const Findings& findings, const std::vector<std::
   }
   for (Vector& v : vectors) v.rotation = v.rotation && v.columns.size() == 3;
   return vectors;
+}
+
+// On which side a branch is followed is the sign of an eigenvector, which round-off decides; the sides of a
+// symmetric bifurcation are mirror images.
+std::optional<std::size_t> branch_column(const Findings& findings) {
+  const auto found = std::find(findings.columns.begin(), findings.columns.end(), "branch");
+  if (found == findings.columns.end()) return {};
+  return static_cast<std::size_t>(found - findings.columns.begin());
 }
 
 Eigen::VectorXd values(const Vector& vector, const std::vector<double>& row) {
@@ -124,9 +139,21 @@ class Chooser {
   Setting setting(const Mesh& mesh, double tolerance) const {
     Setting s;
     if (flexible()) s.order = mesh.order, s.elements = mesh.elements;
-    if (moving()) s.method = TimeMethod::radau, s.tolerance = tolerance;
+    if (!moving()) return s;
+    if (fixed_)
+      s.step = *scene_.transient->step * tolerance;
+    else
+      s.method = TimeMethod::radau, s.tolerance = tolerance;
     return s;
   }
+
+  // What time is refined by to see its error: a tenth of a tolerance, half a step.
+  double refinement() const { return fixed_ ? 2.0 : 10.0; }
+  // Tolerances that read well; steps of which the duration is a whole number.
+  double allowed(double knob) const {
+    return fixed_ ? 1.0 / std::ceil(1.0 / knob - 1e-6) : rounded_down(knob);
+  }
+  double better(double knob) const { return allowed(knob / refinement()); }
 
   // Made once. Throws Enough where there is no time left.
   const Known& get(const Setting& setting, double limit = infinite) {
@@ -183,11 +210,12 @@ class Chooser {
 
   // ---- time -----------------------------------------------------------------------------------
 
-  static double power_of(const std::vector<Measured>& measured) {
-    if (measured.size() < 2) return 1.0;
+  double power_of(const std::vector<Measured>& measured) const {
+    const double usual = fixed_ ? 2.0 : 1.0;
+    if (measured.size() < 2) return usual;
     const Measured &a = measured[measured.size() - 2], &b = measured.back();
-    if (!std::isfinite(a.error) || !(b.error > 0.0)) return 1.0;
-    return std::clamp(std::log(a.error / b.error) / std::log(a.knob / b.knob), 0.5, 1.2);
+    if (!std::isfinite(a.error) || !(b.error > 0.0)) return usual;
+    return std::clamp(std::log(a.error / b.error) / std::log(a.knob / b.knob), 0.5, 1.2 * usual);
   }
 
   std::string not_approaching(const std::string& what, const Disagreement& d) const {
@@ -202,14 +230,14 @@ class Chooser {
     std::vector<Measured> measured;
     for (int without_gain = 0;;) {
       const Known& run = get(setting(mesh, tolerance_));
-      const Known& better = get(setting(mesh, rounded_down(tolerance_ / 10)));
-      const Disagreement d = compare(run, better);
+      const Known& finer_run = get(setting(mesh, better(tolerance_)));
+      const Disagreement d = compare(run, finer_run);
       measured.push_back({tolerance_, d.rms});
       const double power = power_of(measured);
       in_time_ = d.rms * (1.0 + rest_of(power));
       if (std::isfinite(d.rms)) {
         choice_.pilots[run.pilot].in_time = in_time_;
-        if (!flexible()) believe(run, better, rest_of(power));
+        if (!flexible()) believe(run, finer_run, rest_of(power));
       }
       if (in_time_ <= target) return;
       if (measured.size() >= 2) {
@@ -218,23 +246,45 @@ class Chooser {
       }
       if (without_gain >= most_without_gain)
         throw Enough{not_approaching("runs with ever smaller tolerances", d)};
-      if (!(tolerance_ > 10.0 * finest_tolerance))
-        throw Enough{fmt::format("tolerances below {:g} are not above round-off", tolerance_)};
-      double next = tolerance_ / 10.0;
+      const double finest = fixed_ ? finest_step : 10.0 * finest_tolerance;
+      if (!(tolerance_ > finest))
+        throw Enough{fmt::format(
+            "{} below {:g} are not tried{}{}", fixed_ ? "parts of the model's step" : "tolerances",
+            tolerance_, finer_run.trial.failure.empty() ? "" : ": ", finer_run.trial.failure)};
+      double next = tolerance_ / refinement();
       if (without_gain > 0) {
-        next = tolerance_ / 100.0;  // past the plateau, if there is an end of it
+        next = tolerance_ /
+               (refinement() * refinement());  // past the plateau, if there is an end of it
       } else if (std::isfinite(d.rms)) {
         next = tolerance_ * std::pow(aimed * target / in_time_, 1.0 / power);
         next = std::clamp(next, tolerance_ * 1e-4, tolerance_ * 0.5);
         // A run that exists already is worth more than one a little cheaper.
-        if (next > tolerance_ / 10.0 && next < tolerance_ / 4.0) next = tolerance_ / 10.0;
+        if (next > tolerance_ / refinement() && next < 2.5 * tolerance_ / refinement())
+          next = tolerance_ / refinement();
       }
-      tolerance_ = rounded_down(std::max(next, finest_tolerance * 10.0));
+      tolerance_ = allowed(std::max(next, finest));
     }
   }
 
-  // Of the difference to a run with a tenth of the tolerance, by the measured power.
-  static double rest_of(double power) { return 1.0 / (std::pow(10.0, power) - 1.0); }
+  // Of the difference to the refined run, by the measured power.
+  double rest_of(double power) const { return 1.0 / (std::pow(refinement(), power) - 1.0); }
+
+  // Undamped axial waves of stiff beams take tolerances millions of steps, where the model's own steps damp them or
+  // pass over them: if the first run with a tolerance is far dearer than the model's own, fractions of its step are
+  // taken for what they can reach.
+  void choose_steps(const Mesh& mesh) {
+    if (!scene_.transient->step || scene_.transient->method == TimeMethod::radau) return;
+    Setting own;
+    own.order = mesh.order;
+    own.elements = mesh.elements;
+    const double cost = get(own).trial.cpu;
+    const double most = std::max(1.0, std::min(options_.limit * part_of_first_run, dear * cost));
+    if (!get(setting(mesh, tolerance_), most).trial.stopped) return;
+    fixed_ = true;
+    tolerance_ = 1.0;
+    choice_.notes.push_back(
+        "steps that follow a tolerance resolve waves for which there is no time: steps are fixed");
+  }
 
   // ---- space ----------------------------------------------------------------------------------
 
@@ -304,6 +354,7 @@ class Chooser {
     }
     const int own = *setting_of(scene_).elements;
     std::vector<std::pair<Mesh, double>> measured;
+    if (moving()) choose_steps(mesh);
     if (moving()) settle_time(mesh, part_of_time * accuracy);
     for (int without_gain = 0;;) {
       const Known& run = get(setting(mesh, tolerance_));
@@ -314,9 +365,9 @@ class Chooser {
       }
       if (!run.trial.complete) throw Enough{"no run came to its end: " + run.trial.failure};
       const Mesh better_mesh = finer(mesh);
-      const Known& better =
-          get(setting(better_mesh, moving() ? rounded_down(tolerance_ / 10) : tolerance_));
-      const Disagreement d = compare(run, better);
+      const Known& finer_run =
+          get(setting(better_mesh, moving() ? better(tolerance_) : tolerance_));
+      const Disagreement d = compare(run, finer_run);
       std::optional<double> rate;
       if (!measured.empty()) {
         const auto& [before, error] = measured.back();
@@ -325,8 +376,9 @@ class Chooser {
           rate = std::clamp(std::pow(error / d.rms, 1.0 / orders), 1.0, 1000.0);
       }
       // Of the finer mesh at least what is usual of half an order; a tenth is of the tolerance.
-      const double rest = rate ? 1.0 / (std::max(*rate, 2.0) - 1.0) : 0.2;
-      const double error = believe(run, better, std::clamp(rest, 0.1, 1.0));
+      const double rest =
+          std::max(rate ? 1.0 / (std::max(*rate, 2.0) - 1.0) : 0.2, fixed_ ? rest_of(2.0) : 0.0);
+      const double error = believe(run, finer_run, std::clamp(rest, 0.1, 1.0));
       if (error <= 0.9 * accuracy) {
         try_own_steps(mesh);
         return;
@@ -339,8 +391,8 @@ class Chooser {
           if (!(get(setting(mesh, tolerance_)).setting == run.setting)) continue;
         }
         if (moving() && measured.size() >= 1) {
-          const Known& apart = get(setting(mesh, rounded_down(tolerance_ / 10)));
-          in_time_ = compare(run, apart).rms * 1.1;
+          const Known& apart = get(setting(mesh, better(tolerance_)));
+          in_time_ = compare(run, apart).rms * (1.0 + rest_of(fixed_ ? 2.0 : 1.0));
           choice_.pilots[run.pilot].in_time = in_time_;
           if (in_time_ > 0.5 * error) {
             settle_time(mesh, part_of_time * accuracy);
@@ -367,11 +419,11 @@ class Chooser {
   // The verified choice stands; is the scene's own way in time good enough, and cheaper? Its error is measured
   // against the run that verified the choice.
   void try_own_steps(const Mesh& mesh) {
-    if (!moving() || !scene_.transient->step || options_.accuracy < 1e-4) return;
+    if (!moving() || fixed_ || !scene_.transient->step || options_.accuracy < 1e-4) return;
     const Known& chosen = get(setting(mesh, tolerance_));
     if (chosen.trial.cpu < worth_a_look || !choice_.error) return;
     const Mesh better_mesh = flexible() ? finer(mesh) : mesh;
-    const Known& better = get(setting(better_mesh, rounded_down(tolerance_ / 10)));
+    const Known& verifier = get(setting(better_mesh, better(tolerance_)));
     const double rest = *choice_.error;  // above that of the better run
     std::vector<Setting> candidates(1);
     if (flexible()) {
@@ -383,7 +435,7 @@ class Chooser {
     for (const Setting& own : candidates) {
       if (choice_.cpu + cost > options_.limit) return;
       const Known& run = get(own, cost);
-      const Disagreement d = compare(run, better);
+      const Disagreement d = compare(run, verifier);
       if (!std::isfinite(d.rms)) continue;
       const double error = d.rms + 0.2 * rest;
       choice_.pilots[run.pilot].error = error;
@@ -423,7 +475,8 @@ class Chooser {
   const ChooseOptions& options_;
   Choice choice_;
   std::deque<Known> known_;  // references stay good
-  double tolerance_ = 0.0;
+  bool fixed_ = false;       // fractions of the model's own step, in place of tolerances
+  double tolerance_ = 0.0;   // or that fraction
   double in_time_ = 0.0;
   std::optional<double> differs_from_;
   std::vector<std::string> as_zero_;
@@ -439,6 +492,7 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
     return result;
   }
   const std::vector<Vector> vectors = vectors_of(better, quantities);
+  const std::optional<std::size_t> branch = branch_column(better);
   std::vector<double> scales;
   std::map<std::string, double> largest;  // by unit
   for (const Vector& vector : vectors) {
@@ -449,8 +503,10 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
   }
   for (std::size_t v = 0; v < vectors.size(); ++v) {
     double scale = scales[v];
-    const double peer = largest[vectors[v].unit];
-    if (scale <= accuracy * peer) {
+    double peer = largest[vectors[v].unit];
+    // Angles have a size of their own: two whole turns are a rotation by round-off.
+    if (vectors[v].unit == "rad" && peer < zero_angle) peer = 1.0;
+    if (scale <= accuracy * peer && scale < peer) {
       scale = peer;
       result.as_zero.push_back(vectors[v].name);
     }
@@ -458,9 +514,9 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
     double sum = 0.0;
     std::optional<double> from;
     for (std::size_t k = 0; k < better.rows.size(); ++k) {
-      const double d = distance(vectors[v], values(vectors[v], run.rows[k]),
-                                values(vectors[v], better.rows[k])) /
-                       scale;
+      Eigen::VectorXd a = values(vectors[v], run.rows[k]), b = values(vectors[v], better.rows[k]);
+      if (branch && better.rows[k][*branch] != 0.0) a = a.cwiseAbs(), b = b.cwiseAbs();
+      const double d = distance(vectors[v], a, b) / scale;
       sum += d * d;
       if (d > accuracy && !from) from = better.at[k];
     }

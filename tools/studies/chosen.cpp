@@ -4,7 +4,7 @@
 // True error: disagreement() of the chosen run with a reference, in the norm in which it was chosen. The reference is
 // Radau with a hundredth of the finest tolerance chosen for the model, on twice as many elements of two orders more
 // than the finest mesh chosen; where that takes too long, with a tenth on as many elements. Its own error is its
-// difference to a run with ten times its tolerance and one order less; a true error below three times that is marked.
+// difference to a run with ten times its tolerance (or twice its step) and one order less; a true error below three times that is marked.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@ namespace mbd::studies {
 namespace {
 
 constexpr double accuracies[] = {1e-3, 1e-4, 1e-6};
-constexpr double within = 10.0;  // factor, estimate to true error
+constexpr double reference_limit = 4.0;  // times that of choosing
+constexpr double within = 10.0;          // factor, estimate to true error
 
 struct Model {
   std::string name;
@@ -76,14 +77,19 @@ Setting reference_setting(const Scene& scene, const std::vector<Row>& rows, bool
       finest.order = std::max(finest.order.value_or(0), own.order.value_or(3));
       finest.elements = std::max(finest.elements.value_or(0), *own.elements);
     }
-    if (scene.transient)
+    if (own.step && !own.tolerance)
+      finest.step = std::min(finest.step.value_or(*own.step), *own.step);
+    else if (scene.transient)
       finest.tolerance = std::min(finest.tolerance.value_or(1e-5), own.tolerance.value_or(1e-5));
   }
   if (finest.order) {
     *finest.order = std::min(8, *finest.order + 2);
     if (!modest) *finest.elements *= 2;
   }
+  // Fixed steps, where even the coarsest tolerance took too long: an eighth of the smallest, or a quarter.
+  if (finest.step && !finest.tolerance) *finest.step /= modest ? 4.0 : 8.0;
   if (finest.tolerance) {
+    finest.step.reset();
     finest.method = TimeMethod::radau;
     finest.tolerance = std::max(
         1e-13, std::stod(fmt::format("{:.6g}", *finest.tolerance * (modest ? 0.1 : 0.01))));
@@ -148,16 +154,17 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
     for (const bool modest : {false, true}) {
       Setting finest = reference_setting(scene, rows, modest);
       const Trial truth =
-          run_trial(with(scene, finest), {.limit = 6.0 * options.limit, .repeats = 1});
+          run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
       if (!truth.complete) {
         std::printf("  reference %s: %s\n", to_text(scene, finest).c_str(), truth.failure.c_str());
         continue;
       }
       reference = to_text(scene, finest);
       if (finest.tolerance) *finest.tolerance *= 10.0;
+      if (finest.step) *finest.step *= 2.0;
       if (finest.order) --*finest.order;
       const Trial less =
-          run_trial(with(scene, finest), {.limit = 6.0 * options.limit, .repeats = 1});
+          run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
       if (less.complete)
         reference_error = disagreement(less.findings, truth.findings, accuracies[2]).rms;
       for (Row& row : rows) {
