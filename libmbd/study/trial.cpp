@@ -174,12 +174,18 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   if (child == 0) {
     ::close(ends[0]);
     std::signal(SIGINT, SIG_IGN);  // the parent decides
+    if (options.limit < 1e6) {     // inside a step, nobody looks at the time
+      const auto most = static_cast<rlim_t>(std::ceil(options.limit + grace));
+      const rlimit cpu{most, most + 1};
+      ::setrlimit(RLIMIT_CPU, &cpu);
+    }
     write_all(ends[1], serialize(run_here(scene, options)));
     ::_exit(0);  // nothing of the parent's is flushed or destroyed twice
   }
   ::close(ends[1]);
   bool killed = false;
-  const auto wall = std::chrono::duration<double>(std::min(options.limit * 1.5 + grace, 1e7));
+  const auto wall =
+      std::chrono::duration<double>(std::min(options.limit * options.patience + grace, 1e7));
   const auto deadline = std::chrono::steady_clock::now() +
                         std::chrono::duration_cast<std::chrono::steady_clock::duration>(wall);
   const std::string text = read_until_end(ends[0], child, deadline, killed);
@@ -192,14 +198,17 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   if (std::optional<Trial> told = deserialize(text)) {
     trial = std::move(*told);
   } else {
-    trial.stopped = killed;
-    trial.failure = killed ? fmt::format("stopped: more than {:.3g} s", wall.count())
-                    : WIFSIGNALED(status)
-                        ? fmt::format("the process ended by signal {} ({})", WTERMSIG(status),
-                                      strsignal(WTERMSIG(status)))
-                        : "the process ended without a result";
+    const bool too_long = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+    trial.stopped = killed || too_long;
+    trial.failure =
+        killed     ? fmt::format("stopped: more than {:.3g} s", wall.count())
+        : too_long ? fmt::format("stopped: more than {:.3g} s of CPU time", options.limit)
+        : WIFSIGNALED(status) ? fmt::format("the process ended by signal {} ({})", WTERMSIG(status),
+                                            strsignal(WTERMSIG(status)))
+                              : "the process ended without a result";
     trial.cpu = trial.cpu_stepping =
-        static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
+        static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+        1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
   }
   trial.repeats = 1;
   trial.memory = 1024.0 * static_cast<double>(usage.ru_maxrss);

@@ -200,7 +200,7 @@ TEST(Choose, OfACantileverAgreesWithTheRod) {
     const Findings found = run_of(scene, choice).findings;
     Findings truth = found;
     const std::size_t first = column(found, "tip.displacement.1");
-    const Eigen::Vector3d moved = tip.x - Eigen::Vector3d(length, 0, 0);
+    const Eigen::Vector3d moved = tip.r - Eigen::Vector3d(length, 0, 0);
     for (std::size_t i = 0; i < 3; ++i)
       truth.rows[0][first + i] = moved(static_cast<Eigen::Index>(i));
     expect_honest(choice, disagreement(found, truth, accuracy, {"tip.displacement"}).rms);
