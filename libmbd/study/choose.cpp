@@ -101,6 +101,7 @@ double rounded_down(double value) {
 // Ends the search; what has been found stays.
 struct Enough {
   std::string reason;
+  bool lost = false;  // differences do not fall: none of them says how large the error is
 };
 
 class Chooser {
@@ -115,6 +116,7 @@ class Chooser {
       search();
     } catch (const Enough& enough) {
       choice_.reason = enough.reason;
+      lost_ = enough.lost;
     }
     finish();
     return std::move(choice_);
@@ -247,12 +249,14 @@ class Chooser {
         without_gain = gain || !std::isfinite(d.rms) ? 0 : without_gain + 1;
       }
       if (without_gain >= most_without_gain)
-        throw Enough{not_approaching("runs with ever smaller tolerances", d)};
+        throw Enough{not_approaching("runs with ever smaller tolerances", d), true};
       const double finest = fixed_ ? finest_step : 10.0 * finest_tolerance;
       if (!(tolerance_ > finest))
-        throw Enough{fmt::format(
-            "{} below {:g} are not tried{}{}", fixed_ ? "parts of the model's step" : "tolerances",
-            tolerance_, finer_run.trial.failure.empty() ? "" : ": ", finer_run.trial.failure)};
+        throw Enough{
+            fmt::format("{} below {:g} are not tried{}{}",
+                        fixed_ ? "parts of the model's step" : "tolerances", tolerance_,
+                        finer_run.trial.failure.empty() ? "" : ": ", finer_run.trial.failure),
+            true};
       double next = tolerance_ / refinement();
       if (without_gain > 0) {
         next = tolerance_ /
@@ -405,7 +409,7 @@ class Chooser {
       if (!measured.empty() && std::isfinite(d.rms) && std::isfinite(measured.back().second)) {
         without_gain = d.rms > 0.5 * measured.back().second ? without_gain + 1 : 0;
         if (without_gain >= most_without_gain)
-          throw Enough{not_approaching("runs with ever finer meshes", d)};
+          throw Enough{not_approaching("runs with ever finer meshes", d), true};
       }
       measured.push_back({mesh, d.rms});
       const double factor = std::isfinite(error) ? std::max(1.5, error / (aimed * accuracy)) : 10.0;
@@ -454,6 +458,7 @@ class Chooser {
       for (const Known& known : known_)
         if (known.trial.complete) choice_.setting = known.setting;
     }
+    if (lost_) choice_.error.reset();
     choice_.met = choice_.error && *choice_.error <= options_.accuracy;
     if (choice_.met) choice_.reason.clear();
     if (!choice_.met && choice_.reason.empty()) choice_.reason = "no finer setting was found";
@@ -480,6 +485,7 @@ class Chooser {
   bool fixed_ = false;       // fractions of the model's own step, in place of tolerances
   double tolerance_ = 0.0;   // or that fraction
   double in_time_ = 0.0;
+  bool lost_ = false;
   std::optional<double> differs_from_;
   std::vector<std::string> as_zero_;
 };

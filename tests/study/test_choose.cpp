@@ -228,13 +228,12 @@ TEST(ChooseSlow, OfTheShaftKeepsWhatItSays) {
 
 TEST(Choose, DoesNotClaimChaos) {
   Scene scene = model_scene("double_pendulum");
-  scene.transient->duration = 80.0;
+  scene.transient->duration = 40.0;
   const Choice choice = choose(scene, {.accuracy = 1e-4, .quantities = {"tip.position"}});
   EXPECT_FALSE(choice.met);
   EXPECT_NE(choice.reason.find("do not approach each other"), std::string::npos) << choice.reason;
   EXPECT_NE(choice.reason.find("from t = "), std::string::npos) << choice.reason;
-  ASSERT_TRUE(choice.error.has_value());
-  EXPECT_GT(*choice.error, 0.01);
+  EXPECT_FALSE(choice.error.has_value());  // a difference that does not fall is no estimate
 }
 
 TEST(Choose, KeepsItsLimit) {
@@ -296,7 +295,7 @@ TEST_F(RunAccuracy, ChoosesRunsAndSaysWhatItBelieves) {
   EXPECT_EQ(accuracy["met"], true);
   EXPECT_LE(accuracy["believed"].get<double>(), 1e-4);
   EXPECT_GE(accuracy["pilots"].size(), 2u);
-  EXPECT_EQ(report()["reached"]["rows"], 1001);  // at the model's own times
+  EXPECT_EQ(report()["reached"]["rows"], 10001);  // at the model's own times
 }
 
 TEST_F(RunAccuracy, KeepsResultsOfWhatIsNotMet) {
