@@ -40,10 +40,10 @@ struct Room {
 };
 
 constexpr std::array rooms{
-    Room{"libmbd/core/", 0},  Room{"elements/", 1}, Room{"joints/", 2}, Room{"solvers/", 3},
-    Room{"libmbd/front/", 4}, Room{"tools/", 5},    Room{"tests/", 5},
+    Room{"libmbd/core/", 0},  Room{"elements/", 1},     Room{"joints/", 2}, Room{"solvers/", 3},
+    Room{"libmbd/front/", 4}, Room{"libmbd/study/", 5}, Room{"tools/", 6},  Room{"tests/", 6},
 };
-constexpr int outside_the_library = 5;                   // level of tools/ and tests/
+constexpr int outside_the_library = 6;                   // level of tools/ and tests/
 constexpr std::string_view umbrella = "libmbd/mbd.hpp";  // includes the library, for its users
 
 struct ThirdParty {
