@@ -30,6 +30,25 @@ Json json(const Vec6& momentum) {
           {"angular_about_origin", {momentum(3), momentum(4), momentum(5)}}};
 }
 
+Json json(const std::optional<double>& number) { return number ? Json(*number) : Json(); }
+
+Json json(const ChosenAccuracy& accuracy) {
+  Json pilots = Json::array();
+  for (const ChosenAccuracy::Pilot& pilot : accuracy.pilots)
+    pilots.push_back({{"setting", pilot.setting},
+                      {"cpu", pilot.cpu},
+                      {"error", json(pilot.error)},
+                      {"failure", pilot.failure.empty() ? Json() : Json(pilot.failure)}});
+  return {{"requested", accuracy.requested},
+          {"believed", json(accuracy.believed)},
+          {"quantity", accuracy.quantity},
+          {"setting", accuracy.setting},
+          {"met", accuracy.met},
+          {"reason", accuracy.met ? Json() : Json(accuracy.reason)},
+          {"cpu", accuracy.cpu},
+          {"pilots", pilots}};
+}
+
 Json json(const Counters& c) {
   return {{"steps", c.steps},
           {"substeps", c.substeps},
@@ -139,6 +158,7 @@ std::string to_json(const RunReport& report) {
   all["notes"] = report.notes;
   all["reached"] = {{"time", report.t}, {"load_factor", report.load_factor}, {"rows", report.rows}};
   all["settings"] = settings(report);
+  if (report.accuracy) all["accuracy"] = json(*report.accuracy);
 
   Json batches = Json::array();
   for (const BatchReport& batch : report.batches)

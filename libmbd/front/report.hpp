@@ -48,12 +48,31 @@ struct ExpectResult {
   bool pass() const;
 };
 
+// How the settings of a run were chosen for an accuracy (study/choose.hpp has norms and ways).
+struct ChosenAccuracy {
+  double requested = 0.0;
+  std::optional<double> believed = {};  // error of this run; nothing: not known
+  std::string quantity = {};            // of which it is the error, the worst
+  std::string setting = {};             // "order 3, 2 elements, radau, tolerance 1e-05"
+  bool met = false;
+  std::string reason = {};  // if not
+  double cpu = 0.0;         // of choosing [s]
+  struct Pilot {
+    std::string setting;
+    double cpu = 0.0;             // [s]
+    std::optional<double> error;  // believed
+    std::string failure;
+  };
+  std::vector<Pilot> pilots = {};
+};
+
 struct RunReport {
   std::string model, file, date;
   std::vector<std::pair<std::string, double>> parameters;
   std::optional<StaticScene> statics;
   std::optional<TransientScene> transient;
   std::optional<PathScene> path;
+  std::optional<ChosenAccuracy> accuracy;
 
   std::string failure;             // empty: all went well (expectations apart)
   std::vector<std::string> notes;  // what a user should know of a run that went well

@@ -126,6 +126,7 @@ class Run {
     report_.transient = scene.transient;
     report_.path = scene.path;
     report_.notes = options.notes;
+    report_.accuracy = options.accuracy;
 
     model_ = compile(scene);  // which checks the scene first
     if (scene.transient) rows_.emplace(scene);

@@ -23,6 +23,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> output = {};  // directory of history.csv, .svg, report.json
   std::vector<Observer*> observers = {};             // more of them; they must outlive the run
   std::vector<std::string> notes = {};               // that the report begins with
+  std::optional<ChosenAccuracy> accuracy = {};       // for the report
   std::function<void(const Progress&)> progress = {};  // after each time step
 };
 

@@ -92,6 +92,15 @@ void step_sizes(std::string& text, const RunReport& report) {
   item(text, "step sizes", words);
 }
 
+void accuracy(std::string& text, const ChosenAccuracy& chosen) {
+  std::string words = fmt::format("requested\t{:.1e}; ", chosen.requested) +
+                      (chosen.believed ? fmt::format("believed\t{:.1e}, rms of {}",
+                                                     *chosen.believed, chosen.quantity)
+                                       : std::string("believed: not known"));
+  if (!chosen.met) words += "; NOT\tMET: " + chosen.reason;
+  item(text, "accuracy", words);
+}
+
 void seconds(std::string& text, const RunReport& report) {
   struct Part {
     std::string_view name;
@@ -267,6 +276,7 @@ std::string summary(const RunReport& report) {
            report.transient_counters, report.most_iterations);
     step_sizes(text, report);
   }
+  if (report.accuracy) accuracy(text, *report.accuracy);
   seconds(text, report);
   constraints(text, report);
   energy(text, report);

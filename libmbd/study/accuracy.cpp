@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <sstream>
 #include <thread>
@@ -71,6 +72,18 @@ double length_of(const Findings& a, std::size_t row, const Quantity& quantity) {
   return std::sqrt(sum);
 }
 
+// Rotation vectors stand for the same rotation on the other branch, a turn away; near half a turn two good runs may be on
+// different ones.
+bool is_rotation(const Quantity& quantity) {
+  return quantity.columns.size() == 3 && quantity.name.ends_with(".rotation");
+}
+
+double rotation_distance(const Vec3& a, const Vec3& b) {
+  const double direct = (a - b).norm(), angle = a.norm();
+  if (!(angle > 1.0)) return direct;
+  return std::min(direct, (a * (1.0 - 2.0 * std::numbers::pi / angle) - b).norm());
+}
+
 // |a - b| of a quantity by place of b, in its unit; not_known where a has no such place.
 std::vector<double> differences(const Findings& a, const Findings& b, const Quantity& quantity) {
   std::vector<double> all(b.at.size(), not_known);
@@ -80,6 +93,13 @@ std::vector<double> differences(const Findings& a, const Findings& b, const Quan
     while (i < a.at.size() && a.at[i] < b.at[k] - slack) ++i;
     if (i == a.at.size()) break;
     if (std::abs(a.at[i] - b.at[k]) > slack) continue;
+    if (is_rotation(quantity)) {
+      const auto vector = [&](const std::vector<double>& row) {
+        return Vec3(row[quantity.columns[0]], row[quantity.columns[1]], row[quantity.columns[2]]);
+      };
+      all[k] = rotation_distance(vector(a.rows[i]), vector(b.rows[k]));
+      continue;
+    }
     double sum = 0.0;
     for (const std::size_t c : quantity.columns) {
       const double d = a.rows[i][c] - b.rows[k][c];
@@ -124,7 +144,7 @@ QuantityError error_of(const Findings& found, const Findings& truth, const Quant
   error.known = true;
   error.rms = std::sqrt(sum / static_cast<double>(n)) / quantity.scale;
   error.largest /= quantity.scale;
-  error.below_reference = error.rms <= quantity.reference_rms;
+  error.below_reference = error.rms <= above_reference * quantity.reference_rms;
   return error;
 }
 
@@ -200,6 +220,7 @@ class Trials {
 
   double left() const { return options_.budget - (now() - begun_); }
   double used() const { return now() - begun_; }
+  std::size_t kept() const { return kept_; }  // runs of an earlier study
   bool interrupted() const { return options_.interrupted != nullptr && *options_.interrupted; }
 
   // One of an earlier study, or a new one of at most `limit` seconds.
@@ -209,17 +230,21 @@ class Trials {
     const std::filesystem::path file =
         options_.keep ? *options_.keep / fmt::format("{:016x}.txt", hash(key)) : "";
     if (options_.keep)
-      if (std::optional<Trial> kept = read(file, key)) return *kept;
+      if (std::optional<Trial> kept = read(file, key)) {
+        ++kept_;
+        return *kept;
+      }
     Trial trial;
     try {
       TrialOptions options{.samples = samples, .limit = std::max(limit, 0.05)};
       options.repeat_within = std::min(options.repeat_within, limit / 10.0);
       options.interrupted = options_.interrupted;
+      options.wall = std::max(std::min(2.0 * limit, left()), 0.1);
       trial = run_trial(with(scene_, setting), options);
     } catch (const Error& error) {
       trial.failure = error.what();
     }
-    if (options_.keep && !trial.stopped && !interrupted())
+    if (options_.keep && !trial.stopped && !trial.lost && !interrupted())
       write_file(file, "# " + replaced(key) + "\n" + serialize(trial));
     return trial;
   }
@@ -251,6 +276,7 @@ class Trials {
   const Scene& scene_;
   const AccuracyOptions& options_;
   double begun_;
+  std::size_t kept_ = 0;
 };
 
 // ---- reference --------------------------------------------------------------------------------------
@@ -277,17 +303,22 @@ std::array<Setting, 2> ways_of(const Scene& scene, int level) {
   }
   if (scene.transient) {
     a.method = b.method = TimeMethod::radau;
-    a.tolerance = std::pow(10.0, -4 - level);
-    b.tolerance = *a.tolerance / 3.0;
-    if (scene.beams.empty()) b.method = TimeMethod::ida;
+    // Of one method errors are alike, and their difference is that of the coarser one: not the reference.
+    b.tolerance = std::pow(10.0, -4 - level);
+    a.tolerance = *b.tolerance / 10.0;
+    if (scene.beams.empty()) {
+      b.method = TimeMethod::ida;
+      a.tolerance = *b.tolerance / 3.0;
+    }
   }
   return ways;
 }
 
-// Differences of two ways, into the quantities. Returns the largest relative rms of those that have a reference.
-double judge(std::vector<Quantity>& quantities, const Findings& truth, const Findings& other) {
+// Differences of two ways, into the quantities; and to what the first way gave when it was coarser, if there was such a
+// run: its error has fallen to a tenth at most. Returns the largest relative rms.
+double judge(std::vector<Quantity>& quantities, const Findings& truth, const Findings& other,
+             const Findings& coarser) {
   double worst = 0.0;
-  bool any = false;
   for (Quantity& quantity : quantities) {
     quantity.until = truth.at.back();
     set_scale(quantity, truth);
@@ -298,7 +329,7 @@ double judge(std::vector<Quantity>& quantities, const Findings& truth, const Fin
       const double until = n == 0 ? 0.0 : truth.at[n - 1];
       quantity.until = until < least_resolved * truth.at.back() ? 0.0 : until;
       if (quantity.until == 0.0) {
-        quantity.reference_rms = quantity.reference_largest = not_known;
+        quantity.reference_rms = quantity.reference_largest = worst = not_known;
         continue;
       }
       set_scale(quantity, truth);
@@ -306,12 +337,27 @@ double judge(std::vector<Quantity>& quantities, const Findings& truth, const Fin
     quantity.reference_rms = 0.0;
     const QuantityError error = error_of(other, truth, quantity);
     if (!error.known) throw Error("two runs of a scene found different columns");
-    quantity.reference_rms = error.rms;
-    quantity.reference_largest = error.largest;
-    worst = std::max(worst, error.rms);
-    any = true;
+    const QuantityError change = error_of(coarser, truth, quantity);
+    quantity.reference_rms = std::max(error.rms, change.known ? change.rms / 10.0 : 0.0);
+    quantity.reference_largest =
+        std::max(error.largest, change.known ? change.largest / 10.0 : 0.0);
+    worst = std::max(worst, quantity.reference_rms);
   }
-  return any ? worst : not_known;
+  return worst;
+}
+
+// Of two references to the same quantities: whether this one reaches further, or is closer, all in all.
+bool is_better(const std::vector<Quantity>& now, const std::vector<Quantity>& before) {
+  double score = 0.0;  // powers of ten, each quantity one at most
+  for (std::size_t q = 0; q < now.size(); ++q) {
+    const Quantity &a = now[q], &b = before[q];
+    if (std::abs(a.until - b.until) > near * std::max(a.until, b.until))
+      score += a.until > b.until ? 1.0 : -1.0;
+    else if (a.until > 0.0)
+      score +=
+          std::clamp(std::log10((b.reference_rms + 1e-17) / (a.reference_rms + 1e-17)), -1.0, 1.0);
+  }
+  return score > 0.0;
 }
 
 // "1e-06 up to 10.8 s, 0.001 up to the end" of the difference of the two ways, where it grows a lot.
@@ -347,14 +393,15 @@ void cut(Findings& findings, double end) {
 void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
                     const AccuracyOptions& options) {
   const double budget = reference_share * options.budget;
-  double best = not_known, last_cost = 0.0, growth_of_cost = 2.0;
+  double last_cost = 0.0, growth_of_cost = 2.0;
+  int no_better = 0;  // levels in a row
   std::vector<Quantity> quantities = study.quantities;
-  Findings other;
+  Findings other, coarser;
   std::array<Setting, 2> chosen;
   for (int level = 0; level < 12; ++level) {
     std::array<Setting, 2> ways = ways_of(scene, level);
     if (ways[0].elements && (*ways[0].order > 8 || *ways[0].elements > 64)) break;
-    if (ways[0].tolerance && *ways[0].tolerance < 2e-13) break;
+    if (ways[0].tolerance && *ways[0].tolerance < 1e-13) break;
     const double left = budget - trials.used();
     const double expected = last_cost * growth_of_cost;
     if (level > 0 && expected > left) break;
@@ -371,7 +418,9 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
       };
       TrialPoint point = trials.point(ways[w], limit());
       if (!point.trial.complete && !point.trial.stopped && ways[w].method == TimeMethod::ida) {
-        ways[w].method = TimeMethod::radau;  // where IDA does not get through
+        // Where IDA does not get through.
+        ways[w].method = TimeMethod::radau;
+        ways[w].tolerance = 3.0 * *ways[w].tolerance;
         point = trials.point(ways[w], limit());
       }
       complete = is_usable(scene, point.trial);
@@ -381,28 +430,28 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
       study.ways.push_back(std::move(point));
     }
     if (!complete) {
-      if (trials.interrupted() || study.ways.back().trial.stopped || best < not_known) break;
+      if (trials.interrupted() || study.ways.back().trial.stopped || !study.truth.at.empty()) break;
       continue;  // a coarse one that fails says nothing of the finer ones
     }
     if (last_cost > 0.0) growth_of_cost = std::max(1.5, 1.2 * cost / last_cost);
     last_cost = cost;
-    if (partial && best < not_known) break;  // a whole one is worth more
+    if (partial && !study.truth.at.empty()) break;  // a whole one is worth more
     if (partial)
       for (Trial& trial : done)
         cut(trial.findings, std::min(done[0].findings.at.back(), done[1].findings.at.back()));
     if (done[0].findings.at.size() != done[1].findings.at.size()) continue;  // of special points
-    const double worst = judge(quantities, done[0].findings, done[1].findings);
-    const bool first = best == not_known && study.truth.at.empty();
-    if (worst < best || first) {
-      best = worst;
+    const double worst = judge(quantities, done[0].findings, done[1].findings, coarser);
+    coarser = done[0].findings;
+    if (study.truth.at.empty() || is_better(quantities, study.quantities)) {
+      no_better = 0;
       study.quantities = quantities;
       study.truth = done[0].findings;
       other = done[1].findings;
       chosen = ways;
-    } else if (worst > 10.0 * best) {
-      break;  // round-off
+    } else if (++no_better == 2) {
+      break;  // round-off, or chaos
     }
-    if (best < agreed || partial) break;
+    if (worst < agreed || partial) break;
   }
   if (study.truth.at.empty())
     throw Error(
@@ -419,10 +468,9 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
         study.truth.at.back()));
   for (const Quantity& quantity : study.quantities) {
     if (quantity.until == 0.0)
-      study.notes.push_back(
-          fmt::format("{}: refinements do not approach each other; its motion is chaotic, or "
-                      "rings faster than the runs resolve, and it has no reference",
-                      quantity.name));
+      study.notes.push_back(fmt::format(
+          "{}: refinements do not approach each other{}; it has no reference", quantity.name,
+          scene.transient ? ": its motion is chaotic, or rings faster than the runs resolve" : ""));
     else if (quantity.until < study.truth.at.back())
       study.notes.push_back(
           fmt::format("{}: from {:.4g} s on refinements differ by more than 1 %: the motion is "
@@ -436,7 +484,8 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
 }
 
 // From a file, at the places of the runs: its own rows where it has them, else the cubic through four neighbours.
-void read_reference(AccuracyStudy& study, const Findings& own, const std::filesystem::path& path) {
+void read_reference(AccuracyStudy& study, const Scene& scene, const Findings& own,
+                    const std::filesystem::path& path) {
   const History file = read_history(path);
   study.truth.columns = own.columns;
   study.truth.units = own.units;
@@ -483,8 +532,14 @@ void read_reference(AccuracyStudy& study, const Findings& own, const std::filesy
     throw Error(fmt::format("{}: none of its rows lies within the run", path.string()));
   for (Quantity& quantity : study.quantities) {
     quantity.until = study.truth.at.back();
+    quantity.reference_known = false;
     set_scale(quantity, study.truth);
   }
+  if (scene.transient && study.truth.at.back() < scene.transient->duration * (1.0 - near))
+    study.notes.push_back(fmt::format(
+        "the reference and the model's own run within the budget reach {:.4g} s: errors are "
+        "those before",
+        study.truth.at.back()));
   study.reference = fmt::format("the file {}, whose own error is not known", path.string());
   if (interpolated > 0)
     study.notes.push_back(
@@ -523,7 +578,7 @@ void try_settings(AccuracyStudy& study, const Scene& scene, Trials& trials,
   std::map<std::string, double> rate;
   double any_rate = 0.0;
   const auto learn = [&](const Setting& setting, const Trial& trial) {
-    if (!trial.complete) return;
+    if (!trial.complete && !trial.stopped) return;  // of one that was stopped it is a lower bound
     const double seconds = trial.cpu / work_of(scene, setting);
     double& known = rate[kind_of(setting)];
     known = known > 0.0 ? std::max(seconds, 0.7 * known) : seconds;
@@ -532,7 +587,7 @@ void try_settings(AccuracyStudy& study, const Scene& scene, Trials& trials,
   for (const TrialPoint& way : study.ways) learn(way.setting, way.trial);
   const auto cost = [&](const Setting& setting) {
     const auto found = rate.find(kind_of(setting));
-    return work_of(scene, setting) * (found != rate.end() ? found->second : 0.0);
+    return work_of(scene, setting) * (found != rate.end() ? found->second : 0.1 * any_rate);
   };
   std::vector<TrialPoint> points(settings.size());
   std::vector<bool> tried(settings.size(), false);
@@ -551,7 +606,9 @@ void try_settings(AccuracyStudy& study, const Scene& scene, Trials& trials,
     if (options.progress)
       options.progress(to_text(scene, settings[i]), done, settings.size(),
                        std::min(to_come + expected, trials.left()));
-    points[i] = trials.point(settings[i], trials.left());
+    // Not all of the budget for one whose cost is not known.
+    points[i] = trials.point(
+        settings[i], std::min(trials.left(), std::max(5.0 * expected, 0.2 * options.budget)));
     if (trials.interrupted()) break;
     tried[i] = true;
     ++done;
@@ -571,7 +628,7 @@ void find_fronts(AccuracyStudy& study) {
     for (std::size_t i = 0; i < study.points.size(); ++i)
       if (study.points[i].trial.complete && study.points[i].errors[q].known) order.push_back(i);
     const auto error = [&](std::size_t i) {
-      return std::max(study.points[i].errors[q].rms, study.quantities[q].reference_rms);
+      return study.points[i].errors[q].rms + study.quantities[q].reference_rms;
     };
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       const double at = study.points[a].trial.cpu, bt = study.points[b].trial.cpu;
@@ -582,9 +639,7 @@ void find_fronts(AccuracyStudy& study) {
       if (front.empty() || error(i) < error(front.back())) front.push_back(i);
     // The cheapest setting for each power of ten that was reached.
     if (!front.empty()) {
-      const int first =
-          static_cast<int>(std::floor(-std::log10(std::max(error(front.front()), 1e-16))));
-      for (int power = std::max(first, 1); power <= 14; ++power) {
+      for (int power = 1; power <= 14; ++power) {
         const double accuracy = std::pow(10.0, -power);
         const auto found = std::find_if(front.begin(), front.end(),
                                         [&](std::size_t i) { return error(i) <= accuracy; });
@@ -601,7 +656,8 @@ void find_fronts(AccuracyStudy& study) {
 std::optional<double> theory_of(const Scene& scene, const Setting& setting, Knob knob,
                                 const std::string& quantity) {
   const auto is_any = [&](std::initializer_list<std::string_view> names) {
-    const std::string_view name = std::string_view(quantity).substr(quantity.find('.') + 1);
+    std::string_view name = quantity_of(quantity);
+    name.remove_prefix(std::min(name.find('.') + 1, name.size()));
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   const bool acceleration =
@@ -741,6 +797,10 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
                                 : "load factor";
 
   const std::vector<Setting> settings = settings_of(default_variations(scene, options.variations));
+  if (settings.empty())
+    throw Error(
+        "--vary: nothing is left to try: generalized_alpha and radau take fixed steps, ida "
+        "tolerances only");
   // Knobs that the scene does not have are the user's mistake, not a trial that fails.
   for (const Setting& setting : settings) with(scene, setting);
 
@@ -752,8 +812,16 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
     throw Error(fmt::format("the model does not run with its own settings: {}", own.failure));
   }
   study.quantities = quantities_of(scene, own.findings, options.quantities);
+  if (study.quantities.empty())
+    throw Error(scene.source,
+                "the model records nothing whose error could be measured; give it a <record>");
+  if (options.reference && scene.path)
+    throw Error(
+        "--reference: files hold times or load factors, and the accuracy of a <path> is that of "
+        "its special points; "
+        "leave it out");
   if (options.reference)
-    read_reference(study, own.findings, *options.reference);
+    read_reference(study, scene, own.findings, *options.reference);
   else
     make_reference(study, scene, trials, options);
   for (const Quantity& quantity : study.quantities)
@@ -786,6 +854,9 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
     study.notes.push_back(fmt::format(
         "{} of {} settings, the dearest, were not tried: the budget of {:g} s did not allow them",
         study.untried, settings.size(), options.budget));
+  if (trials.kept() > 0)
+    study.notes.push_back(
+        fmt::format("{} runs are those of an earlier study, which was kept", trials.kept()));
   study.seconds = trials.used();
   return study;
 }

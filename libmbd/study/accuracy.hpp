@@ -24,8 +24,11 @@ struct Quantity {
   // largest of those (`is_zero`); 1 if all are zero.
   double scale = 0.0;
   bool is_zero = false;
-  // Of the reference itself, as the difference of the two ways to it.
+  // Of the reference itself: the difference of the two ways to it, and a tenth of what the last refinement changed if that
+  // is more.
   double reference_rms = 0.0, reference_largest = 0.0;
+  bool reference_known =
+      true;  // false: that error is not known, the numbers are 0 (a reference from a file)
   // Up to which time its refinements approach each other [s]: the end, unless the motion is chaotic or rings faster than
   // any run resolved. 0: nowhere, there is no reference.
   double until = 0.0;
@@ -35,7 +38,7 @@ struct QuantityError {
   bool known = false;  // the run came to `until`, and there is a reference
   double rms = 0.0, largest = 0.0;
   double at = 0.0;  // of the largest: where
-  // Not above the reference's own error: the true one may be anything below it.
+  // Not well above the reference's own error (three times): the true one may be anything below the sum of both.
   bool below_reference = false;
 };
 

@@ -590,11 +590,12 @@ void Page::reference() {
   for (const Quantity& q : study_.quantities) {
     const std::string until = until_text(study_, q);
     const bool has = resolved(q);
-    text_ += fmt::format("<tr><th scope=\"row\">{}</th>{}{}{}<td>{}</td></tr>\n",
-                         xml_escaped(q.name), numeric(has ? bound_text(q.reference_rms) : "-"),
-                         numeric(has ? bound_text(q.reference_largest) : "-"),
-                         numeric(has ? fmt::format("{:.4g} {}", q.scale, q.unit) : "-"),
-                         until.empty() ? "to the end" : xml_escaped(until));
+    text_ +=
+        fmt::format("<tr><th scope=\"row\">{}</th>{}{}{}<td>{}</td></tr>\n", xml_escaped(q.name),
+                    numeric(has ? reference_text(q, &Quantity::reference_rms) : "-"),
+                    numeric(has ? reference_text(q, &Quantity::reference_largest) : "-"),
+                    numeric(has ? fmt::format("{:.4g} {}", q.scale, q.unit) : "-"),
+                    until.empty() ? "to the end" : xml_escaped(until));
   }
   close_table();
   if (!study_.ways.empty()) {

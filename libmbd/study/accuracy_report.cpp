@@ -115,11 +115,11 @@ std::string text_of(const AccuracyStudy& study, const Scene* scene) {
       text += wrapped("  ", "refinements do not approach each other: there is no reference", 2);
       continue;
     }
-    text += wrapped(
-        "  ",
-        fmt::format("error of the reference itself: {} rms, {} largest",
-                    bound_text(quantity.reference_rms), bound_text(quantity.reference_largest)),
-        2);
+    text += wrapped("  ",
+                    fmt::format("error of the reference itself: {} rms, {} largest",
+                                reference_text(quantity, &Quantity::reference_rms),
+                                reference_text(quantity, &Quantity::reference_largest)),
+                    2);
     if (const std::string until = until_text(study, quantity); !until.empty())
       text += wrapped("  ", "refinements approach each other " + until + ", no further", 2);
     front_text(text, study, q);
@@ -220,11 +220,12 @@ std::string csv_of(const AccuracyStudy& study) {
   comment("norm: " + norm_text(study));
   for (const Quantity& q : study.quantities) {
     const std::string until = until_text(study, q);
-    comment(
-        fmt::format("quantity {}: divided by {:.9g} {}; error of the reference itself {:.3g} rms, "
-                    "{:.3g} largest{}",
-                    q.name, q.scale, q.unit.empty() ? "(no unit)" : q.unit, q.reference_rms,
-                    q.reference_largest, until.empty() ? "" : "; known " + until));
+    comment(fmt::format(
+        "quantity {}: divided by {:.9g} {}; error of the reference itself {} rms, "
+        "{} largest{}",
+        q.name, q.scale, q.unit.empty() ? "(no unit)" : q.unit,
+        reference_text(q, &Quantity::reference_rms),
+        reference_text(q, &Quantity::reference_largest), until.empty() ? "" : "; known " + until));
   }
   comment("units: step, cpu and cpu_stepping in s, memory in bytes, errors relative, at: " +
           place_label(study));
@@ -359,7 +360,7 @@ std::string markdown_of(const AccuracyStudy& study) {
   for (const Quantity& quantity : study.quantities)
     if (quantity.until > 0.0)
       text += fmt::format("Its own error for {}: {}.\n", plain(quantity.name),
-                          bound_text(quantity.reference_rms));
+                          reference_text(quantity, &Quantity::reference_rms));
   for (const std::string& note : study.notes) text += "\nNote: " + plain(note) + "\n";
   return text;
 }

@@ -94,7 +94,7 @@ std::string error_text(const AccuracyStudy& study, std::size_t point, std::size_
                        double QuantityError::*error, double reference) {
   if (!known(study, point, quantity)) return "-";
   const QuantityError& e = study.points[point].errors[quantity];
-  if (e.below_reference) return "< " + bound_text(std::max(reference, e.*error));
+  if (e.below_reference) return "< " + bound_text(reference + e.*error);
   return number_text(e.*error);
 }
 
@@ -127,6 +127,10 @@ std::string bound_text(double reference_error) {
     return number_text(reference_error);
   const double power = std::pow(10.0, std::floor(std::log10(reference_error)));
   return number_text(std::ceil(reference_error / power - 1e-9) * power, 1);
+}
+
+std::string reference_text(const Quantity& quantity, double Quantity::*error) {
+  return quantity.reference_known ? bound_text(quantity.*error) : "not known";
 }
 
 std::string rms_text(const AccuracyStudy& study, std::size_t point, std::size_t quantity) {

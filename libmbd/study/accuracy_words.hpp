@@ -15,6 +15,9 @@ std::string seconds_text(double seconds);
 // "3e-9", "1.2e-5", "0", "1.3", "120": `digits` of them, the exponent without zeros in front; not a number: "-".
 std::string number_text(double value, int digits = 2);
 
+// The reference's own error, rounded up, or "not known".
+std::string reference_text(const Quantity& quantity, double Quantity::*error);
+
 // rms or largest error of a point: "1.2e-5"; "< 3e-9" where it is not above the reference's own, which is rounded
 // upwards; "-" where it is not known.
 std::string rms_text(const AccuracyStudy& study, std::size_t point, std::size_t quantity);

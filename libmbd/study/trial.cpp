@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <sstream>
 
 #include "libmbd/front/observers.hpp"
@@ -23,8 +25,7 @@
 namespace mbd {
 namespace {
 
-constexpr double grace =
-    2.0;  // [s] wall time that a process may go on after its limit before it is killed
+constexpr double grace = 2.0;  // [s] that a process may go on after its limit before it is killed
 
 double used_cpu() {  // [s] of this process
   rusage usage{};
@@ -33,17 +34,39 @@ double used_cpu() {  // [s] of this process
          1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
+double resident() {  // size of this process in memory [bytes]
+  std::ifstream file("/proc/self/statm");
+  double all = 0.0, pages = 0.0;
+  file >> all >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
 // Thrown through a run that takes too long.
 struct TooLong {};
+
+// CPU time and wall time from now on.
+class Deadline {
+ public:
+  Deadline(double cpu, double wall) : cpu_(used_cpu() + cpu), wall_(wall) {}
+  void check() const {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begun_;
+    if (used_cpu() > cpu_ || passed.count() > wall_) throw TooLong();
+  }
+
+ private:
+  double cpu_, wall_;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
 
 // The places of Findings, as the run comes to them.
 class Finder : public Observer {
  public:
-  Finder(const Scene& scene, Findings& findings, double stop_at)
-      : scene_(scene), findings_(findings), stop_at_(stop_at) {}
+  Finder(const Scene& scene, Findings& findings, const Deadline& deadline, ResolutionMeter* meter)
+      : scene_(scene), findings_(findings), deadline_(deadline), meter_(meter) {}
 
   void accepted(const Sample& sample) override {
-    if (used_cpu() > stop_at_) throw TooLong();
+    deadline_.check();
+    if (meter_) meter_->look(sample.model, sample.state);
     if (findings_.columns.empty()) {
       const std::vector<Column> all = columns(sample.model);
       for (std::size_t c = 0; c < all.size(); ++c) {
@@ -80,8 +103,13 @@ class Finder : public Observer {
   const Scene& scene_;
   Findings& findings_;
   std::vector<std::size_t> chosen_;  // columns
-  double stop_at_;
+  const Deadline& deadline_;
+  ResolutionMeter* meter_;
 };
+
+std::string too_long(const TrialOptions& options) {
+  return fmt::format("stopped: more than {:.3g} s", std::min(options.limit, options.wall));
+}
 
 // What the child does: a run without files.
 Trial run_here(Scene scene, const TrialOptions& options) {
@@ -92,15 +120,16 @@ Trial run_here(Scene scene, const TrialOptions& options) {
     scene.transient->output_steps = false;
     scene.transient->output = scene.transient->duration / options.samples;
   }
-  const double begin = used_cpu();
-  Finder finder(scene, trial.findings, begin + options.limit);
+  const double begin = used_cpu(), resident_before = resident();
+  const Deadline deadline(options.limit, options.wall);
+  ResolutionMeter meter(scene);
+  Finder finder(scene, trial.findings, deadline, options.resolution ? &meter : nullptr);
   RunOptions run_options;
   run_options.observers = {&finder};
-  run_options.progress = [&](const Progress&) {
-    if (used_cpu() > begin + options.limit) throw TooLong();
-  };
+  run_options.progress = [&](const Progress&) { deadline.check(); };
   try {
     const RunReport report = run(scene, run_options);
+    trial.beams = meter.beams();
     trial.complete = report.complete();
     trial.failure = report.failure;
     trial.cpu_stepping = scene.transient ? report.integration.cpu : report.equilibrium.cpu;
@@ -121,11 +150,14 @@ Trial run_here(Scene scene, const TrialOptions& options) {
     }
   } catch (const TooLong&) {
     trial.stopped = true;
-    trial.failure = fmt::format("stopped: more than {:.3g} s of CPU time", options.limit);
+    trial.failure = too_long(options);
   } catch (const std::exception& error) {
     trial.failure = error.what();
   }
   trial.cpu = used_cpu() - begin;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  trial.memory = std::max(0.0, 1024.0 * static_cast<double>(usage.ru_maxrss) - resident_before);
   if (trial.stopped) trial.cpu_stepping = trial.cpu;
   return trial;
 }
@@ -178,12 +210,22 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   if (child == 0) {
     ::close(ends[0]);
     std::signal(SIGINT, SIG_DFL);  // not what the parent does then
-    write_all(ends[1], serialize(run_here(scene, options)));
+    if (options.limit < 1e6) {     // inside a step, nobody looks at the time
+      const auto most = static_cast<rlim_t>(std::ceil(options.limit + grace));
+      const rlimit cpu{most, most + 1};
+      ::setrlimit(RLIMIT_CPU, &cpu);
+    }
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    try {
+      write_all(ends[1], serialize(run_here(scene, options)));
+    } catch (...) {  // no memory: nothing may go on here as if it were the parent
+    }
     ::_exit(0);  // nothing of the parent's is flushed or destroyed twice
   }
   ::close(ends[1]);
   bool killed = false;
-  const auto wall = std::chrono::duration<double>(std::min(options.limit * 1.5 + grace, 1e7));
+  const auto wall = std::chrono::duration<double>(
+      std::min({options.limit * options.patience + grace, options.wall + grace, 1e7}));
   const auto deadline = std::chrono::steady_clock::now() +
                         std::chrono::duration_cast<std::chrono::steady_clock::duration>(wall);
   const std::string text = read_until_end(ends[0], child, deadline, options.interrupted, killed);
@@ -196,17 +238,20 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   if (std::optional<Trial> told = deserialize(text)) {
     trial = std::move(*told);
   } else {
-    trial.stopped = killed;
-    trial.failure = killed ? fmt::format("stopped: more than {:.3g} s", wall.count())
+    const bool interrupted = options.interrupted != nullptr && *options.interrupted;
+    trial.stopped = killed || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU);
+    trial.lost = !trial.stopped;
+    trial.failure = interrupted     ? "interrupted"
+                    : trial.stopped ? too_long(options)
                     : WIFSIGNALED(status)
                         ? fmt::format("the process ended by signal {} ({})", WTERMSIG(status),
                                       strsignal(WTERMSIG(status)))
                         : "the process ended without a result";
     trial.cpu = trial.cpu_stepping =
-        static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
+        static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+        1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
   }
   trial.repeats = 1;
-  trial.memory = 1024.0 * static_cast<double>(usage.ru_maxrss);
   return trial;
 }
 
@@ -269,6 +314,9 @@ std::string serialize(const Trial& trial) {
       fmt::join(trial.findings.units, ","), trial.findings.at.size());
   for (std::size_t k = 0; k < trial.findings.at.size(); ++k)
     text += fmt::format("{} {}\n", trial.findings.at[k], fmt::join(trial.findings.rows[k], " "));
+  for (const BeamResolution& beam : trial.beams)
+    text += fmt::format("beam {} {} {} {} {}\nname {}\n", beam.order, beam.elements, beam.strain,
+                        beam.jump, fmt::join(beam.coefficients, " "), one_line(beam.name));
   return text + "end\n";
 }
 
@@ -310,6 +358,18 @@ std::optional<Trial> deserialize(const std::string& text) {
     trial.findings.at.push_back(values.front());
     values.erase(values.begin());
     trial.findings.rows.push_back(std::move(values));
+  }
+  while (reader.in.peek() == 'b') {
+    std::vector<double> values = reader.numbers("beam");
+    BeamResolution beam;
+    beam.name = reader.line("name");
+    if (!reader.good || values.size() < 4) return std::nullopt;
+    beam.order = static_cast<int>(values[0]);
+    beam.elements = static_cast<int>(values[1]);
+    beam.strain = values[2];
+    beam.jump = values[3];
+    beam.coefficients.assign(values.begin() + 4, values.end());
+    trial.beams.push_back(std::move(beam));
   }
   return trial;
 }

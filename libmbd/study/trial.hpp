@@ -9,6 +9,7 @@
 
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/report.hpp"
+#include "libmbd/study/resolution.hpp"
 
 namespace mbd {
 
@@ -18,7 +19,7 @@ struct Findings {
   std::vector<std::string> columns;
   std::vector<std::string> units;
   // Where: times [s], evenly spread over the run and its end among them; of load steps the load factor 1; of a path
-  // its limit points, bifurcations and marks, by number 1, 2, …, and its end.
+  // its limit points, bifurcations and marks, by number 1, 2, ….
   std::vector<double> at;
   std::vector<std::vector<double>> rows;  // values, by place and column
 };
@@ -26,20 +27,27 @@ struct Findings {
 struct Trial {
   bool complete = false;
   bool stopped = false;  // before its end, because it took too long
+  bool lost = false;     // its process ended without a word: by a signal, for want of memory
   std::string failure;   // why it is not complete
   // CPU time, least of the repeats [s]: of stepping (or of load steps, or points), and of the whole run, reading
   // excepted. Of a run that was stopped: what it had used.
   double cpu_stepping = 0.0, cpu = 0.0;
   int repeats = 0;
-  double memory = 0.0;  // largest resident size of the process [bytes]
-  Counters counters;    // of load steps and time steps
+  // Largest resident size of the process, above what it began with [bytes].
+  double memory = 0.0;
+  Counters counters;  // of load steps and time steps
   Index nodes = 0, unknowns = 0, multipliers = 0;
-  Findings findings;  // also of a run that is not complete, up to where it came
+  Findings findings;                  // also of a run that is not complete, up to where it came
+  std::vector<BeamResolution> beams;  // over the states of all rows; if asked for
 };
 
 struct TrialOptions {
-  int samples = 200;    // of a transient
-  double limit = 1e30;  // CPU time at which it is stopped [s]
+  int samples = 200;        // of a transient
+  bool resolution = false;  // look at how well elements resolve the beams (Trial::beams)
+  double limit = 1e30;      // CPU time at which it is stopped [s]
+  // Wall time, over that, at which it is killed: it waits for a processor that others use.
+  double patience = 1.5;
+  double wall = 1e30;  // wall time at which it is stopped [s]
   // Repeated up to `repeats` times, as long as all together have taken less than `repeat_within` [s].
   int repeats = 3;
   double repeat_within = 1.0;

@@ -49,6 +49,10 @@ std::string fingerprint(const Scene& scene, const std::vector<std::string>& set)
     sum = sum * 31 + std::hash<std::string>()(text.str());
   }
   for (const std::string& one : set) all += one + ";";
+  std::error_code code;  // the commit does not tell builds of a changed tree apart
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", code);
+  all += fmt::format("{} {}", std::filesystem::file_size(self, code),
+                     std::filesystem::last_write_time(self, code).time_since_epoch().count());
   return fmt::format("{:016x} {}", sum, all);
 }
 

@@ -3,17 +3,22 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/summary.hpp"
+#include "libmbd/study/choose.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/overrides.hpp"
 
@@ -24,6 +29,8 @@ struct RunArguments {
   std::string model;
   std::string output;
   std::vector<std::string> set;
+  std::string accuracy;  // empty: the model's own settings
+  double choose_within = 600.0;
   TransientOptions transient;
   bool quiet = false;
 };
@@ -60,10 +67,77 @@ class ProgressLine {
   bool dirty_ = false;
 };
 
+std::optional<double> finite_number(const std::string& text) {
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  return value;
+}
+
+// Not a number, and one out of range, get the same answer.
+double requested_accuracy(const std::string& text) {
+  const std::optional<double> value = finite_number(text);
+  if (!value || *value < finest_accuracy || *value > coarsest_accuracy)
+    throw Error(
+        fmt::format("--accuracy {}: write a number between {:g} and {:g}, the rms error of what is "
+                    "recorded over "
+                    "its largest value",
+                    text, finest_accuracy, coarsest_accuracy));
+  return *value;
+}
+
+void refuse_both(const TransientOptions& given) {
+  for (const auto& [name, value] :
+       {std::pair<const char*, const std::string&>{"method", given.method},
+        {"step", given.step},
+        {"tolerance", given.tolerance}})
+    if (!value.empty())
+      throw Error(
+          fmt::format("--accuracy and --{}: the accuracy chooses method, steps and tolerance; "
+                      "leave out one of both",
+                      name));
+}
+
+// Gives the scene the settings that keep the accuracy, by pilot runs.
+void choose_settings(const RunArguments& arguments, Scene& scene, RunOptions& options) {
+  const bool terminal = !arguments.quiet && isatty(STDERR_FILENO);
+  int count = 0;
+  const Choice choice =
+      choose(scene, {.accuracy = requested_accuracy(arguments.accuracy),
+                     .limit = arguments.choose_within,
+                     .progress = [&](const std::string& what) {
+                       if (terminal) fmt::print(stderr, "\r\033[Kpilot {}: {}", ++count, what);
+                       std::fflush(stderr);
+                     }});
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  options.accuracy = summary_of(choice);
+  options.notes.insert(options.notes.end(), choice.notes.begin(), choice.notes.end());
+  if (!arguments.quiet) {
+    fmt::print("accuracy {:g}: {} pilot run{}, {:.3g} s of CPU time\n", choice.accuracy,
+               choice.pilots.size(), choice.pilots.size() == 1 ? "" : "s", choice.cpu);
+    for (const Pilot& pilot : choice.pilots)
+      fmt::print("{} {:8.3g} s  {:<22}  {}\n", pilot.setting == choice.setting ? '>' : ' ',
+                 pilot.cpu,
+                 !pilot.failure.empty() ? "failed"
+                 : pilot.error          ? fmt::format("believed error {:.1e}", *pilot.error)
+                                        : "",
+                 pilot.text);
+    const std::string permanent = snippet(scene, choice.setting);
+    if (permanent.empty())
+      fmt::print("The model's own settings do.\n\n");
+    else
+      fmt::print("To make it permanent, write into the model:\n{}\n", permanent);
+    std::fflush(stdout);
+  }
+  scene = with(scene, choice.setting);
+}
+
 int run_model(const RunArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   RunOptions options;
+  if (!arguments.accuracy.empty()) refuse_both(arguments.transient);
   options.notes = apply(arguments.transient, scene);
+  if (!arguments.accuracy.empty()) choose_settings(arguments, scene, options);
   options.output = arguments.output.empty() ? std::filesystem::path("results") /
                                                   std::filesystem::path(arguments.model).stem()
                                             : std::filesystem::path(arguments.output);
@@ -84,7 +158,14 @@ int run_model(const RunArguments& arguments) {
       fmt::print(stderr, "mbd: {}:{}: expected {} = {} +- {}, got {}\n", result.source.file,
                  result.source.line, result.what, result.expected, result.tolerance,
                  result.got ? fmt::format("{}", *result.got) : "nothing");
-  return report.as_expected() ? 0 : 2;
+  const bool inaccurate = report.accuracy && !report.accuracy->met;
+  if (inaccurate)
+    fmt::print(stderr, "mbd: {}: the accuracy {:g} is not met (believed: {}): {}\n", scene.name,
+               report.accuracy->requested,
+               report.accuracy->believed ? fmt::format("{:.1e}", *report.accuracy->believed)
+                                         : std::string("not known"),
+               report.accuracy->reason);
+  return report.as_expected() && !inaccurate ? 0 : 2;
 }
 
 }  // namespace
@@ -106,6 +187,27 @@ void add_run_command(CLI::App& app, int& status) {
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
   add_transient_options(*command, arguments->transient);
+  const auto not_empty = [](const std::string& text) {
+    return text.empty() ? std::string("is empty; give a value") : std::string();
+  };
+  command
+      ->add_option(
+          "--accuracy", arguments->accuracy,
+          "choose order, elements, method and tolerance, by pilot runs, so that the rms error "
+          "of each recorded quantity is below E of its largest value; status 2 if none do")
+      ->check(not_empty, "", "")
+      ->type_name("E");
+  command
+      ->add_option("--choose-within", arguments->choose_within,
+                   "with --accuracy: the CPU time that pilot runs may take; default: 600 s")
+      ->check(
+          [](const std::string& text) {
+            return finite_number(text).value_or(0.0) > 0.0
+                       ? std::string()
+                       : text + " is not a positive number of seconds";
+          },
+          "", "")
+      ->type_name("SECONDS");
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"
@@ -113,7 +215,8 @@ void add_run_command(CLI::App& app, int& status) {
                "mbd run models/chain.xml --set N=100 --quiet\n"
                "mbd run models/shaft.xml --method radau --tolerance 1e-8\n"
                "mbd run models/shaft.xml --step \"0.5 ms\" --output 0.01\n"
-               "mbd run models/pendulum.xml --method radau --tolerance 1e-10 --output steps");
+               "mbd run models/pendulum.xml --method radau --tolerance 1e-10 --output steps\n"
+               "mbd run models/shaft.xml --accuracy 1e-4");
   command->callback([arguments, &status] { status = run_model(*arguments); });
 }
 

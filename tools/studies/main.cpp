@@ -28,6 +28,18 @@ int main(int argc, char** argv) {
       mbd::studies::locking);
   add("time", "The dynamic models: errors and CPU time over tolerances and steps, three methods",
       mbd::studies::time);
+  mbd::studies::ChosenOptions choosing;
+  CLI::App* const chosen = app.add_subcommand(
+      "chosen", "All models run with --accuracy: requested, believed and true errors, and costs");
+  chosen->add_option("--out", out, "Directory of the results")->capture_default_str();
+  chosen->add_option("--limit", choosing.limit, "CPU seconds for choosing, each")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  chosen->add_option("--model", choosing.models, "these models alone, without .xml");
+  chosen->callback([&out, &choosing] {
+    mbd::make_directory(out);
+    mbd::studies::chosen(out, choosing);
+  });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -65,5 +65,10 @@ void bend45(const std::filesystem::path& directory);
 void locking(const std::filesystem::path& directory);
 void dynamic(const std::filesystem::path& directory);
 void time(const std::filesystem::path& directory);
+struct ChosenOptions {
+  double limit = 20.0;              // CPU time for choosing, each [s]
+  std::vector<std::string> models;  // names; none: all
+};
+void chosen(const std::filesystem::path& directory, const ChosenOptions& options);
 
 }  // namespace mbd::studies

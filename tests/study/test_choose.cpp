@@ -1,0 +1,325 @@
+// Runs that choose their own settings: what they believe of their error is its true size, they stop at the limit, and
+// do not claim what they do not know.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "libmbd/study/choose.hpp"
+#include "tests/support/rigid_cases.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/shell.hpp"
+#include "tests/support/static_references.hpp"
+
+namespace mbd::test::test_choose {
+namespace {
+
+Trial run_of(const Scene& scene, const Choice& choice) {
+  Trial trial = run_trial(mbd::with(scene, choice.setting), {.repeats = 1});
+  EXPECT_TRUE(trial.complete) << trial.failure;
+  return trial;
+}
+
+// An estimate ten times too large or too small fails; the issue allows no more.
+void expect_honest(const Choice& choice, double error) {
+  ASSERT_TRUE(choice.error.has_value());
+  EXPECT_TRUE(choice.met) << choice.reason;
+  EXPECT_EQ(choice.reason, "");
+  EXPECT_LE(*choice.error, choice.accuracy);
+  EXPECT_LE(error, choice.accuracy);
+  EXPECT_LT(error, 3.0 * *choice.error) << "believed " << *choice.error;
+  EXPECT_GT(error, 0.1 * *choice.error) << "true " << error;
+}
+
+std::size_t column(const Findings& findings, const std::string& name) {
+  const auto found = std::find(findings.columns.begin(), findings.columns.end(), name);
+  EXPECT_NE(found, findings.columns.end()) << name;
+  return static_cast<std::size_t>(found - findings.columns.begin());
+}
+
+// ---- the norm ----------------------------------------------------------------------------------
+
+Findings findings_of(std::vector<std::string> columns, std::vector<std::string> units,
+                     std::vector<std::vector<double>> rows) {
+  Findings f{std::move(columns), std::move(units), {}, std::move(rows)};
+  for (std::size_t k = 0; k < f.rows.size(); ++k) f.at.push_back(static_cast<double>(k));
+  return f;
+}
+
+TEST(Disagreement, IsTheRmsOfVectorsOverTheLargest) {
+  const auto make = [](double x, double y) {
+    return findings_of({"P.position.1", "P.position.2"}, {"m", "m"}, {{3.0, 4.0}, {x, y}});
+  };
+  const Disagreement d = disagreement(make(0.03, 0.04), make(0.0, 0.0), 1e-3);
+  EXPECT_NEAR(d.rms, 0.01 / std::sqrt(2.0), 1e-15);
+  EXPECT_EQ(d.worst, "P.position");
+  EXPECT_EQ(d.from, 1.0);
+  EXPECT_FALSE(disagreement(make(0.003, 0.0), make(0.0, 0.0), 1e-3).from.has_value());
+}
+
+TEST(Disagreement, OfWhatIsZeroIsMeasuredByTheLargestOfItsUnit) {
+  const auto make = [](double zero) {
+    return findings_of({"P.force.1", "Q.force.1"}, {"N", "N"}, {{2.0, zero}});
+  };
+  const Disagreement d = disagreement(make(2e-9), make(-2e-9), 1e-3);
+  EXPECT_NEAR(d.rms, 2e-9, 1e-15);
+  EXPECT_EQ(d.as_zero, std::vector<std::string>{"Q.force"});
+  // What is above the accuracy is not zero.
+  EXPECT_NEAR(disagreement(make(0.02), make(0.01), 1e-3).rms, 1.0, 1e-12);
+}
+
+TEST(Disagreement, ComparesRotationsNotTheirVectors) {
+  const double pi = std::numbers::pi;
+  const auto make = [](double angle) {
+    return findings_of({"P.rotation.1", "P.rotation.2", "P.rotation.3"}, {"rad", "rad", "rad"},
+                       {{0.0, 0.0, angle}});
+  };
+  EXPECT_NEAR(disagreement(make(-pi + 1e-3), make(pi - 1e-3), 1e-6).rms, 2e-3 / (pi - 1e-3), 1e-12);
+  EXPECT_NEAR(disagreement(make(1e-12), make(-3e-12), 1e-6).rms, 4e-12, 1e-15);  // two turns
+}
+
+TEST(Disagreement, OfAPathLeavesOutHowItWasFollowed) {
+  const auto make = [](double length, double y, double branch) {
+    return findings_of({"load_factor", "arc_length", "branch", "P.displacement.2"},
+                       {"", "", "", "m"}, {{1.0, length, branch, y}});
+  };
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 1.0), make(4.0, -0.5, 1.0), 1e-3).rms, 0.0);
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 0.0), make(3.0, -0.5, 0.0), 1e-3).rms, 2.0);
+}
+
+TEST(Disagreement, OfRunsThatCannotBeComparedIsInfinite) {
+  const Findings one = findings_of({"P.x"}, {"m"}, {{1.0}});
+  const Findings two = findings_of({"P.x"}, {"m"}, {{1.0}, {2.0}});
+  EXPECT_TRUE(std::isinf(disagreement(one, two, 1e-3).rms));
+}
+
+// ---- resolution --------------------------------------------------------------------------------
+
+TEST(Resolution, OfAConstantCurvatureIsPerfectAndOfACoarseBendIsNot) {
+  const Scene circle = model_scene("roll_up");
+  const Trial round =
+      run_trial(mbd::with(circle, {.order = 4, .elements = 8}), {.resolution = true, .repeats = 1});
+  ASSERT_TRUE(round.complete) << round.failure;
+  ASSERT_EQ(round.beams.size(), 1u);
+  EXPECT_EQ(round.beams[0].order, 4);
+  EXPECT_EQ(round.beams[0].elements, 8);
+  EXPECT_GT(round.beams[0].coefficients[1], 0.1);
+  EXPECT_LT(round.beams[0].last(), 1e-9);
+  EXPECT_LT(round.beams[0].jump, 1e-8 * round.beams[0].strain);
+
+  const Scene bend = model_scene("bend45");
+  double before = 1.0;
+  for (const int order : {3, 5, 7}) {
+    const Trial bent = run_trial(mbd::with(bend, {.order = order, .elements = 2}),
+                                 {.resolution = true, .repeats = 1});
+    ASSERT_TRUE(bent.complete) << bent.failure;
+    EXPECT_GT(bent.beams[0].decay(), 1.5);
+    EXPECT_LT(bent.beams[0].last(), 0.3 * before);
+    before = bent.beams[0].last();
+  }
+}
+
+TEST(Resolution, IsWrittenAndReadBack) {
+  const Trial trial = run_trial(model_scene("bend45"), {.resolution = true, .repeats = 1});
+  const std::optional<Trial> back = deserialize(serialize(trial));
+  ASSERT_TRUE(back.has_value());
+  ASSERT_EQ(back->beams.size(), 1u);
+  EXPECT_EQ(back->beams[0].name, trial.beams[0].name);
+  EXPECT_EQ(back->beams[0].coefficients, trial.beams[0].coefficients);
+  EXPECT_EQ(back->beams[0].jump, trial.beams[0].jump);
+  EXPECT_EQ(back->findings.rows, trial.findings.rows);
+}
+
+// ---- against what is known ---------------------------------------------------------------------
+
+// Position and velocity against an integration of the bodies by themselves, to round-off.
+void expect_rigid(RigidCase c, double duration, double accuracy) {
+  SCOPED_TRACE(c.model);
+  Scene scene = model_scene(c.model);
+  scene.transient->duration = duration;
+  const std::vector<std::string> names{c.place + ".position", c.place + ".velocity"};
+  const Choice choice = choose(scene, {.accuracy = accuracy, .quantities = names});
+  const Findings found = run_of(scene, choice).findings;
+  c.duration = duration;
+  c.interval = duration / 200;
+  const RigidReference reference = reference_of(c, 400);
+  Findings truth = found;
+  ASSERT_EQ(truth.at.size(), 201u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t x = column(found, names[0] + "." + std::to_string(i + 1));
+    const std::size_t v = column(found, names[1] + "." + std::to_string(i + 1));
+    for (std::size_t k = 0; k < truth.rows.size(); ++k) {
+      truth.rows[k][x] = reference.position[i].at(k);
+      truth.rows[k][v] = reference.velocity[i].at(k);
+    }
+  }
+  expect_honest(choice, disagreement(found, truth, accuracy, names).rms);
+  EXPECT_EQ(choice.setting.order, std::nullopt);
+}
+
+TEST(Choose, OfThePendulumKeepsWhatItSays) {
+  for (const double accuracy : {1e-3, 1e-6}) expect_rigid(test::pendulum(), 4.0, accuracy);
+}
+
+TEST(ChooseSlow, OfTheHeavyTopKeepsWhatItSays) {
+  for (const double accuracy : {1e-3, 1e-5}) expect_rigid(test::heavy_top(), 1.0, accuracy);
+}
+
+// The elastica at load 10 by elliptic integrals, as the model quotes them; without the strip's extension and shear.
+TEST(Choose, OfTheElasticaKeepsWhatItSays) {
+  Scene scene = model_scene("elastica");
+  const Choice choice = choose(scene, {.accuracy = 1e-6, .quantities = {"tip.displacement"}});
+  const Findings found = run_of(scene, choice).findings;
+  Findings truth = found;
+  // Of the order 3 that is chosen the error is 3e-8; elliptic integrals are quoted to 1e-9 by the model's rows.
+  const Trial fine = run_trial(mbd::with(scene, {.order = 7, .elements = 16}), {.repeats = 1});
+  Scene checked = mbd::with(scene, {.order = 7, .elements = 16});
+  for (const ExpectResult& result : mbd::run(checked).expects) EXPECT_TRUE(result.pass());
+  truth.rows = fine.findings.rows;
+  expect_honest(choice, disagreement(found, truth, 1e-6, {"tip.displacement"}).rms);
+  EXPECT_EQ(choice.worst, "tip.displacement");
+  EXPECT_LT(*choice.setting.order * *choice.setting.elements, 40);  // the model's own
+}
+
+// A cantilever of another rod theory's code, by shooting.
+TEST(Choose, OfACantileverAgreesWithTheRod) {
+  const Scene scene = model_scene("princeton");
+  ASSERT_EQ(scene.loads.size(), 1u);
+  const Section& section = scene.sections.front();
+  const BeamScene& beam = scene.beams.front();
+  const Straight& line = std::get<Straight>(beam.line);
+  const Eigen::Vector3d force((*scene.loads[0].force)[0].value(),
+                              (*scene.loads[0].force)[1].value(),
+                              (*scene.loads[0].force)[2].value());
+  const double length = (line.to - line.from).norm();
+  const RodSection<double> tip = cantilever_tip(length, section.stiffness, force, 400);
+  for (const double accuracy : {1e-3, 1e-7}) {
+    const Choice choice = choose(scene, {.accuracy = accuracy, .quantities = {"tip.displacement"}});
+    const Findings found = run_of(scene, choice).findings;
+    Findings truth = found;
+    const std::size_t first = column(found, "tip.displacement.1");
+    const Eigen::Vector3d moved = tip.r - Eigen::Vector3d(length, 0, 0);
+    for (std::size_t i = 0; i < 3; ++i)
+      truth.rows[0][first + i] = moved(static_cast<Eigen::Index>(i));
+    expect_honest(choice, disagreement(found, truth, accuracy, {"tip.displacement"}).rms);
+  }
+}
+
+TEST(Choose, OfAPathKeepsWhatItSays) {
+  const Scene scene = model_scene("shallow_arch");
+  const Choice choice = choose(scene, {.accuracy = 1e-4});
+  const Trial fine = run_trial(mbd::with(scene, {.order = 7, .elements = 8}), {.repeats = 1});
+  expect_honest(choice, disagreement(run_of(scene, choice).findings, fine.findings, 1e-4).rms);
+}
+
+TEST(ChooseSlow, OfTheShaftKeepsWhatItSays) {
+  const Scene scene = model_scene("shaft");
+  const Choice choice = choose(scene, {.accuracy = 1e-4});
+  const Trial fine = run_trial(
+      mbd::with(scene, {.order = 6, .elements = 8, .method = TimeMethod::radau, .tolerance = 1e-8}),
+      {.repeats = 1});
+  ASSERT_TRUE(fine.complete) << fine.failure;
+  expect_honest(choice, disagreement(run_of(scene, choice).findings, fine.findings, 1e-4).rms);
+}
+
+// ---- what cannot be had ------------------------------------------------------------------------
+
+TEST(Choose, DoesNotClaimChaos) {
+  Scene scene = model_scene("double_pendulum");
+  scene.transient->duration = 40.0;
+  const Choice choice = choose(scene, {.accuracy = 1e-4, .quantities = {"tip.position"}});
+  EXPECT_FALSE(choice.met);
+  EXPECT_NE(choice.reason.find("do not approach each other"), std::string::npos) << choice.reason;
+  EXPECT_NE(choice.reason.find("from t = "), std::string::npos) << choice.reason;
+  EXPECT_FALSE(choice.error.has_value());  // a difference that does not fall is no estimate
+}
+
+TEST(Choose, KeepsItsLimit) {
+  const Scene scene = model_scene("slider_crank");
+  const Choice choice = choose(scene, {.accuracy = 1e-6, .limit = 0.5});
+  EXPECT_FALSE(choice.met);
+  EXPECT_NE(choice.reason.find("limit of 0.5 s"), std::string::npos) << choice.reason;
+  EXPECT_LT(choice.cpu, 1.0);
+  double sum = 0.0;
+  for (const Pilot& pilot : choice.pilots) sum += pilot.cpu;
+  EXPECT_NEAR(sum, choice.cpu, 1e-12);
+}
+
+TEST(Choose, RefusesWhatItCannotDo) {
+  const Scene scene = model_scene("pendulum");
+  for (const double accuracy : {0.0, -1e-3, std::nan(""), 2.0, 1e-15})
+    EXPECT_THROW(choose(scene, {.accuracy = accuracy}), Error) << accuracy;
+  EXPECT_THROW(choose(scene, {.quantities = {"bob.postion"}}), Error);
+  Scene silent = scene;
+  silent.records.clear();
+  silent.plots.clear();
+  silent.expects.clear();
+  EXPECT_THROW(choose(silent, {}), Error);
+}
+
+TEST(Choose, TakesClassicalBeamsAsTheyAre) {
+  Scene scene = model_scene("elastica");
+  for (BeamScene& beam : scene.beams) beam.kinematics = Kinematics::classical;
+  const Choice choice = choose(scene, {.accuracy = 1e-4});
+  const Trial fine = run_trial(mbd::with(scene, {.order = 7, .elements = 16}), {.repeats = 1});
+  expect_honest(choice, disagreement(run_of(scene, choice).findings, fine.findings, 1e-4).rms);
+}
+
+// ---- mbd run --accuracy ------------------------------------------------------------------------
+
+class RunAccuracy : public ::testing::Test {
+ protected:
+  Output run(const std::string& model, const std::string& options) {
+    return shell(quote(MBD_PROGRAM) + " run " +
+                 quote(std::string(MBD_SOURCE_DIR) + "/models/" + model) + " --out " +
+                 quote((directory_.path() / "out").string()) + " " + options);
+  }
+  nlohmann::json report() {
+    return nlohmann::json::parse(read_text(directory_.path() / "out" / "report.json"));
+  }
+
+  TemporaryDirectory directory_;
+};
+
+TEST_F(RunAccuracy, ChoosesRunsAndSaysWhatItBelieves) {
+  const Output output = run("pendulum.xml", "--accuracy 1e-4");
+  EXPECT_EQ(output.status, 0) << output.text;
+  for (const char* part :
+       {"accuracy 0.0001: ", "believed error ", "write into the model:\n<transient ",
+        "method=\"radau\"", "accuracy       requested"})
+    EXPECT_NE(output.text.find(part), std::string::npos) << part << " in:\n" << output.text;
+  const nlohmann::json accuracy = report()["accuracy"];
+  EXPECT_EQ(accuracy["requested"], 1e-4);
+  EXPECT_EQ(accuracy["met"], true);
+  EXPECT_LE(accuracy["believed"].get<double>(), 1e-4);
+  EXPECT_GE(accuracy["pilots"].size(), 2u);
+  EXPECT_EQ(report()["reached"]["rows"], 10001);  // at the model's own times
+}
+
+TEST_F(RunAccuracy, KeepsResultsOfWhatIsNotMet) {
+  const Output output = run("slider_crank.xml", "--accuracy 1e-6 --choose-within 0.3 --quiet");
+  EXPECT_EQ(output.status, 2) << output.text;
+  EXPECT_NE(output.text.find("the accuracy 1e-06 is not met"), std::string::npos) << output.text;
+  EXPECT_EQ(report()["accuracy"]["met"], false);
+  EXPECT_TRUE(std::filesystem::exists(directory_.path() / "out" / "history.csv"));
+}
+
+TEST_F(RunAccuracy, RefusesBeforeAnythingIsWritten) {
+  for (const char* const value : {"0", "-1", "nan", "2", "1e-15", "much"}) {
+    const Output output = run("pendulum.xml", std::string("--accuracy=") + value);
+    EXPECT_EQ(output.status, 1) << output.text;
+    EXPECT_NE(output.text.find("between 1e-09 and 0.1"), std::string::npos) << output.text;
+  }
+  for (const char* const other : {"--method radau", "--step 0.01", "--tolerance 1e-3"}) {
+    const Output output = run("pendulum.xml", std::string("--accuracy 1e-3 ") + other);
+    EXPECT_EQ(output.status, 1) << output.text;
+    EXPECT_NE(output.text.find("leave out one of both"), std::string::npos) << output.text;
+  }
+  EXPECT_NE(run("pendulum.xml", "--accuracy 1e-3 --choose-within 0").status, 0);
+  EXPECT_FALSE(std::filesystem::exists(directory_.path() / "out"));
+}
+
+}  // namespace
+}  // namespace mbd::test::test_choose

@@ -1,0 +1,243 @@
+// Runs that choose their own settings (mbd run --accuracy): for every model in models/, what was requested, what the
+// run believed of its error, its true error, and what choosing and running cost.
+//
+// True error: disagreement() of the chosen run with a reference, in the norm in which it was chosen. The reference is
+// Radau with a hundredth of the finest tolerance chosen for the model, on twice as many elements of two orders more
+// than the finest mesh chosen; where that takes too long, with a tenth on as many elements. Its own error is its
+// difference to a run with ten times its tolerance (or twice its step) and one order less; a true error below three times that is marked.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libmbd/core/error.hpp"
+#include "libmbd/front/reader.hpp"
+#include "libmbd/study/choose.hpp"
+#include "tools/studies/study.hpp"
+
+namespace mbd::studies {
+namespace {
+
+constexpr double accuracies[] = {1e-3, 1e-4, 1e-6};
+constexpr double reference_limit = 3.0;  // times that of choosing
+constexpr double within = 10.0;          // factor, estimate to true error
+
+struct Model {
+  std::string name;
+  double duration = 0.0;  // [s]; 0: the model's
+};
+
+// In the order of their cost. The last motion rings after 10.9 s: its first 6 s, and all of it.
+const std::vector<Model> models = {{"bend45"},
+                                   {"composite"},
+                                   {"elastica"},
+                                   {"four_bar_static"},
+                                   {"portal_frame"},
+                                   {"princeton"},
+                                   {"roll_up"},
+                                   {"swept_cantilever"},
+                                   {"pendulum"},
+                                   {"heavy_top"},
+                                   {"dzhanibekov"},
+                                   {"double_pendulum"},
+                                   {"windows"},
+                                   {"chain"},
+                                   {"shaft"},
+                                   {"free_beam"},
+                                   {"cart_pole"},
+                                   {"shallow_arch"},
+                                   {"right_angle_frame"},
+                                   {"lee_frame"},
+                                   {"arch"},
+                                   {"slider_crank"},
+                                   {"double_pendulum_beams"},
+                                   {"every_joint"},
+                                   {"four_bar", 6.0},
+                                   {"four_bar"}};
+
+struct Row {
+  double accuracy = 0.0;
+  Choice choice;
+  Trial run;
+  std::optional<double> error;  // true
+  bool below_reference = false;
+};
+
+// The scene's setting with knobs finer than the finest of the choices.
+Setting reference_setting(const Scene& scene, const std::vector<Row>& rows, bool modest) {
+  Setting finest;
+  for (const Row& row : rows) {
+    const Setting own = setting_of(with(scene, row.choice.setting));
+    if (!scene.beams.empty()) {
+      finest.order = std::max(finest.order.value_or(0), own.order.value_or(3));
+      finest.elements = std::max(finest.elements.value_or(0), *own.elements);
+    }
+    if (own.step && !own.tolerance)
+      finest.step = std::min(finest.step.value_or(*own.step), *own.step);
+    else if (scene.transient)
+      finest.tolerance = std::min(finest.tolerance.value_or(1e-5), own.tolerance.value_or(1e-5));
+  }
+  if (finest.order) {
+    *finest.order = std::min(8, *finest.order + 2);
+    if (!modest) *finest.elements *= 2;
+  }
+  // Fixed steps, where even the coarsest tolerance took too long: an eighth of the smallest, or a quarter.
+  if (finest.step && !finest.tolerance) *finest.step /= modest ? 4.0 : 8.0;
+  if (finest.tolerance) {
+    finest.step.reset();
+    finest.method = TimeMethod::radau;
+    finest.tolerance = std::max(
+        1e-13, std::stod(fmt::format("{:.6g}", *finest.tolerance * (modest ? 0.1 : 0.01))));
+  }
+  return finest;
+}
+
+std::string number(const std::optional<double>& value) {
+  return value ? fmt::format("{:.1e}", *value) : "not known";
+}
+
+}  // namespace
+
+void chosen(const std::filesystem::path& directory, const ChosenOptions& options) {
+  Csv csv(
+      "# rms of the worst recorded quantity over its largest value; CPU seconds; limit of "
+      "choosing: " +
+      fmt::format("{:g}", options.limit) +
+      " s each\n"
+      "model,duration,requested,met,believed,true,true_below_reference,reference_error,quantity,"
+      "setting,pilots,cpu_choosing,cpu_run,reference,reason");
+  std::string table =
+      "| model | requested | believed | true | choosing [s] | run [s] | setting |\n"
+      "|---|---|---|---|---|---|---|\n";
+  std::string misses;
+  int cases = 0, met = 0, honest = 0, judged = 0, dishonest = 0;
+  for (const Model& model : models) {
+    if (!options.models.empty() &&
+        std::find(options.models.begin(), options.models.end(), model.name) == options.models.end())
+      continue;
+    Scene scene =
+        read_model(std::filesystem::path(MBD_SOURCE_DIR) / "models" / (model.name + ".xml"));
+    if (model.duration > 0.0) {
+      scene.transient->duration = model.duration;
+      scene.expects.clear();
+      scene.plots.clear();
+    }
+    const std::string name =
+        model.duration > 0.0 ? fmt::format("{}, {:g} s", model.name, model.duration) : model.name;
+    std::vector<Row> rows;
+    for (const double accuracy : accuracies) {
+      Row row;
+      row.accuracy = accuracy;
+      row.choice = choose(scene, {.accuracy = accuracy, .limit = options.limit});
+      for (const Pilot& pilot : row.choice.pilots)
+        std::printf("    %-60s %8.2f s  %s %s %s %s\n", pilot.text.c_str(), pilot.cpu,
+                    number(pilot.error).c_str(),
+                    pilot.in_time ? fmt::format("time {:.1e}", *pilot.in_time).c_str() : "",
+                    pilot.in_space ? fmt::format("space {:.1e}", *pilot.in_space).c_str() : "",
+                    pilot.failure.c_str());
+      row.run = run_trial(with(scene, row.choice.setting),
+                          {.limit = 4.0 * options.limit, .patience = 20.0});
+      std::printf("%s %.0e: %s; believed %s (%s), choosing %.2f s, run %.2f s %s\n", name.c_str(),
+                  accuracy, to_text(scene, row.choice.setting).c_str(),
+                  number(row.choice.error).c_str(), row.choice.worst.c_str(), row.choice.cpu,
+                  row.run.cpu, row.choice.reason.c_str());
+      std::fflush(stdout);
+      rows.push_back(std::move(row));
+    }
+
+    std::string reference = "none";
+    double reference_error = std::numeric_limits<double>::infinity();
+    for (const bool modest : {false, true}) {
+      Setting finest = reference_setting(scene, rows, modest);
+      const Trial truth =
+          run_trial(with(scene, finest),
+                    {.limit = reference_limit * options.limit, .patience = 20.0, .repeats = 1});
+      if (!truth.complete) {
+        std::printf("  reference %s: %s\n", to_text(scene, finest).c_str(), truth.failure.c_str());
+        continue;
+      }
+      reference = to_text(scene, finest);
+      if (finest.tolerance) *finest.tolerance *= 10.0;
+      if (finest.step) *finest.step *= 2.0;
+      if (finest.order) --*finest.order;
+      const Trial less =
+          run_trial(with(scene, finest),
+                    {.limit = reference_limit * options.limit, .patience = 20.0, .repeats = 1});
+      if (less.complete)
+        reference_error = disagreement(less.findings, truth.findings, accuracies[2]).rms;
+      for (Row& row : rows) {
+        if (!row.run.complete) continue;
+        row.error = disagreement(row.run.findings, truth.findings, row.accuracy).rms;
+        row.below_reference = *row.error < 3.0 * reference_error;
+      }
+      break;
+    }
+    std::printf("  reference: %s, its own error %.1e; true errors", reference.c_str(),
+                reference_error);
+    for (const Row& row : rows) std::printf(" %s", number(row.error).c_str());
+    std::printf("\n");
+    std::fflush(stdout);
+
+    for (const Row& row : rows) {
+      const Choice& choice = row.choice;
+      ++cases;
+      const bool kept = choice.met && row.error && *row.error <= row.accuracy;
+      met += kept ? 1 : 0;
+      std::string verdict;
+      if (choice.met && row.error && !kept) {
+        ++dishonest;
+        verdict = "claimed, and not kept";
+      }
+      // Below the reference's own error, and where all is round-off, nothing can be told from the ratio.
+      if (choice.error && row.error && *row.error > 0.0) {
+        const double ratio = *choice.error / *row.error;
+        const bool judgeable = !(row.below_reference && ratio > 1.0) && *choice.error > 1e-11;
+        judged += judgeable ? 1 : 0;
+        const bool close = ratio < within && ratio > 1.0 / within;
+        honest += judgeable && close ? 1 : 0;
+        if (judgeable && !close)
+          verdict += fmt::format("{}believed {:.2g} times the true error",
+                                 verdict.empty() ? "" : "; ", ratio);
+      }
+      if (!choice.met) verdict += (verdict.empty() ? "" : "; ") + choice.reason;
+      if (!verdict.empty())
+        misses += fmt::format("- {}, {:.0e} ({}): {}\n", name, row.accuracy, choice.worst, verdict);
+      csv << model.name << model.duration << row.accuracy << long{choice.met};
+      csv << (choice.error ? fmt::format("{:.4g}", *choice.error) : "")
+          << (row.error ? fmt::format("{:.4g}", *row.error) : "") << long{row.below_reference}
+          << reference_error << choice.worst << '"' + to_text(scene, choice.setting) + '"'
+          << static_cast<long>(choice.pilots.size()) << choice.cpu << row.run.cpu
+          << '"' + reference + '"' << '"' + choice.reason + '"';
+      csv.end_row();
+      table += fmt::format("| {} | {:.0e}{} | {} | {}{} | {:.2g} | {:.2g} | {} |\n", name,
+                           row.accuracy, choice.met ? "" : ", not met", number(choice.error),
+                           row.below_reference ? "≤ " : "", number(row.error), choice.cpu,
+                           row.run.cpu, to_text(scene, choice.setting));
+    }
+    const std::string verdict = fmt::format(
+        "\n{} cases: requested accuracy met (and true) in {}; claimed and not kept in {}; the "
+        "estimate "
+        "within a factor of {:g} of the true error in {} of {} that the reference can judge.\n",
+        cases, met, dishonest, within, honest, judged);
+    // After each model: what there is survives an interruption.
+    write(directory, "chosen.csv", csv.text());
+    write(
+        directory, "chosen.md",
+        "`mbd_study chosen`: rms of the worst recorded quantity over its largest value, requested, "
+        "believed and true (against Radau with a hundredth of the finest tolerance chosen, on "
+        "twice "
+        "the elements of two orders more; where that took too long a tenth, and as many; ≤: not "
+        "told "
+        "from the error of that reference). At most " +
+            fmt::format("{:g}", options.limit) + " s of CPU time for choosing.\n\n" + table +
+            verdict + (misses.empty() ? "" : "\nMisses:\n\n" + misses));
+    if (&model == &models.back()) std::fputs(verdict.c_str(), stdout);
+  }
+}
+
+}  // namespace mbd::studies
