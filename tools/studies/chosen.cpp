@@ -189,6 +189,7 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
       const bool kept = choice.met && row.error && *row.error <= row.accuracy;
       met += kept ? 1 : 0;
       std::string verdict;
+      if (choice.met && !row.error) verdict = "claimed; no reference in the time there is";
       if (choice.met && row.error && !kept) {
         ++dishonest;
         verdict = "claimed, and not kept";
