@@ -571,23 +571,23 @@ std::string kind_of(const Setting& setting) {
 }
 
 void try_settings(AccuracyStudy& study, const Scene& scene, Trials& trials,
-                  const AccuracyOptions& options, const std::vector<Setting>& settings) {
+                  const AccuracyOptions& options, const Trial& own,
+                  const std::vector<Setting>& settings) {
   std::vector<std::size_t> order(settings.size());
   std::iota(order.begin(), order.end(), 0u);
   // Seconds per work of each kind, by the dearest of the last runs.
   std::map<std::string, double> rate;
-  double any_rate = 0.0;
   const auto learn = [&](const Setting& setting, const Trial& trial) {
     if (!trial.complete && !trial.stopped) return;  // of one that was stopped it is a lower bound
     const double seconds = trial.cpu / work_of(scene, setting);
     double& known = rate[kind_of(setting)];
     known = known > 0.0 ? std::max(seconds, 0.7 * known) : seconds;
-    any_rate = std::max(any_rate, known);
   };
+  learn(setting_of(scene), own);
   for (const TrialPoint& way : study.ways) learn(way.setting, way.trial);
   const auto cost = [&](const Setting& setting) {
     const auto found = rate.find(kind_of(setting));
-    return work_of(scene, setting) * (found != rate.end() ? found->second : 0.1 * any_rate);
+    return work_of(scene, setting) * (found != rate.end() ? found->second : 0.0);
   };
   std::vector<TrialPoint> points(settings.size());
   std::vector<bool> tried(settings.size(), false);
@@ -833,7 +833,7 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
   study.places = study.truth.at.size();
   study.end = study.truth.at.back();
 
-  try_settings(study, scene, trials, options, settings);
+  try_settings(study, scene, trials, options, own, settings);
   for (std::vector<TrialPoint>* const list : {&study.points, &study.ways})
     for (TrialPoint& point : *list) {
       if (scene.path && point.trial.complete &&
