@@ -21,9 +21,8 @@ struct Quantity {
   std::string unit;                  // of the columns
   std::vector<std::size_t> columns;  // of Findings
   // Largest length of the reference's vector up to `until`. Where that is round-off beside other columns of its unit, the
-  // largest of those (`is_zero`); 1 if all are zero.
+  // largest of those; 1 if all are zero.
   double scale = 0.0;
-  bool is_zero = false;
   // Of the reference itself: the difference of the two ways to it, and a tenth of what the last refinement changed if that
   // is more.
   double reference_rms = 0.0, reference_largest = 0.0;
@@ -32,6 +31,9 @@ struct Quantity {
   // Up to which time its refinements approach each other [s]: the end, unless the motion is chaotic or rings faster than
   // any run resolved. 0: nowhere, there is no reference.
   double until = 0.0;
+  bool is_zero = false;  // but for round-off, see `scale`
+  bool reference_known =
+      true;  // false: its error is not known, and the numbers are 0 (a reference from a file)
 };
 
 struct QuantityError {

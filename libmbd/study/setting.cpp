@@ -15,7 +15,7 @@ namespace mbd {
 namespace {
 
 constexpr int most_values = 1000;  // of one knob
-constexpr int most_elements = 100000;
+constexpr int most_elements_of_a_beam = 100000;
 
 // The attribute that a knob stands for in a model.
 const schema::Attribute& attribute_of(Knob knob) {
@@ -110,8 +110,8 @@ int fewest_elements(const Scene& scene) {
 
 int elements_of(const Scene& scene, const BeamScene& beam, int fewest) {
   const double share = static_cast<double>(beam.elements) / fewest_elements(scene);
-  return std::max(1,
-                  static_cast<int>(std::lround(std::min<double>(share * fewest, most_elements))));
+  return std::max(
+      1, static_cast<int>(std::lround(std::min<double>(share * fewest, most_elements_of_a_beam))));
 }
 
 // "2/4/2", or "2" where all beams have as many.
@@ -317,7 +317,8 @@ void add_variation(Variations& variations, const std::string& text) {
       check_number(text, knob, number);
       if (knob == Knob::order) add(variations.order, static_cast<int>(number));
       if (knob == Knob::elements) {
-        if (number > most_elements) fail(text, fmt::format("at most {} elements", most_elements));
+        if (number > most_elements_of_a_beam)
+          fail(text, fmt::format("at most {} elements", most_elements_of_a_beam));
         add(variations.elements, static_cast<int>(number));
       }
       if (knob == Knob::step) add(variations.step, number);

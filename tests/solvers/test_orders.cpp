@@ -40,21 +40,9 @@ TimeErrors rigid_errors(const RigidCase& c, const Scene& model, double rho,
     const Table& t = history.table;
     const std::size_t n = reference.tension.size();
     EXPECT_EQ(t.rows(), n);
-<<<<<<< HEAD
-    errors.motion.push_back(
-        relative_rms(components(t, c.place + ".position"), columns_of(reference.position), 0, n));
-    const Columns force = components(t, "joint_" + c.joint + ".reaction_force");
-    if (c.model == "pendulum") {
-      const std::vector<double> tension = along_largest(force);
-      errors.multipliers.push_back(relative_rms({&tension}, {&reference.tension}, 0, n));
-    } else {
-      errors.multipliers.push_back(relative_rms(force, columns_of(reference.force), 0, n));
-    }
-=======
     errors.motion.push_back(
         relative_rms(components(t, c.place + ".position"), columns_of(reference.position), 0, n));
     errors.multipliers.push_back(reaction_error(c, reference, t));
->>>>>>> tidy7
   }
   return errors;
 }

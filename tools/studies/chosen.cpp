@@ -27,38 +27,38 @@ constexpr double accuracies[] = {1e-3, 1e-4, 1e-6};
 constexpr double reference_limit = 3.0;  // times that of choosing
 constexpr double within = 10.0;          // factor, estimate to true error
 
-struct Model {
+struct ModelCase {
   std::string name;
   double duration = 0.0;  // [s]; 0: the model's
 };
 
 // In the order of their cost. The last motion rings after 10.9 s: its first 6 s, and all of it.
-const std::vector<Model> models = {{"bend45"},
-                                   {"composite"},
-                                   {"elastica"},
-                                   {"four_bar_static"},
-                                   {"portal_frame"},
-                                   {"princeton"},
-                                   {"roll_up"},
-                                   {"swept_cantilever"},
-                                   {"pendulum"},
-                                   {"heavy_top"},
-                                   {"dzhanibekov"},
-                                   {"double_pendulum"},
-                                   {"windows"},
-                                   {"chain"},
-                                   {"shaft"},
-                                   {"free_beam"},
-                                   {"cart_pole"},
-                                   {"shallow_arch"},
-                                   {"right_angle_frame"},
-                                   {"lee_frame"},
-                                   {"arch"},
-                                   {"slider_crank"},
-                                   {"double_pendulum_beams"},
-                                   {"every_joint"},
-                                   {"four_bar", 6.0},
-                                   {"four_bar"}};
+const std::vector<ModelCase> models = {{"bend45"},
+                                       {"composite"},
+                                       {"elastica"},
+                                       {"four_bar_static"},
+                                       {"portal_frame"},
+                                       {"princeton"},
+                                       {"roll_up"},
+                                       {"swept_cantilever"},
+                                       {"pendulum"},
+                                       {"heavy_top"},
+                                       {"dzhanibekov"},
+                                       {"double_pendulum"},
+                                       {"windows"},
+                                       {"chain"},
+                                       {"shaft"},
+                                       {"free_beam"},
+                                       {"cart_pole"},
+                                       {"shallow_arch"},
+                                       {"right_angle_frame"},
+                                       {"lee_frame"},
+                                       {"arch"},
+                                       {"slider_crank"},
+                                       {"double_pendulum_beams"},
+                                       {"every_joint"},
+                                       {"four_bar", 6.0},
+                                       {"four_bar"}};
 
 struct Row {
   double accuracy = 0.0;
@@ -116,7 +116,7 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
       "|---|---|---|---|---|---|---|\n";
   std::string misses;
   int cases = 0, met = 0, honest = 0, judged = 0, dishonest = 0;
-  for (const Model& model : models) {
+  for (const ModelCase& model : models) {
     if (!options.models.empty() &&
         std::find(options.models.begin(), options.models.end(), model.name) == options.models.end())
       continue;
