@@ -26,14 +26,11 @@ struct Quantity {
   // Of the reference itself: the difference of the two ways to it, and a tenth of what the last refinement changed if that
   // is more.
   double reference_rms = 0.0, reference_largest = 0.0;
-  bool reference_known =
-      true;  // false: that error is not known, the numbers are 0 (a reference from a file)
   // Up to which time its refinements approach each other [s]: the end, unless the motion is chaotic or rings faster than
   // any run resolved. 0: nowhere, there is no reference.
   double until = 0.0;
-  bool is_zero = false;  // but for round-off, see `scale`
-  bool reference_known =
-      true;  // false: its error is not known, and the numbers are 0 (a reference from a file)
+  bool is_zero = false;         // but for round-off, see `scale`
+  bool reference_known = true;  // false: of a reference from a file, and the numbers are 0
 };
 
 struct QuantityError {
