@@ -119,7 +119,7 @@ std::size_t places_until(const Findings& truth, double until) {
 }
 
 void set_scale(Quantity& quantity, const Findings& truth) {
-  double own = 0.0, of_unit = 0.0;
+  double own = 0.0, of_unit = quantity.unit == "J" ? truth.energy : 0.0;
   for (std::size_t k = 0; k < places_until(truth, quantity.until); ++k) {
     own = std::max(own, length_of(truth, k, quantity));
     for (std::size_t c = 0; c < truth.columns.size(); ++c)
@@ -489,6 +489,7 @@ void read_reference(AccuracyStudy& study, const Scene& scene, const Findings& ow
   const History file = read_history(path);
   study.truth.columns = own.columns;
   study.truth.units = own.units;
+  study.truth.energy = own.energy;
   std::vector<std::size_t> columns(own.columns.size(), 0);
   for (const Quantity& quantity : study.quantities)
     for (const std::size_t c : quantity.columns) {
@@ -828,8 +829,8 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
     if (quantity.is_zero && quantity.until > 0.0)
       study.notes.push_back(fmt::format(
           "{} is zero but for round-off: its errors are relative to the largest number in its "
-          "unit that the model records",
-          quantity.name));
+          "unit that the model records{}",
+          quantity.name, quantity.unit == "J" ? ", or kinetic or strain energy" : ""));
   study.places = study.truth.at.size();
   study.end = study.truth.at.back();
 

@@ -21,7 +21,7 @@ struct Quantity {
   std::string unit;                  // of the columns
   std::vector<std::size_t> columns;  // of Findings
   // Largest length of the reference's vector up to `until`. Where that is round-off beside other columns of its unit, the
-  // largest of those (`is_zero`); 1 if all are zero.
+  // largest of those (`is_zero`), of energies also Findings::energy; 1 if all are zero.
   double scale = 0.0;
   bool is_zero = false;
   // Of the reference itself: the difference of the two ways to it, and a tenth of what the last refinement changed if that

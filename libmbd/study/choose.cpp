@@ -502,7 +502,7 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
   const std::vector<Vector> vectors = vectors_of(better, quantities);
   const std::optional<std::size_t> branch = branch_column(better);
   std::vector<double> scales;
-  std::map<std::string, double> largest;  // by unit
+  std::map<std::string, double> largest{{"J", better.energy}};  // by unit
   for (const Vector& vector : vectors) {
     double scale = 0.0;
     for (const auto& row : better.rows) scale = std::max(scale, values(vector, row).norm());

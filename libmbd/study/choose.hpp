@@ -4,7 +4,8 @@
 // largest length of it in the run (Quantity in accuracy.hpp); that of a run is its worst quantity's. Two things that a
 // difference of numbers would get wrong: a quantity that is not above `accuracy` times the largest of its unit is zero
 // within what is asked (the energy of a pendulum that starts level with its pivot, a load that symmetry makes vanish),
-// and is measured by that largest one (angles of round-off by one radian); rotation vectors stand for the rotation, and of the vectors for one rotation
+// and is measured by that largest one (energies also by the kinetic and strain energy of the run, angles of round-off by
+// one radian); rotation vectors stand for the rotation, and of the vectors for one rotation
 // the nearest is compared. Of a path, loads and recorded numbers at its special points count, on a branch without
 // their signs: the two sides of a symmetric bifurcation are mirror images, and round-off chooses.
 //

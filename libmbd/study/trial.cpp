@@ -80,6 +80,8 @@ class Finder : public Observer {
       findings_.at.push_back(at);
       findings_.rows.emplace_back();
       for (const std::size_t c : chosen_) findings_.rows.back().push_back(sample.row[c]);
+      const Energies energies = sample.model.system->energies(sample.state);
+      findings_.energy = std::max({findings_.energy, energies.kinetic, energies.strain});
     };
     if (scene_.transient) {
       found(sample.state.t);
@@ -257,7 +259,7 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
 
 // ---- text -----------------------------------------------------------------------------------------
 
-constexpr std::string_view heading = "mbd trial 1";
+constexpr std::string_view heading = "mbd trial 2";
 
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -306,12 +308,12 @@ std::string serialize(const Trial& trial) {
   std::string text = fmt::format(
       "{}\nstate {} {} {} {} {} {} {} {} {}\ncounters {} {} {} {} {} {} {} {} {} {}\nfailure "
       "{}\ncolumns {}\n"
-      "units {}\nrows {}\n",
+      "units {}\nenergy {}\nrows {}\n",
       heading, trial.complete ? 1 : 0, trial.stopped ? 1 : 0, trial.cpu_stepping, trial.cpu,
       trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers, c.steps,
       c.substeps, c.retries, c.rejected, c.tolerant, c.restarts, c.iterations, c.residuals,
       c.tangents, c.factorizations, one_line(trial.failure), fmt::join(trial.findings.columns, ","),
-      fmt::join(trial.findings.units, ","), trial.findings.at.size());
+      fmt::join(trial.findings.units, ","), trial.findings.energy, trial.findings.at.size());
   for (std::size_t k = 0; k < trial.findings.at.size(); ++k)
     text += fmt::format("{} {}\n", trial.findings.at[k], fmt::join(trial.findings.rows[k], " "));
   for (const BeamResolution& beam : trial.beams)
@@ -330,10 +332,12 @@ std::optional<Trial> deserialize(const std::string& text) {
   trial.failure = reader.line("failure");
   trial.findings.columns = reader.words("columns");
   trial.findings.units = reader.words("units");
-  const std::vector<double> rows = reader.numbers("rows");
+  const std::vector<double> energy = reader.numbers("energy"), rows = reader.numbers("rows");
   trial.findings.units.resize(
       trial.findings.columns.size());  // an empty one at the end is not written
-  if (state.size() != 9 || counted.size() != 10 || rows.size() != 1) return std::nullopt;
+  if (state.size() != 9 || counted.size() != 10 || energy.size() != 1 || rows.size() != 1)
+    return std::nullopt;
+  trial.findings.energy = energy[0];
   trial.complete = state[0] != 0.0;
   trial.stopped = state[1] != 0.0;
   trial.cpu_stepping = state[2];

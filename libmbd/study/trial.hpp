@@ -22,6 +22,8 @@ struct Findings {
   // its limit points, bifurcations and marks, by number 1, 2, ….
   std::vector<double> at;
   std::vector<std::vector<double>> rows;  // values, by place and column
+  // Largest kinetic or strain energy at these places [J]: what a total energy of zero is zero beside.
+  double energy = 0.0;
 };
 
 struct Trial {

@@ -70,6 +70,19 @@ TEST(Disagreement, OfWhatIsZeroIsMeasuredByTheLargestOfItsUnit) {
   EXPECT_NEAR(disagreement(make(0.02), make(0.01), 1e-3).rms, 1.0, 1e-12);
 }
 
+TEST(Disagreement, OfATotalEnergyThatIsZeroIsMeasuredByTheKineticOne) {
+  const auto make = [](double total) {
+    Findings f = findings_of({"all.total_energy"}, {"J"}, {{0.0}, {total}});
+    f.energy = 20.0;
+    return f;
+  };
+  const Disagreement d = disagreement(make(3e-6), make(-1e-6), 1e-4);
+  EXPECT_NEAR(d.rms, 2e-7 / std::sqrt(2.0), 1e-15);
+  EXPECT_EQ(d.as_zero, std::vector<std::string>{"all.total_energy"});
+  // What is above the accuracy is not zero.
+  EXPECT_NEAR(disagreement(make(2.0), make(1.0), 1e-4).rms, 1.0 / std::sqrt(2.0), 1e-12);
+}
+
 TEST(Disagreement, ComparesRotationsNotTheirVectors) {
   const double pi = std::numbers::pi;
   const auto make = [](double angle) {
@@ -130,6 +143,8 @@ TEST(Resolution, IsWrittenAndReadBack) {
   EXPECT_EQ(back->beams[0].coefficients, trial.beams[0].coefficients);
   EXPECT_EQ(back->beams[0].jump, trial.beams[0].jump);
   EXPECT_EQ(back->findings.rows, trial.findings.rows);
+  EXPECT_GT(trial.findings.energy, 0.0);
+  EXPECT_EQ(back->findings.energy, trial.findings.energy);
 }
 
 // ---- against what is known ---------------------------------------------------------------------
