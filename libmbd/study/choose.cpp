@@ -6,10 +6,8 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <map>
-#include <numbers>
 
-#include "libmbd/front/history.hpp"
+#include "libmbd/study/norm.hpp"
 
 namespace mbd {
 namespace {
@@ -30,61 +28,18 @@ constexpr int most_elements = 4000;
 constexpr double slow = 3.0;          // decay below which elements are doubled
 constexpr double much_jump = 0.3;     // of the strain
 constexpr int most_without_gain = 3;  // refinements in a row
-constexpr double zero_angle = 1e-8;   // [rad]
 constexpr double worth_a_look = 0.1;  // [s] of a run for which a cheaper method is tried
 
-struct Vector {
-  std::string name, unit;
-  std::vector<std::size_t> columns;
-  bool rotation = false;
-};
-
-std::vector<Vector> vectors_of(const Findings& findings, const std::vector<std::string>& names) {
-  History history;  // for its names of columns
-  history.file = "--accuracy";
-  history.columns.push_back({"at", ""});
-  for (std::size_t c = 0; c < findings.columns.size(); ++c)
-    history.columns.push_back({findings.columns[c], findings.units[c]});
-  std::vector<Vector> vectors;
-  for (const std::size_t column : choose_columns(history, names)) {
-    const std::string name(quantity_of(history.columns[column].name));
-    // Of a path, the load is found; how long the way there was depends on the number of nodes.
-    const bool recorded = name.find('.') != std::string::npos || name == "load_factor";
-    if (names.empty() && !recorded) continue;
-    auto found = std::find_if(vectors.begin(), vectors.end(),
-                              [&](const Vector& v) { return v.name == name; });
-    if (found == vectors.end()) {
-      vectors.push_back({name, history.columns[column].unit, {}, name.ends_with(".rotation")});
-      found = vectors.end() - 1;
-    }
-    found->columns.push_back(column - 1);
-  }
-  for (Vector& v : vectors) v.rotation = v.rotation && v.columns.size() == 3;
+std::vector<Components> vectors_of(const Findings& findings,
+                                   const std::vector<std::string>& names) {
+  std::vector<Components> vectors;
+  add_components(vectors, findings, names, "--accuracy");
+  // Of a path, the load is found; how long the way there was depends on the number of nodes.
+  if (names.empty())
+    std::erase_if(vectors, [](const Components& v) {
+      return v.name.find('.') == std::string::npos && v.name != "load_factor";
+    });
   return vectors;
-}
-
-// On which side a branch is followed is the sign of an eigenvector, which round-off decides; the sides of a
-// symmetric bifurcation are mirror images.
-std::optional<std::size_t> branch_column(const Findings& findings) {
-  const auto found = std::find(findings.columns.begin(), findings.columns.end(), "branch");
-  if (found == findings.columns.end()) return {};
-  return static_cast<std::size_t>(found - findings.columns.begin());
-}
-
-Eigen::VectorXd values(const Vector& vector, const std::vector<double>& row) {
-  Eigen::VectorXd x(static_cast<Index>(vector.columns.size()));
-  for (std::size_t i = 0; i < vector.columns.size(); ++i)
-    x(static_cast<Index>(i)) = row[vector.columns[i]];
-  return x;
-}
-
-double distance(const Vector& vector, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  double least = (a - b).norm();
-  const double angle = b.norm();
-  if (vector.rotation && angle > 0.0)
-    for (const double turn : {-2.0, 2.0})
-      least = std::min(least, (a - b * (1.0 + turn * std::numbers::pi / angle)).norm());
-  return least;
 }
 
 // The largest of 1, 2 and 5 times a power of ten not above it, to the last bit what a model would write.
@@ -499,39 +454,20 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
     result.rms = infinite;
     return result;
   }
-  const std::vector<Vector> vectors = vectors_of(better, quantities);
-  const std::optional<std::size_t> branch = branch_column(better);
-  std::vector<double> scales;
-  std::map<std::string, double> largest{{"J", better.energy}};  // by unit
-  for (const Vector& vector : vectors) {
-    double scale = 0.0;
-    for (const auto& row : better.rows) scale = std::max(scale, values(vector, row).norm());
-    scales.push_back(scale);
-    largest[vector.unit] = std::max(largest[vector.unit], scale);
-  }
-  for (std::size_t v = 0; v < vectors.size(); ++v) {
-    double scale = scales[v];
-    double peer = largest[vectors[v].unit];
-    // Angles have a size of their own: two whole turns are a rotation by round-off.
-    if (vectors[v].unit == "rad" && peer < zero_angle) peer = 1.0;
-    if (scale <= accuracy * peer && scale < peer) {
-      scale = peer;
-      result.as_zero.push_back(vectors[v].name);
-    }
-    if (!(scale > 0.0)) scale = 1.0;
+  for (const Components& vector : vectors_of(better, quantities)) {
+    const Scale scale = scale_of(vector, better, better.rows.size(), accuracy);
+    if (scale.is_zero) result.as_zero.push_back(vector.name);
     double sum = 0.0;
     std::optional<double> from;
     for (std::size_t k = 0; k < better.rows.size(); ++k) {
-      Eigen::VectorXd a = values(vectors[v], run.rows[k]), b = values(vectors[v], better.rows[k]);
-      if (branch && better.rows[k][*branch] != 0.0) a = a.cwiseAbs(), b = b.cwiseAbs();
-      const double d = distance(vectors[v], a, b) / scale;
+      const double d = distance(vector, run, k, better, k) / scale.value;
       sum += d * d;
       if (d > accuracy && !from) from = better.at[k];
     }
     const double rms = std::sqrt(sum / static_cast<double>(better.rows.size()));
     if (rms > result.rms || result.worst.empty()) {
       result.rms = rms;
-      result.worst = vectors[v].name;
+      result.worst = vector.name;
       result.from = from;
     }
   }

@@ -24,6 +24,8 @@ struct Findings {
   std::vector<std::vector<double>> rows;  // values, by place and column
   // Largest kinetic or strain energy at these places [J]: what a total energy of zero is zero beside.
   double energy = 0.0;
+  // Of a path: by place the number of the branch that it is on, 0 the one it begins on. None: it has no such places.
+  std::vector<int> branch = {};
 };
 
 struct Trial {

@@ -94,12 +94,15 @@ TEST(Disagreement, ComparesRotationsNotTheirVectors) {
 }
 
 TEST(Disagreement, OfAPathLeavesOutHowItWasFollowed) {
-  const auto make = [](double length, double y, double branch) {
-    return findings_of({"load_factor", "arc_length", "branch", "P.displacement.2"},
-                       {"", "", "", "m"}, {{1.0, length, branch, y}});
+  const auto make = [](double length, double y, int branch) {
+    Findings f = findings_of({"load_factor", "arc_length", "P.displacement.2"}, {"", "", "m"},
+                             {{1.0, length, y}});
+    f.branch = {branch};
+    return f;
   };
-  EXPECT_EQ(disagreement(make(3.0, 0.5, 1.0), make(4.0, -0.5, 1.0), 1e-3).rms, 0.0);
-  EXPECT_EQ(disagreement(make(3.0, 0.5, 0.0), make(3.0, -0.5, 0.0), 1e-3).rms, 2.0);
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 1), make(4.0, -0.5, 1), 1e-3).rms, 0.0);
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 0), make(3.0, -0.5, 0), 1e-3).rms, 2.0);
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 1), make(3.0, -0.5, 0), 1e-3).rms, 2.0);
 }
 
 TEST(Disagreement, OfRunsThatCannotBeComparedIsInfinite) {
