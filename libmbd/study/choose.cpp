@@ -21,7 +21,9 @@ constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
 constexpr double patience = 20.0;  // wall over CPU time: on a busy machine the choice is the same
 constexpr double finest_step = 1.0 / 4096;     // part of the model's own
 constexpr double part_of_first_run = 1.0 / 6;  // of the limit: for one run with a tolerance, and
-constexpr double dear = 30.0;                  // as much as the model's own run
+constexpr double dear = 100.0;                 // as much as the model's own run
+constexpr double most_at_once = 8.0;           // smaller steps
+constexpr double to_believe = 2.5;  // times the cost of a run: of one with a finer mesh too
 constexpr int first_order = 3, highest_order = 8;
 constexpr int usual_highest = 6;  // of a transient: above, more elements cost less
 constexpr int most_elements = 4000;
@@ -57,6 +59,7 @@ double rounded_down(double value) {
 struct Enough {
   std::string reason;
   bool lost = false;  // differences do not fall: none of them says how large the error is
+  bool late = false;  // the limit is reached
 };
 
 class Chooser {
@@ -72,6 +75,7 @@ class Chooser {
     } catch (const Enough& enough) {
       choice_.reason = enough.reason;
       lost_ = enough.lost;
+      if (enough.late) believe_kept();
     }
     finish();
     return std::move(choice_);
@@ -86,6 +90,10 @@ class Chooser {
   struct Mesh {
     int order = 0, elements = 0;  // 0: no beams
     bool operator==(const Mesh&) const = default;
+  };
+  struct Kept {
+    Mesh mesh;
+    double knob = 0.0, rest = 0.0;
   };
   struct Measured {
     double knob = 0.0, error = 0.0;
@@ -117,10 +125,10 @@ class Chooser {
   const Known& get(const Setting& setting, double limit = infinite) {
     for (const Known& known : known_)
       if (known.setting == setting) return known;
-    const double left = options_.limit - choice_.cpu;
+    const double left = options_.limit - choice_.cpu - (choice_.error ? 0.0 : reserve_);
     const std::string out_of_time =
         fmt::format("the limit of {:g} s of CPU time for choosing is reached", options_.limit);
-    if (!(left > 0.0)) throw Enough{out_of_time};
+    if (!(left > 0.0)) throw Enough{.reason = out_of_time, .late = true};
     Pilot pilot;
     pilot.setting = setting;
     pilot.text = to_text(scene_, setting);
@@ -139,7 +147,8 @@ class Chooser {
     choice_.cpu += pilot.cpu;
     choice_.pilots.push_back(std::move(pilot));
     known_.push_back(std::move(known));
-    if (known_.back().trial.stopped && limit >= left) throw Enough{out_of_time};
+    if (known_.back().trial.stopped && limit >= left)
+      throw Enough{.reason = out_of_time, .late = true};
     return known_.back();
   }
 
@@ -165,6 +174,17 @@ class Chooser {
       as_zero_ = d.as_zero;
     }
     return error;
+  }
+
+  // Where the limit was reached before anything was believed: the best run in time against one finer in all.
+  void believe_kept() {
+    if (choice_.error || !kept_) return;
+    reserve_ = 0.0;
+    try {
+      const Known& run = get(setting(kept_->mesh, kept_->knob));
+      believe(run, get(setting(finer(kept_->mesh), better(kept_->knob))), kept_->rest);
+    } catch (const Enough&) {  // nothing is believed
+    }
   }
 
   // ---- time -----------------------------------------------------------------------------------
@@ -201,6 +221,10 @@ class Chooser {
       if (in_time_ <= target) return;
       if (measured.size() >= 2) {
         const bool gain = !(d.rms > 0.5 * measured[measured.size() - 2].error);
+        if (gain && flexible() && std::isfinite(d.rms)) {
+          kept_ = Kept{mesh, tolerance_, std::max(0.2, rest_of(power))};
+          reserve_ = std::min(to_believe * finer_run.trial.cpu, 0.4 * options_.limit);
+        }
         without_gain = gain || !std::isfinite(d.rms) ? 0 : without_gain + 1;
       }
       if (without_gain >= most_without_gain)
@@ -218,7 +242,8 @@ class Chooser {
                (refinement() * refinement());  // past the plateau, if there is an end of it
       } else if (std::isfinite(d.rms)) {
         next = tolerance_ * std::pow(aimed * target / in_time_, 1.0 / power);
-        next = std::clamp(next, tolerance_ * 1e-4, tolerance_ * 0.5);
+        next =
+            std::clamp(next, tolerance_ * (fixed_ ? 1.0 / most_at_once : 1e-4), tolerance_ * 0.5);
         // A run that exists already is worth more than one a little cheaper.
         if (next > tolerance_ / refinement() && next < 2.5 * tolerance_ / refinement())
           next = tolerance_ / refinement();
@@ -440,6 +465,9 @@ class Chooser {
   bool fixed_ = false;       // fractions of the model's own step, in place of tolerances
   double tolerance_ = 0.0;   // or that fraction
   double in_time_ = 0.0;
+  // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].
+  std::optional<Kept> kept_;
+  double reserve_ = 0.0;
   bool lost_ = false;
   std::optional<double> differs_from_;
   std::vector<std::string> as_zero_;
