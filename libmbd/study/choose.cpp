@@ -16,7 +16,11 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Parts of the accuracy that each kind of error is made to keep. Together below 1: estimates scatter.
 constexpr double part_of_time = 0.4, part_alone = 0.7;
-constexpr double aimed = 0.5;  // of a part, when a knob is turned
+constexpr double loose = 30.0,
+                 loose_most =
+                     3e-4;  // of time, while the mesh is settled: times the accuracy, at most
+constexpr double loose_tolerance = 1e-4;  // the first of beams
+constexpr double aimed = 0.5;             // of a part, when a knob is turned
 constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
 constexpr double patience = 20.0;  // wall over CPU time: on a busy machine the choice is the same
 constexpr double finest_step = 1.0 / 4096;     // part of the model's own
@@ -340,8 +344,12 @@ class Chooser {
     }
     const int own = *setting_of(scene_).elements;
     std::vector<std::pair<Mesh, double>> measured;
-    if (moving()) choose_steps(mesh);
-    if (moving()) settle_time(mesh, part_of_time * accuracy);
+    // Time is made as fine as it must be on the mesh that stays: coarser runs find that one.
+    if (moving()) {
+      tolerance_ = std::max(tolerance_, loose_tolerance);
+      choose_steps(mesh);
+      settle_time(mesh, std::max(part_of_time * accuracy, std::min(loose * accuracy, loose_most)));
+    }
     for (int without_gain = 0;;) {
       const Known& run = get(setting(mesh, tolerance_));
       // A mesh too coarse to be bent so far.
