@@ -68,10 +68,13 @@ struct Row {
   bool below_reference = false;
 };
 
-// The scene's setting with knobs finer than the finest of the choices.
+// The scene's setting with knobs finer than the finest of the choices that claim something, or of all if none does.
 Setting reference_setting(const Scene& scene, const std::vector<Row>& rows, bool modest) {
   Setting finest;
+  const bool claims =
+      std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.choice.met; });
   for (const Row& row : rows) {
+    if (claims && !row.choice.met) continue;
     const Setting own = setting_of(with(scene, row.choice.setting));
     if (!scene.beams.empty()) {
       finest.order = std::max(finest.order.value_or(0), own.order.value_or(3));
