@@ -16,9 +16,6 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Parts of the accuracy that each kind of error is made to keep. Together below 1: estimates scatter.
 constexpr double part_of_time = 0.4, part_alone = 0.7;
-constexpr double loose = 30.0,
-                 loose_most =
-                     3e-4;  // of time, while the mesh is settled: times the accuracy, at most
 constexpr double loose_tolerance = 1e-4;  // the first of beams
 constexpr double aimed = 0.5;             // of a part, when a knob is turned
 constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
@@ -344,11 +341,11 @@ class Chooser {
     }
     const int own = *setting_of(scene_).elements;
     std::vector<std::pair<Mesh, double>> measured;
-    // Time is made as fine as it must be on the mesh that stays: coarser runs find that one.
+    // Where waves ring, a smaller tolerance than is needed costs far more than the runs that tell it is not.
     if (moving()) {
       tolerance_ = std::max(tolerance_, loose_tolerance);
       choose_steps(mesh);
-      settle_time(mesh, std::max(part_of_time * accuracy, std::min(loose * accuracy, loose_most)));
+      settle_time(mesh, part_of_time * accuracy);
     }
     for (int without_gain = 0;;) {
       const Known& run = get(setting(mesh, tolerance_));
