@@ -9,7 +9,6 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <sstream>
 #include <thread>
@@ -66,24 +65,6 @@ std::uint64_t hash(const std::string& text) {  // FNV-1a
 
 // ---- norms ------------------------------------------------------------------------------------------
 
-double length_of(const Findings& a, std::size_t row, const Quantity& quantity) {
-  double sum = 0.0;
-  for (const std::size_t c : quantity.columns) sum += a.rows[row][c] * a.rows[row][c];
-  return std::sqrt(sum);
-}
-
-// Rotation vectors stand for the same rotation on the other branch, a turn away; near half a turn two good runs may be on
-// different ones.
-bool is_rotation(const Quantity& quantity) {
-  return quantity.columns.size() == 3 && quantity.name.ends_with(".rotation");
-}
-
-double rotation_distance(const Vec3& a, const Vec3& b) {
-  const double direct = (a - b).norm(), angle = a.norm();
-  if (!(angle > 1.0)) return direct;
-  return std::min(direct, (a * (1.0 - 2.0 * std::numbers::pi / angle) - b).norm());
-}
-
 // |a - b| of a quantity by place of b, in its unit; not_known where a has no such place.
 std::vector<double> differences(const Findings& a, const Findings& b, const Quantity& quantity) {
   std::vector<double> all(b.at.size(), not_known);
@@ -93,19 +74,7 @@ std::vector<double> differences(const Findings& a, const Findings& b, const Quan
     while (i < a.at.size() && a.at[i] < b.at[k] - slack) ++i;
     if (i == a.at.size()) break;
     if (std::abs(a.at[i] - b.at[k]) > slack) continue;
-    if (is_rotation(quantity)) {
-      const auto vector = [&](const std::vector<double>& row) {
-        return Vec3(row[quantity.columns[0]], row[quantity.columns[1]], row[quantity.columns[2]]);
-      };
-      all[k] = rotation_distance(vector(a.rows[i]), vector(b.rows[k]));
-      continue;
-    }
-    double sum = 0.0;
-    for (const std::size_t c : quantity.columns) {
-      const double d = a.rows[i][c] - b.rows[k][c];
-      sum += d * d;
-    }
-    all[k] = std::sqrt(sum);
+    all[k] = distance(quantity, a, i, b, k);
   }
   return all;
 }
@@ -119,15 +88,9 @@ std::size_t places_until(const Findings& truth, double until) {
 }
 
 void set_scale(Quantity& quantity, const Findings& truth) {
-  double own = 0.0, of_unit = 0.0;
-  for (std::size_t k = 0; k < places_until(truth, quantity.until); ++k) {
-    own = std::max(own, length_of(truth, k, quantity));
-    for (std::size_t c = 0; c < truth.columns.size(); ++c)
-      if (truth.units[c] == quantity.unit) of_unit = std::max(of_unit, std::abs(truth.rows[k][c]));
-  }
-  quantity.is_zero = own <= zero * of_unit;
-  const double scale = quantity.is_zero ? of_unit : own;
-  quantity.scale = scale > 0.0 ? scale : 1.0;
+  const Scale scale = scale_of(quantity, truth, places_until(truth, quantity.until), zero);
+  quantity.scale = scale.value;
+  quantity.is_zero = scale.is_zero;
 }
 
 QuantityError error_of(const Findings& found, const Findings& truth, const Quantity& quantity) {
@@ -150,36 +113,11 @@ QuantityError error_of(const Findings& found, const Findings& truth, const Quant
 
 // ---- quantities -------------------------------------------------------------------------------------
 
-// The names as a History has them, for its choice of columns.
-History as_history(const Findings& findings, const std::string& file) {
-  History history;
-  history.file = file;
-  history.columns.push_back({"", ""});
-  for (std::size_t c = 0; c < findings.columns.size(); ++c)
-    history.columns.push_back({findings.columns[c], findings.units[c]});
-  return history;
-}
-
-std::vector<Quantity> quantities_of(const Scene& scene, const Findings& findings,
-                                    std::vector<std::string> names) {
-  const History history = as_history(findings, scene.file);
-  std::vector<Quantity> all;
+std::vector<Components> quantities_of(const Scene& scene, const Findings& findings,
+                                      std::vector<std::string> names) {
+  std::vector<Components> all;
   const auto add = [&](const std::string& name, bool by_component) {
-    for (const std::size_t column : choose_columns(history, std::span(&name, 1))) {
-      const std::string& full = findings.columns[column - 1];
-      const std::string group(by_component ? std::string_view(full) : quantity_of(full));
-      auto found = std::find_if(all.begin(), all.end(),
-                                [&](const Quantity& quantity) { return quantity.name == group; });
-      if (found == all.end()) {
-        all.push_back({});
-        found = all.end() - 1;
-        found->name = group;
-        found->unit = findings.units[column - 1];
-      }
-      if (std::find(found->columns.begin(), found->columns.end(), column - 1) ==
-          found->columns.end())
-        found->columns.push_back(column - 1);
-    }
+    add_components(all, findings, std::span(&name, 1), scene.file, by_component);
   };
   if (!names.empty()) {
     for (const std::string& name : names) {
@@ -387,6 +325,7 @@ bool is_usable(const Scene& scene, const Trial& trial) {
 void cut(Findings& findings, double end) {
   const std::size_t n = places_until(findings, end);
   findings.at.resize(n);
+  if (!findings.branch.empty()) findings.branch.resize(n);
   findings.rows.resize(n);
 }
 
@@ -489,6 +428,7 @@ void read_reference(AccuracyStudy& study, const Scene& scene, const Findings& ow
   const History file = read_history(path);
   study.truth.columns = own.columns;
   study.truth.units = own.units;
+  study.truth.energy = own.energy;
   std::vector<std::size_t> columns(own.columns.size(), 0);
   for (const Quantity& quantity : study.quantities)
     for (const std::size_t c : quantity.columns) {
@@ -811,7 +751,10 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
     if (trials.interrupted()) throw Error("interrupted before the first run was done");
     throw Error(fmt::format("the model does not run with its own settings: {}", own.failure));
   }
-  study.quantities = quantities_of(scene, own.findings, options.quantities);
+  for (Components& components : quantities_of(scene, own.findings, options.quantities)) {
+    study.quantities.emplace_back();
+    static_cast<Components&>(study.quantities.back()) = std::move(components);
+  }
   if (study.quantities.empty())
     throw Error(scene.source,
                 "the model records nothing whose error could be measured; give it a <record>");
@@ -828,8 +771,8 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
     if (quantity.is_zero && quantity.until > 0.0)
       study.notes.push_back(fmt::format(
           "{} is zero but for round-off: its errors are relative to the largest number in its "
-          "unit that the model records",
-          quantity.name));
+          "unit that the model records{}",
+          quantity.name, quantity.unit == "J" ? ", or kinetic or strain energy" : ""));
   study.places = study.truth.at.size();
   study.end = study.truth.at.back();
 

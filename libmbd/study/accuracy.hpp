@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "libmbd/study/norm.hpp"
 #include "libmbd/study/setting.hpp"
 #include "libmbd/study/trial.hpp"
 
@@ -16,12 +17,9 @@ namespace mbd {
 // Some components, one vector, whose error is measured. Norms of errors: |d| is the Euclidean length of the difference
 // of the components at one place; `rms` is the root of the mean of |d|^2 over all places up to `until`, each with
 // weight 1, `largest` the largest |d|; both are divided by `scale`.
-struct Quantity {
-  std::string name;                  // "C.displacement", "C.displacement.3"
-  std::string unit;                  // of the columns
-  std::vector<std::size_t> columns;  // of Findings
+struct Quantity : Components {
   // Largest length of the reference's vector up to `until`. Where that is round-off beside other columns of its unit, the
-  // largest of those; 1 if all are zero.
+  // largest of those, of energies also Findings::energy; 1 if all are zero.
   double scale = 0.0;
   // Of the reference itself: the difference of the two ways to it, and a tenth of what the last refinement changed if that
   // is more.

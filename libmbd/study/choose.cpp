@@ -6,10 +6,8 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <map>
-#include <numbers>
 
-#include "libmbd/front/history.hpp"
+#include "libmbd/study/norm.hpp"
 
 namespace mbd {
 namespace {
@@ -18,73 +16,33 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Parts of the accuracy that each kind of error is made to keep. Together below 1: estimates scatter.
 constexpr double part_of_time = 0.4, part_alone = 0.7;
-constexpr double aimed = 0.5;  // of a part, when a knob is turned
+constexpr double loose_tolerance = 1e-4;  // the first of beams
+constexpr double aimed = 0.5;             // of a part, when a knob is turned
 constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
 constexpr double patience = 20.0;  // wall over CPU time: on a busy machine the choice is the same
 constexpr double finest_step = 1.0 / 4096;     // part of the model's own
 constexpr double part_of_first_run = 1.0 / 6;  // of the limit: for one run with a tolerance, and
-constexpr double dear = 30.0;                  // as much as the model's own run
+constexpr double dear = 100.0;                 // as much as the model's own run
+constexpr double most_at_once = 8.0;           // smaller steps
+constexpr double to_believe = 2.5;  // times the cost of a run: of one with a finer mesh too
 constexpr int first_order = 3, highest_order = 8;
 constexpr int usual_highest = 6;  // of a transient: above, more elements cost less
 constexpr int most_elements = 4000;
 constexpr double slow = 3.0;          // decay below which elements are doubled
 constexpr double much_jump = 0.3;     // of the strain
 constexpr int most_without_gain = 3;  // refinements in a row
-constexpr double zero_angle = 1e-8;   // [rad]
 constexpr double worth_a_look = 0.1;  // [s] of a run for which a cheaper method is tried
 
-struct Vector {
-  std::string name, unit;
-  std::vector<std::size_t> columns;
-  bool rotation = false;
-};
-
-std::vector<Vector> vectors_of(const Findings& findings, const std::vector<std::string>& names) {
-  History history;  // for its names of columns
-  history.file = "--accuracy";
-  history.columns.push_back({"at", ""});
-  for (std::size_t c = 0; c < findings.columns.size(); ++c)
-    history.columns.push_back({findings.columns[c], findings.units[c]});
-  std::vector<Vector> vectors;
-  for (const std::size_t column : choose_columns(history, names)) {
-    const std::string name(quantity_of(history.columns[column].name));
-    // Of a path, the load is found; how long the way there was depends on the number of nodes.
-    const bool recorded = name.find('.') != std::string::npos || name == "load_factor";
-    if (names.empty() && !recorded) continue;
-    auto found = std::find_if(vectors.begin(), vectors.end(),
-                              [&](const Vector& v) { return v.name == name; });
-    if (found == vectors.end()) {
-      vectors.push_back({name, history.columns[column].unit, {}, name.ends_with(".rotation")});
-      found = vectors.end() - 1;
-    }
-    found->columns.push_back(column - 1);
-  }
-  for (Vector& v : vectors) v.rotation = v.rotation && v.columns.size() == 3;
+std::vector<Components> vectors_of(const Findings& findings,
+                                   const std::vector<std::string>& names) {
+  std::vector<Components> vectors;
+  add_components(vectors, findings, names, "--accuracy");
+  // Of a path, the load is found; how long the way there was depends on the number of nodes.
+  if (names.empty())
+    std::erase_if(vectors, [](const Components& v) {
+      return v.name.find('.') == std::string::npos && v.name != "load_factor";
+    });
   return vectors;
-}
-
-// On which side a branch is followed is the sign of an eigenvector, which round-off decides; the sides of a
-// symmetric bifurcation are mirror images.
-std::optional<std::size_t> branch_column(const Findings& findings) {
-  const auto found = std::find(findings.columns.begin(), findings.columns.end(), "branch");
-  if (found == findings.columns.end()) return {};
-  return static_cast<std::size_t>(found - findings.columns.begin());
-}
-
-Eigen::VectorXd values(const Vector& vector, const std::vector<double>& row) {
-  Eigen::VectorXd x(static_cast<Index>(vector.columns.size()));
-  for (std::size_t i = 0; i < vector.columns.size(); ++i)
-    x(static_cast<Index>(i)) = row[vector.columns[i]];
-  return x;
-}
-
-double distance(const Vector& vector, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  double least = (a - b).norm();
-  const double angle = b.norm();
-  if (vector.rotation && angle > 0.0)
-    for (const double turn : {-2.0, 2.0})
-      least = std::min(least, (a - b * (1.0 + turn * std::numbers::pi / angle)).norm());
-  return least;
 }
 
 // The largest of 1, 2 and 5 times a power of ten not above it, to the last bit what a model would write.
@@ -102,6 +60,7 @@ double rounded_down(double value) {
 struct Enough {
   std::string reason;
   bool lost = false;  // differences do not fall: none of them says how large the error is
+  bool late = false;  // the limit is reached
 };
 
 class Chooser {
@@ -117,6 +76,7 @@ class Chooser {
     } catch (const Enough& enough) {
       choice_.reason = enough.reason;
       lost_ = enough.lost;
+      if (enough.late) believe_kept();
     }
     finish();
     return std::move(choice_);
@@ -131,6 +91,10 @@ class Chooser {
   struct Mesh {
     int order = 0, elements = 0;  // 0: no beams
     bool operator==(const Mesh&) const = default;
+  };
+  struct Kept {
+    Mesh mesh;
+    double knob = 0.0, rest = 0.0;
   };
   struct Measured {
     double knob = 0.0, error = 0.0;
@@ -162,10 +126,10 @@ class Chooser {
   const Known& get(const Setting& setting, double limit = infinite) {
     for (const Known& known : known_)
       if (known.setting == setting) return known;
-    const double left = options_.limit - choice_.cpu;
+    const double left = options_.limit - choice_.cpu - (choice_.error ? 0.0 : reserve_);
     const std::string out_of_time =
         fmt::format("the limit of {:g} s of CPU time for choosing is reached", options_.limit);
-    if (!(left > 0.0)) throw Enough{out_of_time};
+    if (!(left > 0.0)) throw Enough{.reason = out_of_time, .late = true};
     Pilot pilot;
     pilot.setting = setting;
     pilot.text = to_text(scene_, setting);
@@ -184,7 +148,8 @@ class Chooser {
     choice_.cpu += pilot.cpu;
     choice_.pilots.push_back(std::move(pilot));
     known_.push_back(std::move(known));
-    if (known_.back().trial.stopped && limit >= left) throw Enough{out_of_time};
+    if (known_.back().trial.stopped && limit >= left)
+      throw Enough{.reason = out_of_time, .late = true};
     return known_.back();
   }
 
@@ -210,6 +175,17 @@ class Chooser {
       as_zero_ = d.as_zero;
     }
     return error;
+  }
+
+  // Where the limit was reached before anything was believed: the best run in time against one finer in all.
+  void believe_kept() {
+    if (choice_.error || !kept_) return;
+    reserve_ = 0.0;
+    try {
+      const Known& run = get(setting(kept_->mesh, kept_->knob));
+      believe(run, get(setting(finer(kept_->mesh), better(kept_->knob))), kept_->rest);
+    } catch (const Enough&) {  // nothing is believed
+    }
   }
 
   // ---- time -----------------------------------------------------------------------------------
@@ -246,6 +222,10 @@ class Chooser {
       if (in_time_ <= target) return;
       if (measured.size() >= 2) {
         const bool gain = !(d.rms > 0.5 * measured[measured.size() - 2].error);
+        if (gain && flexible() && std::isfinite(d.rms)) {
+          kept_ = Kept{mesh, tolerance_, std::max(0.2, rest_of(power))};
+          reserve_ = std::min(to_believe * finer_run.trial.cpu, 0.4 * options_.limit);
+        }
         without_gain = gain || !std::isfinite(d.rms) ? 0 : without_gain + 1;
       }
       if (without_gain >= most_without_gain)
@@ -263,7 +243,8 @@ class Chooser {
                (refinement() * refinement());  // past the plateau, if there is an end of it
       } else if (std::isfinite(d.rms)) {
         next = tolerance_ * std::pow(aimed * target / in_time_, 1.0 / power);
-        next = std::clamp(next, tolerance_ * 1e-4, tolerance_ * 0.5);
+        next =
+            std::clamp(next, tolerance_ * (fixed_ ? 1.0 / most_at_once : 1e-4), tolerance_ * 0.5);
         // A run that exists already is worth more than one a little cheaper.
         if (next > tolerance_ / refinement() && next < 2.5 * tolerance_ / refinement())
           next = tolerance_ / refinement();
@@ -360,8 +341,12 @@ class Chooser {
     }
     const int own = *setting_of(scene_).elements;
     std::vector<std::pair<Mesh, double>> measured;
-    if (moving()) choose_steps(mesh);
-    if (moving()) settle_time(mesh, part_of_time * accuracy);
+    // Where waves ring, a smaller tolerance than is needed costs far more than the runs that tell it is not.
+    if (moving()) {
+      tolerance_ = std::max(tolerance_, loose_tolerance);
+      choose_steps(mesh);
+      settle_time(mesh, part_of_time * accuracy);
+    }
     for (int without_gain = 0;;) {
       const Known& run = get(setting(mesh, tolerance_));
       // A mesh too coarse to be bent so far.
@@ -485,6 +470,9 @@ class Chooser {
   bool fixed_ = false;       // fractions of the model's own step, in place of tolerances
   double tolerance_ = 0.0;   // or that fraction
   double in_time_ = 0.0;
+  // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].
+  std::optional<Kept> kept_;
+  double reserve_ = 0.0;
   bool lost_ = false;
   std::optional<double> differs_from_;
   std::vector<std::string> as_zero_;
@@ -499,39 +487,20 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
     result.rms = infinite;
     return result;
   }
-  const std::vector<Vector> vectors = vectors_of(better, quantities);
-  const std::optional<std::size_t> branch = branch_column(better);
-  std::vector<double> scales;
-  std::map<std::string, double> largest;  // by unit
-  for (const Vector& vector : vectors) {
-    double scale = 0.0;
-    for (const auto& row : better.rows) scale = std::max(scale, values(vector, row).norm());
-    scales.push_back(scale);
-    largest[vector.unit] = std::max(largest[vector.unit], scale);
-  }
-  for (std::size_t v = 0; v < vectors.size(); ++v) {
-    double scale = scales[v];
-    double peer = largest[vectors[v].unit];
-    // Angles have a size of their own: two whole turns are a rotation by round-off.
-    if (vectors[v].unit == "rad" && peer < zero_angle) peer = 1.0;
-    if (scale <= accuracy * peer && scale < peer) {
-      scale = peer;
-      result.as_zero.push_back(vectors[v].name);
-    }
-    if (!(scale > 0.0)) scale = 1.0;
+  for (const Components& vector : vectors_of(better, quantities)) {
+    const Scale scale = scale_of(vector, better, better.rows.size(), accuracy);
+    if (scale.is_zero) result.as_zero.push_back(vector.name);
     double sum = 0.0;
     std::optional<double> from;
     for (std::size_t k = 0; k < better.rows.size(); ++k) {
-      Eigen::VectorXd a = values(vectors[v], run.rows[k]), b = values(vectors[v], better.rows[k]);
-      if (branch && better.rows[k][*branch] != 0.0) a = a.cwiseAbs(), b = b.cwiseAbs();
-      const double d = distance(vectors[v], a, b) / scale;
+      const double d = distance(vector, run, k, better, k) / scale.value;
       sum += d * d;
       if (d > accuracy && !from) from = better.at[k];
     }
     const double rms = std::sqrt(sum / static_cast<double>(better.rows.size()));
     if (rms > result.rms || result.worst.empty()) {
       result.rms = rms;
-      result.worst = vectors[v].name;
+      result.worst = vector.name;
       result.from = from;
     }
   }

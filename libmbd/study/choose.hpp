@@ -1,12 +1,9 @@
 // A run that chooses its own settings for an accuracy of its recorded quantities.
 //
 // Error: of each quantity the rms over the places of Findings of the length of the difference of its vector, over the
-// largest length of it in the run (Quantity in accuracy.hpp); that of a run is its worst quantity's. Two things that a
-// difference of numbers would get wrong: a quantity that is not above `accuracy` times the largest of its unit is zero
-// within what is asked (the energy of a pendulum that starts level with its pivot, a load that symmetry makes vanish),
-// and is measured by that largest one (angles of round-off by one radian); rotation vectors stand for the rotation, and of the vectors for one rotation
-// the nearest is compared. Of a path, loads and recorded numbers at its special points count, on a branch without
-// their signs: the two sides of a symmetric bifurcation are mirror images, and round-off chooses.
+// largest length of it in the run; that of a run is its worst quantity's. What is not above `accuracy` times others of
+// its unit is zero within what is asked, and is measured by those; that, rotations and branches: norm.hpp. Of a path,
+// loads and recorded numbers at its special points count.
 //
 // What is believed is a difference, never a formula: a run and one with all its knobs finer (a tenth of the
 // tolerance, one order more, and of one element two). The finer run's own error, by the rate at which earlier

@@ -70,6 +70,7 @@ class Finder : public Observer {
     if (findings_.columns.empty()) {
       const std::vector<Column> all = columns(sample.model);
       for (std::size_t c = 0; c < all.size(); ++c) {
+        if (scene_.path && all[c].name == "branch") branch_ = c;
         if (scene_.path ? says_where(all[c].name) : c == 0) continue;
         findings_.columns.push_back(all[c].name);
         findings_.units.push_back(all[c].unit);
@@ -80,6 +81,9 @@ class Finder : public Observer {
       findings_.at.push_back(at);
       findings_.rows.emplace_back();
       for (const std::size_t c : chosen_) findings_.rows.back().push_back(sample.row[c]);
+      if (branch_) findings_.branch.push_back(static_cast<int>(sample.row[*branch_]));
+      const Energies energies = sample.model.system->energies(sample.state);
+      findings_.energy = std::max({findings_.energy, energies.kinetic, energies.strain});
     };
     if (scene_.transient) {
       found(sample.state.t);
@@ -103,6 +107,7 @@ class Finder : public Observer {
   const Scene& scene_;
   Findings& findings_;
   std::vector<std::size_t> chosen_;  // columns
+  std::optional<std::size_t> branch_;
   const Deadline& deadline_;
   ResolutionMeter* meter_;
 };
@@ -257,7 +262,7 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
 
 // ---- text -----------------------------------------------------------------------------------------
 
-constexpr std::string_view heading = "mbd trial 1";
+constexpr std::string_view heading = "mbd trial 2";
 
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -306,12 +311,13 @@ std::string serialize(const Trial& trial) {
   std::string text = fmt::format(
       "{}\nstate {} {} {} {} {} {} {} {} {}\ncounters {} {} {} {} {} {} {} {} {} {}\nfailure "
       "{}\ncolumns {}\n"
-      "units {}\nrows {}\n",
+      "units {}\nenergy {}\nbranch {}\nrows {}\n",
       heading, trial.complete ? 1 : 0, trial.stopped ? 1 : 0, trial.cpu_stepping, trial.cpu,
       trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers, c.steps,
       c.substeps, c.retries, c.rejected, c.tolerant, c.restarts, c.iterations, c.residuals,
       c.tangents, c.factorizations, one_line(trial.failure), fmt::join(trial.findings.columns, ","),
-      fmt::join(trial.findings.units, ","), trial.findings.at.size());
+      fmt::join(trial.findings.units, ","), trial.findings.energy,
+      fmt::join(trial.findings.branch, " "), trial.findings.at.size());
   for (std::size_t k = 0; k < trial.findings.at.size(); ++k)
     text += fmt::format("{} {}\n", trial.findings.at[k], fmt::join(trial.findings.rows[k], " "));
   for (const BeamResolution& beam : trial.beams)
@@ -330,10 +336,14 @@ std::optional<Trial> deserialize(const std::string& text) {
   trial.failure = reader.line("failure");
   trial.findings.columns = reader.words("columns");
   trial.findings.units = reader.words("units");
-  const std::vector<double> rows = reader.numbers("rows");
+  const std::vector<double> energy = reader.numbers("energy"), branch = reader.numbers("branch"),
+                            rows = reader.numbers("rows");
   trial.findings.units.resize(
       trial.findings.columns.size());  // an empty one at the end is not written
-  if (state.size() != 9 || counted.size() != 10 || rows.size() != 1) return std::nullopt;
+  if (state.size() != 9 || counted.size() != 10 || energy.size() != 1 || rows.size() != 1)
+    return std::nullopt;
+  trial.findings.energy = energy[0];
+  for (const double number : branch) trial.findings.branch.push_back(static_cast<int>(number));
   trial.complete = state[0] != 0.0;
   trial.stopped = state[1] != 0.0;
   trial.cpu_stepping = state[2];

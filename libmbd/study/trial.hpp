@@ -22,6 +22,10 @@ struct Findings {
   // its limit points, bifurcations and marks, by number 1, 2, ….
   std::vector<double> at;
   std::vector<std::vector<double>> rows;  // values, by place and column
+  // Largest kinetic or strain energy at these places [J]: what a total energy of zero is zero beside.
+  double energy = 0.0;
+  // Of a path: by place the number of the branch that it is on, 0 the one it begins on. None: it has no such places.
+  std::vector<int> branch = {};
 };
 
 struct Trial {

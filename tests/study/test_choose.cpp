@@ -70,6 +70,19 @@ TEST(Disagreement, OfWhatIsZeroIsMeasuredByTheLargestOfItsUnit) {
   EXPECT_NEAR(disagreement(make(0.02), make(0.01), 1e-3).rms, 1.0, 1e-12);
 }
 
+TEST(Disagreement, OfATotalEnergyThatIsZeroIsMeasuredByTheKineticOne) {
+  const auto make = [](double total) {
+    Findings f = findings_of({"all.total_energy"}, {"J"}, {{0.0}, {total}});
+    f.energy = 20.0;
+    return f;
+  };
+  const Disagreement d = disagreement(make(3e-6), make(-1e-6), 1e-4);
+  EXPECT_NEAR(d.rms, 2e-7 / std::sqrt(2.0), 1e-15);
+  EXPECT_EQ(d.as_zero, std::vector<std::string>{"all.total_energy"});
+  // What is above the accuracy is not zero.
+  EXPECT_NEAR(disagreement(make(2.0), make(1.0), 1e-4).rms, 1.0 / std::sqrt(2.0), 1e-12);
+}
+
 TEST(Disagreement, ComparesRotationsNotTheirVectors) {
   const double pi = std::numbers::pi;
   const auto make = [](double angle) {
@@ -81,12 +94,15 @@ TEST(Disagreement, ComparesRotationsNotTheirVectors) {
 }
 
 TEST(Disagreement, OfAPathLeavesOutHowItWasFollowed) {
-  const auto make = [](double length, double y, double branch) {
-    return findings_of({"load_factor", "arc_length", "branch", "P.displacement.2"},
-                       {"", "", "", "m"}, {{1.0, length, branch, y}});
+  const auto make = [](double length, double y, int branch) {
+    Findings f = findings_of({"load_factor", "arc_length", "P.displacement.2"}, {"", "", "m"},
+                             {{1.0, length, y}});
+    f.branch = {branch};
+    return f;
   };
-  EXPECT_EQ(disagreement(make(3.0, 0.5, 1.0), make(4.0, -0.5, 1.0), 1e-3).rms, 0.0);
-  EXPECT_EQ(disagreement(make(3.0, 0.5, 0.0), make(3.0, -0.5, 0.0), 1e-3).rms, 2.0);
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 1), make(4.0, -0.5, 1), 1e-3).rms, 0.0);
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 0), make(3.0, -0.5, 0), 1e-3).rms, 2.0);
+  EXPECT_EQ(disagreement(make(3.0, 0.5, 1), make(3.0, -0.5, 0), 1e-3).rms, 2.0);
 }
 
 TEST(Disagreement, OfRunsThatCannotBeComparedIsInfinite) {
@@ -130,6 +146,8 @@ TEST(Resolution, IsWrittenAndReadBack) {
   EXPECT_EQ(back->beams[0].coefficients, trial.beams[0].coefficients);
   EXPECT_EQ(back->beams[0].jump, trial.beams[0].jump);
   EXPECT_EQ(back->findings.rows, trial.findings.rows);
+  EXPECT_GT(trial.findings.energy, 0.0);
+  EXPECT_EQ(back->findings.energy, trial.findings.energy);
 }
 
 // ---- against what is known ---------------------------------------------------------------------
