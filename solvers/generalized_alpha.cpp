@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/core/spectral.hpp"
 
 namespace mbd {
 namespace {
@@ -120,8 +119,11 @@ void GeneralizedAlpha::predict(double t, bool extrapolate) {
   system_.set_time(end_, t, Side::left);  // what acts during the step, if it ends on a jump
   const double ahead = extrapolate && history_ >= 1 ? h / (state.t - t_old_) : 0.0;
   if (extrapolate && history_ >= 2) {
-    const auto w = lagrange<3>({state.t, t_old_, t_older_}, t);
-    end_.lambda = w[0] * state.lambda + w[1] * lambda_old_ + w[2] * lambda_older_;
+    // Not by lagrange<3>, which differs in the last bits: windows is sensitive to them where it is singular.
+    const double t0 = state.t, t1 = t_old_, t2 = t_older_;
+    end_.lambda = ((t - t1) * (t - t2) / ((t0 - t1) * (t0 - t2))) * state.lambda +
+                  ((t - t0) * (t - t2) / ((t1 - t0) * (t1 - t2))) * lambda_old_ +
+                  ((t - t0) * (t - t1) / ((t2 - t0) * (t2 - t1))) * lambda_older_;
   } else if (ahead > 0.0) {
     end_.lambda = state.lambda + ahead * (state.lambda - lambda_old_);
   }

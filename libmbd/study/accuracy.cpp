@@ -246,7 +246,7 @@ std::array<Setting, 2> ways_of(const Scene& scene, int level) {
     a.tolerance = *b.tolerance / 10.0;
     if (scene.beams.empty()) {
       b.method = TimeMethod::ida;
-      a.tolerance = *b.tolerance / 3.0;
+      a.tolerance = 0.3 * *b.tolerance;
     }
   }
   return ways;
@@ -359,7 +359,7 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
       if (!point.trial.complete && !point.trial.stopped && ways[w].method == TimeMethod::ida) {
         // Where IDA does not get through.
         ways[w].method = TimeMethod::radau;
-        ways[w].tolerance = 3.0 * *ways[w].tolerance;
+        ways[w].tolerance = 10.0 * *ways[0].tolerance;
         point = trials.point(ways[w], limit());
       }
       complete = is_usable(scene, point.trial);
