@@ -181,8 +181,6 @@ void add_accuracy_command(CLI::App& app, int& status) {
                "Exit status: 0 all went well; 1 an error; 130 interrupted, with what was done "
                "written; 100 and\n"
                "more: wrong use of the command. Settings that fail are data, not errors.");
-  1 an error;\n"
-      "130 interrupted, with what was done written; 100 and more: wrong use of the command.");
   command->callback([arguments, &status] { status = study_model(*arguments); });
 }
 
