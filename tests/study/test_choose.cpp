@@ -244,7 +244,7 @@ TEST(ChooseSlow, OfTheShaftKeepsWhatItSays) {
 
 // ---- what cannot be had ------------------------------------------------------------------------
 
-TEST(Choose, DoesNotClaimChaos) {
+TEST(ChooseSlow, DoesNotClaimChaos) {
   Scene scene = model_scene("double_pendulum");
   scene.transient->duration = 40.0;
   const Choice choice = choose(scene, {.accuracy = 1e-4, .quantities = {"tip.position"}});
