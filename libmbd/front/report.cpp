@@ -50,16 +50,9 @@ Json json(const ChosenAccuracy& accuracy) {
 }
 
 Json json(const Counters& c) {
-  return {{"steps", c.steps},
-          {"substeps", c.substeps},
-          {"retries", c.retries},
-          {"rejected", c.rejected},
-          {"rank_tolerant_steps", c.tolerant},
-          {"restarts", c.restarts},
-          {"iterations", c.iterations},
-          {"residuals", c.residuals},
-          {"tangents", c.tangents},
-          {"factorizations", c.factorizations}};
+  Json all;
+  for (const NamedCounter& n : named_counters) all[std::string(n.name)] = c.*n.counter;
+  return all;
 }
 
 // Those that a run with this transient uses, and no others.

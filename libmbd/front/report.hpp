@@ -19,6 +19,24 @@ namespace mbd {
 
 std::string_view version();  // of the library, "0.1.0"
 
+// Every counter, and what reports call it.
+struct NamedCounter {
+  std::string_view name;
+  long Counters::*counter;
+};
+inline constexpr std::array<NamedCounter, 10> named_counters{{
+    {"steps", &Counters::steps},
+    {"substeps", &Counters::substeps},
+    {"retries", &Counters::retries},
+    {"rejected", &Counters::rejected},
+    {"rank_tolerant_steps", &Counters::tolerant},
+    {"restarts", &Counters::restarts},
+    {"iterations", &Counters::iterations},
+    {"residuals", &Counters::residuals},
+    {"tangents", &Counters::tangents},
+    {"factorizations", &Counters::factorizations},
+}};
+
 struct Seconds {
   double wall = 0.0;
   double cpu = 0.0;  // of all threads

@@ -13,6 +13,7 @@
 #include "libmbd/front/plot.hpp"
 #include "libmbd/front/redundancy.hpp"
 #include "libmbd/front/shapes.hpp"
+#include "libmbd/front/text.hpp"
 #include "libmbd/front/time_stepping.hpp"
 #include "solvers/initial.hpp"
 #include "solvers/klu_solver.hpp"
@@ -49,13 +50,6 @@ Seconds& operator+=(Seconds& sum, const Seconds& more) {
   sum.wall += more.wall;
   sum.cpu += more.cpu;
   return sum;
-}
-
-std::string now() {
-  const std::time_t time = std::time(nullptr);
-  char text[32] = "";
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
-  return text;
 }
 
 // "revolute 'C', force 1" of a row of State::lambda.
@@ -120,7 +114,7 @@ class Run {
   Run(const Scene& scene, const RunOptions& options) : scene_(scene), options_(options) {
     report_.model = scene.name;
     report_.file = scene.file;
-    report_.date = now();
+    report_.date = utc_now("%Y-%m-%dT%H:%M:%SZ");
     report_.parameters = scene.parameters;
     report_.statics = scene.statics;
     report_.transient = scene.transient;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libmbd/front/report.hpp"
+#include "libmbd/front/text.hpp"
 
 namespace mbd {
 namespace {
@@ -22,24 +23,6 @@ constexpr Style styles[] = {
     {"#999999", "none"}, {"#000000", "none"},    {"#0072b2", "none"}, {"#d55e00", "6 2"},
     {"#009e73", "2 2"},  {"#cc79a7", "8 2 2 2"}, {"#e69f00", "none"}, {"#56b4e9", "4 2"},
 };
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) switch (c) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      default:
-        result += c;
-    }
-  return result;
-}
 
 // The two inertial axes over which the points spread most.
 std::array<int, 2> axes_of_view(const Vec3& low, const Vec3& high) {
@@ -127,7 +110,7 @@ void ShapesPlot::finished(const RunReport& /*report*/) {
       "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
       "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n"
       "<text x=\"{:.0f}\" y=\"{:.0f}\">i{} to the right, i{} up; {:.4g} m wide</text>\n",
-      width, height, 2.0 * width, letter, margin, row, escaped(title_), margin, 2.0 * row,
+      width, height, 2.0 * width, letter, margin, row, xml_escaped(title_), margin, 2.0 * row,
       across + 1, up + 1, wide);
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     const Style& style = styles[i < std::size(styles) ? i : 1 + (i - 1) % (std::size(styles) - 1)];
@@ -148,7 +131,7 @@ void ShapesPlot::finished(const RunReport& /*report*/) {
         "stroke-width=\"{4}\" stroke-dasharray=\"{5}\"/><text x=\"{6:.0f}\" "
         "y=\"{7:.1f}\">{8}</text>\n",
         margin, margin + 28.0, at - 4.0, style.colour, i == 0 ? 2.5 : 1.2, style.dashes,
-        margin + 34.0, at, escaped(shapes_[i].label));
+        margin + 34.0, at, xml_escaped(shapes_[i].label));
   }
   svg += "</svg>\n";
   write_file(file_, svg);

@@ -1,6 +1,7 @@
 #include "libmbd/front/text.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <iterator>
 
 namespace mbd {
@@ -97,6 +98,13 @@ std::string xml_escaped(std::string_view text) {
     }
   }
   return result;
+}
+
+std::string utc_now(const char* format) {
+  const std::time_t time = std::time(nullptr);
+  char text[32] = "";
+  std::strftime(text, sizeof text, format, std::gmtime(&time));
+  return text;
 }
 
 }  // namespace mbd

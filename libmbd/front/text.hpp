@@ -31,4 +31,7 @@ inline constexpr std::size_t line_width = 80;  // of what is printed for people
 // A tab is a blank at which it is not broken.
 std::string wrapped(std::string head, std::string_view words, std::size_t indent);
 
+// The present date and time in UTC, as strftime() writes it.
+std::string utc_now(const char* format);
+
 }  // namespace mbd

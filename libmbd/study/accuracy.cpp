@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -16,7 +15,9 @@
 #include "libmbd/front/build_facts.hpp"
 #include "libmbd/front/files.hpp"
 #include "libmbd/front/history.hpp"
+#include "libmbd/front/text.hpp"
 #include "libmbd/front/time_stepping.hpp"
+#include "libmbd/study/power_law.hpp"
 
 namespace mbd {
 namespace {
@@ -37,13 +38,6 @@ constexpr double not_known = std::numeric_limits<double>::infinity();
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-std::string date() {
-  const std::time_t time = std::time(nullptr);
-  char text[32] = "";
-  std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&time));
-  return text;
 }
 
 std::string machine() {
@@ -138,9 +132,6 @@ std::vector<Components> quantities_of(const Scene& scene, const Findings& findin
     for (const std::string& y : plot.y)
       if (known(y)) add(std::string(quantity_of(y)), false);
   if (all.size() < most_quantities)
-    for (const std::string& column : findings.columns)
-      if (record_of(column) != "system") add(std::string(quantity_of(column)), false);
-  if (all.empty())
     for (const std::string& column : findings.columns) add(std::string(quantity_of(column)), false);
   if (all.size() > most_quantities) all.resize(most_quantities);
   return all;
@@ -303,17 +294,16 @@ std::string growth(const Findings& truth, const Findings& other, const Quantity&
   const std::vector<double> d = differences(other, truth, quantity);
   const std::size_t n = places_until(truth, quantity.until);
   const double end = quantity.reference_largest;
-  std::string text;
   for (double bound = 1e-9; bound < end / 30.0; bound *= 10.0) {
     std::size_t k = 0;
     while (k < n && d[k] <= bound * quantity.scale) ++k;
-    if (k < n / 10 || k == n) continue;
+    if (k == 0 || k < n / 10 || k == n) continue;
     if (bound * 100.0 < end / 30.0) bound = std::pow(10.0, std::ceil(std::log10(end)) - 3.0);
     k = 0;
     while (k < n && d[k] <= bound * quantity.scale) ++k;
     return fmt::format("{:.0e} up to {:.4g} s, and {:.1e} after that", bound, truth.at[k - 1], end);
   }
-  return text;
+  return {};
 }
 
 // Complete, or a motion that came far enough before it was stopped.
@@ -375,9 +365,10 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
     if (last_cost > 0.0) growth_of_cost = std::max(1.5, 1.2 * cost / last_cost);
     last_cost = cost;
     if (partial && !study.truth.at.empty()) break;  // a whole one is worth more
-    if (partial)
-      for (Trial& trial : done)
-        cut(trial.findings, std::min(done[0].findings.at.back(), done[1].findings.at.back()));
+    if (partial) {
+      const double reached = std::min(done[0].findings.at.back(), done[1].findings.at.back());
+      for (Trial& trial : done) cut(trial.findings, reached);
+    }
     if (done[0].findings.at.size() != done[1].findings.at.size()) continue;  // of special points
     const double worst = judge(quantities, done[0].findings, done[1].findings, coarser);
     coarser = done[0].findings;
@@ -557,7 +548,6 @@ void try_settings(AccuracyStudy& study, const Scene& scene, Trials& trials,
   for (std::size_t i = 0; i < settings.size(); ++i)
     if (tried[i]) study.points.push_back(std::move(points[i]));
   study.untried = settings.size() - study.points.size();
-  study.whole = study.untried == 0;
 }
 
 // ---- what it says -----------------------------------------------------------------------------------
@@ -639,31 +629,12 @@ std::vector<std::size_t> falling_part(const AccuracyStudy& study, std::size_t q,
   return part.size() > best.size() ? part : best;
 }
 
-struct Line {
-  std::vector<std::size_t> points;
-  double slope = 0.0, spread = 1.0;
-};
-
-// Least squares of logarithms of errors over those of the knob.
-Line line_through(const AccuracyStudy& study, Knob knob, std::size_t q,
-                  std::vector<std::size_t> points) {
-  const auto u_of = [&](std::size_t i) {
-    return std::log(*number_of(study.points[i].setting, knob));
-  };
-  const auto v_of = [&](std::size_t i) { return std::log(study.points[i].errors[q].rms); };
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const std::size_t i : points) {
-    const double u = u_of(i), v = v_of(i);
-    n += 1, x += u, y += v, xx += u * u, xy += u * v;
-  }
-  Line line;
-  line.slope = (n * xy - x * y) / (n * xx - x * x);
-  double off = 0.0;
+PowerLaw law_through(const AccuracyStudy& study, Knob knob, std::size_t q,
+                     const std::vector<std::size_t>& points) {
+  std::vector<std::array<double, 2>> pairs;
   for (const std::size_t i : points)
-    off = std::max(off, std::abs(v_of(i) - y / n - line.slope * (u_of(i) - x / n)));
-  line.spread = std::exp(off);
-  line.points = std::move(points);
-  return line;
+    pairs.push_back({*number_of(study.points[i].setting, knob), study.points[i].errors[q].rms});
+  return fit_power_law(pairs);
 }
 
 void fit_orders(AccuracyStudy& study, const Scene& scene) {
@@ -694,26 +665,33 @@ void fit_orders(AccuracyStudy& study, const Scene& scene) {
       }
       for (const auto& [group, all] : groups) {
         // Of those whose errors fall far, the straightest: a fall may also be the chance of errors that cancel.
-        std::vector<std::pair<double, Line>> lines;
+        struct Candidate {
+          std::vector<std::size_t> points;
+          double fall;  // logarithm
+          PowerLaw law;
+        };
+        std::vector<Candidate> candidates;
         double most = 0.0;
         for (const std::vector<std::size_t>& family : all) {
           const std::vector<std::size_t> part = falling_part(study, q, family);
           if (part.size() < 3) continue;
-          lines.emplace_back(std::log(study.points[part.front()].errors[q].rms /
-                                      study.points[part.back()].errors[q].rms),
-                             line_through(study, knob, q, part));
-          most = std::max(most, lines.back().first);
+          candidates.push_back({part,
+                                std::log(study.points[part.front()].errors[q].rms /
+                                         study.points[part.back()].errors[q].rms),
+                                law_through(study, knob, q, part)});
+          most = std::max(most, candidates.back().fall);
         }
-        const Line* best = nullptr;
-        for (const auto& [fall, line] : lines)
-          if (fall > 0.6 * most && (best == nullptr || line.spread < best->spread)) best = &line;
+        const Candidate* best = nullptr;
+        for (const Candidate& one : candidates)
+          if (one.fall > 0.6 * most && (best == nullptr || one.law.spread < best->law.spread))
+            best = &one;
         if (best == nullptr) continue;
         OrderFit fit;
         fit.knob = knob;
         fit.quantity = q;
         fit.points = best->points;
-        fit.slope = best->slope;
-        fit.spread = best->spread;
+        fit.slope = best->law.slope;
+        fit.spread = best->law.spread;
         fit.theory = theory_of(scene, study.points[fit.points.front()].setting, knob,
                                study.quantities[q].name);
         study.fits.push_back(std::move(fit));
@@ -727,7 +705,7 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
   AccuracyStudy study;
   study.model = scene.name;
   study.file = scene.file;
-  study.date = date();
+  study.date = utc_now("%Y-%m-%d");
   study.command = options.command;
   study.machine = machine();
   study.build = to_lines(build_facts());
@@ -793,7 +771,7 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
   if (trials.interrupted())
     study.notes.push_back(fmt::format("interrupted: {} of {} settings were not tried",
                                       study.untried, settings.size()));
-  else if (!study.whole)
+  else if (!study.whole())
     study.notes.push_back(fmt::format(
         "{} of {} settings, the dearest, were not tried: the budget of {:g} s did not allow them",
         study.untried, settings.size(), options.budget));

@@ -82,8 +82,8 @@ struct AccuracyStudy {
   std::vector<OrderFit> fits;
   std::vector<Advice> advice;
   std::vector<std::string> notes;
-  bool whole = true;                   // all settings were tried
-  std::size_t untried = 0;             // settings, for want of budget or by a signal
+  std::size_t untried = 0;  // settings, for want of budget or by a signal
+  bool whole() const { return untried == 0; }
   double seconds = 0.0, budget = 0.0;  // wall time used, and allowed
 };
 

@@ -242,7 +242,7 @@ std::vector<plot::Panel> knob_panels(const AccuracyStudy& study) {
 // What a picture does not show.
 std::string missing_text(const AccuracyStudy& study) {
   const Tally tally = tally_of(study);
-  std::string text = "Hollow: not above the reference's own error.";
+  std::string text = "Hollow: not well above the reference's own error.";
   if (tally.stopped + tally.failed > 0)
     text += fmt::format(" Not shown: runs that were stopped ({}) or failed ({}).", tally.stopped,
                         tally.failed);
@@ -621,7 +621,7 @@ void Page::caveats() {
         xml_escaped(q.name), xml_escaped(until), resolved(q) ? ", no further" : "",
         resolved(q) ? "those up to there" : "not known");
   }
-  if (study_.untried > 0 || !study_.whole)
+  if (study_.untried > 0)
     items += fmt::format(
         "<li>{} settings were not tried, for want of time or because the study "
         "was interrupted.</li>\n",

@@ -147,16 +147,9 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{}
 using Json = nlohmann::ordered_json;
 
 Json json(const Counters& c) {
-  return {{"steps", c.steps},
-          {"substeps", c.substeps},
-          {"retries", c.retries},
-          {"rejected", c.rejected},
-          {"rank_tolerant_steps", c.tolerant},
-          {"restarts", c.restarts},
-          {"iterations", c.iterations},
-          {"residuals", c.residuals},
-          {"tangents", c.tangents},
-          {"factorizations", c.factorizations}};
+  Json all;
+  for (const NamedCounter& n : named_counters) all[std::string(n.name)] = c.*n.counter;
+  return all;
 }
 
 Json json(const Setting& setting) {
@@ -255,9 +248,7 @@ std::string csv_of(const AccuracyStudy& study) {
     line +=
         fmt::format(",{},{},{},{:.0f},{},{},{}", number(trial.cpu), number(trial.cpu_stepping),
                     trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers);
-    line += fmt::format(",{},{},{},{},{},{},{},{},{},{}", c.steps, c.substeps, c.retries,
-                        c.rejected, c.tolerant, c.restarts, c.iterations, c.residuals, c.tangents,
-                        c.factorizations);
+    for (const NamedCounter& n : named_counters) line += fmt::format(",{}", c.*n.counter);
     for (std::size_t q = 0; q < study.quantities.size(); ++q) {
       if (!known(study, i, q)) {
         line += ",,,,,0";
@@ -325,7 +316,7 @@ std::string json_of(const AccuracyStudy& study) {
                       {"sentence", sentence_of(study, a)}});
   all["advice"] = std::move(advice);
   all["notes"] = study.notes;
-  all["whole"] = study.whole;
+  all["whole"] = study.whole();
   all["untried"] = study.untried;
   all["seconds"] = study.seconds;
   all["budget"] = study.budget;

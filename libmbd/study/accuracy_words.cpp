@@ -177,7 +177,7 @@ std::string tally_text(const AccuracyStudy& study) {
     parts = "all complete";
   }
   text += ": " + parts;
-  if (!study.whole || study.untried > 0) text += fmt::format("; {} not tried", study.untried);
+  if (study.untried > 0) text += fmt::format("; {} not tried", study.untried);
   return text;
 }
 

@@ -18,7 +18,7 @@ std::string number_text(double value, int digits = 2);
 // The reference's own error, rounded up, or "not known".
 std::string reference_text(const Quantity& quantity, double Quantity::*error);
 
-// rms or largest error of a point: "1.2e-5"; "< 3e-9" where it is not above the reference's own, which is rounded
+// rms or largest error of a point: "1.2e-5"; "< 3e-9" where it is not well above the reference's own, which is rounded
 // upwards; "-" where it is not known.
 std::string rms_text(const AccuracyStudy& study, std::size_t point, std::size_t quantity);
 std::string largest_text(const AccuracyStudy& study, std::size_t point, std::size_t quantity);

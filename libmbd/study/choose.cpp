@@ -19,7 +19,6 @@ constexpr double part_of_time = 0.4, part_alone = 0.7;
 constexpr double loose_tolerance = 1e-4;  // the first of beams
 constexpr double aimed = 0.5;             // of a part, when a knob is turned
 constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
-constexpr double patience = 20.0;  // wall over CPU time: on a busy machine the choice is the same
 constexpr double finest_step = 1.0 / 4096;     // part of the model's own
 constexpr double part_of_first_run = 1.0 / 6;  // of the limit: for one run with a tolerance, and
 constexpr double dear = 100.0;                 // as much as the model's own run
@@ -136,10 +135,9 @@ class Chooser {
     if (options_.progress) options_.progress(pilot.text);
     Known known{setting, {}, choice_.pilots.size()};
     try {
-      known.trial = run_trial(with(scene_, setting), {.resolution = flexible(),
-                                                      .limit = std::min(left, limit),
-                                                      .patience = patience,
-                                                      .repeats = 1});
+      known.trial =
+          run_trial(with(scene_, setting),
+                    {.resolution = flexible(), .limit = std::min(left, limit), .repeats = 1});
     } catch (const Error& error) {
       known.trial.failure = error.what();
     }

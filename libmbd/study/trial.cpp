@@ -229,8 +229,7 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   }
   ::close(ends[1]);
   bool killed = false;
-  const auto wall = std::chrono::duration<double>(
-      std::min({options.limit * options.patience + grace, options.wall + grace, 1e7}));
+  const auto wall = std::chrono::duration<double>(std::min(options.wall + grace, 1e7));
   const auto deadline = std::chrono::steady_clock::now() +
                         std::chrono::duration_cast<std::chrono::steady_clock::duration>(wall);
   const std::string text = read_until_end(ends[0], child, deadline, options.interrupted, killed);
@@ -307,15 +306,15 @@ struct Reader {
 }  // namespace
 
 std::string serialize(const Trial& trial) {
-  const Counters& c = trial.counters;
+  std::string counters;
+  for (const NamedCounter& n : named_counters)
+    counters += fmt::format(" {}", trial.counters.*n.counter);
   std::string text = fmt::format(
-      "{}\nstate {} {} {} {} {} {} {} {} {}\ncounters {} {} {} {} {} {} {} {} {} {}\nfailure "
-      "{}\ncolumns {}\n"
+      "{}\nstate {} {} {} {} {} {} {} {} {}\ncounters{}\nfailure {}\ncolumns {}\n"
       "units {}\nenergy {}\nbranch {}\nrows {}\n",
       heading, trial.complete ? 1 : 0, trial.stopped ? 1 : 0, trial.cpu_stepping, trial.cpu,
-      trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers, c.steps,
-      c.substeps, c.retries, c.rejected, c.tolerant, c.restarts, c.iterations, c.residuals,
-      c.tangents, c.factorizations, one_line(trial.failure), fmt::join(trial.findings.columns, ","),
+      trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers, counters,
+      one_line(trial.failure), fmt::join(trial.findings.columns, ","),
       fmt::join(trial.findings.units, ","), trial.findings.energy,
       fmt::join(trial.findings.branch, " "), trial.findings.at.size());
   for (std::size_t k = 0; k < trial.findings.at.size(); ++k)
@@ -340,7 +339,8 @@ std::optional<Trial> deserialize(const std::string& text) {
                             rows = reader.numbers("rows");
   trial.findings.units.resize(
       trial.findings.columns.size());  // an empty one at the end is not written
-  if (state.size() != 9 || counted.size() != 10 || energy.size() != 1 || rows.size() != 1)
+  if (state.size() != 9 || counted.size() != named_counters.size() || energy.size() != 1 ||
+      rows.size() != 1)
     return std::nullopt;
   trial.findings.energy = energy[0];
   for (const double number : branch) trial.findings.branch.push_back(static_cast<int>(number));
@@ -355,10 +355,7 @@ std::optional<Trial> deserialize(const std::string& text) {
   trial.multipliers = static_cast<Index>(state[8]);
   Counters& c = trial.counters;
   std::size_t k = 0;
-  for (long* const counter :
-       {&c.steps, &c.substeps, &c.retries, &c.rejected, &c.tolerant, &c.restarts, &c.iterations,
-        &c.residuals, &c.tangents, &c.factorizations})
-    *counter = static_cast<long>(counted[k++]);
+  for (const NamedCounter& n : named_counters) c.*n.counter = static_cast<long>(counted[k++]);
   for (double row = 0; row < rows[0]; row += 1.0) {
     std::string line;
     std::getline(reader.in, line);

@@ -49,9 +49,8 @@ struct TrialOptions {
   int samples = 200;        // of a transient
   bool resolution = false;  // look at how well elements resolve the beams (Trial::beams)
   double limit = 1e30;      // CPU time at which it is stopped [s]
-  // Wall time, over that, at which it is killed: it waits for a processor that others use.
-  double patience = 1.5;
-  double wall = 1e30;  // wall time at which it is stopped [s]
+  double wall =
+      1e30;  // wall time at which it is stopped [s]: it may wait for a processor that others use
   // Repeated up to `repeats` times, as long as all together have taken less than `repeat_within` [s].
   int repeats = 3;
   double repeat_within = 1.0;

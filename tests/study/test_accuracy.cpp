@@ -125,7 +125,7 @@ TEST(AccuracySlow, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
                {"method=generalized_alpha,radau", "step=2e-3,1e-3,5e-4", "tolerance=1e-2:1e-7"},
                {.budget = 20.0});
   ASSERT_EQ(study.points.size(), 9u);
-  EXPECT_TRUE(study.whole);
+  EXPECT_TRUE(study.whole());
   for (std::size_t q = 0; q < study.quantities.size(); ++q) {
     const auto& front = study.fronts[q];
     ASSERT_FALSE(front.empty());
@@ -249,7 +249,7 @@ TEST(Accuracy, InterruptedKeepsWhatIsDone) {
   scene.transient->duration = 1.0;
   const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-2:1e-6"}, options);
   EXPECT_EQ(study.points.size(), 2u);
-  EXPECT_FALSE(study.whole);
+  EXPECT_FALSE(study.whole());
   EXPECT_EQ(study.untried, 3u);
   EXPECT_FALSE(study.fronts[0].empty());
 }

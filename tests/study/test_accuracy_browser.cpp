@@ -22,13 +22,7 @@ class AccuracyPageSlow : public testing::Test {
     if (shell("command -v chromium").status != 0)
       GTEST_SKIP() << "there is no Chromium to look at the page with; install it with "
                       "tools/install-dependencies --with-browser";
-    Scene scene;
-    scene.name = "page";
-    BeamScene beam;
-    beam.name = "bar<1>";
-    scene.beams.push_back(beam);
-    scene.transient = TransientScene{.duration = 10.0, .step = 1e-2};
-    page_ = accuracy_page(synthetic_study(), scene);
+    page_ = accuracy_page(synthetic_study(), synthetic_scene());
     write_text(directory_.path() / "page.html", page_);
   }
 

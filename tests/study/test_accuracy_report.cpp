@@ -30,17 +30,6 @@ bool has(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
-// With the snippets of a beam that is in the scene.
-Scene scene() {
-  Scene scene;
-  scene.name = "four <bar> & \"co\"";
-  BeamScene beam;
-  beam.name = "bar<1>";
-  scene.beams.push_back(beam);
-  scene.transient = TransientScene{.duration = 10.0, .step = 1e-2};
-  return scene;
-}
-
 // Rows of cells, as RFC 4180 has them, without lines that begin with #.
 std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
   std::vector<std::vector<std::string>> rows;
@@ -185,7 +174,7 @@ TEST(AccuracyReport, Text) {
     EXPECT_LE(end - at, 85u) << text.substr(at, end - at);
   }
   EXPECT_FALSE(has(text, "<transient"));
-  const std::string with_snippets = to_text(study, scene());
+  const std::string with_snippets = to_text(study, synthetic_scene());
   EXPECT_TRUE(has(with_snippets, "<transient")) << with_snippets;
 }
 
@@ -354,7 +343,7 @@ TEST(AccuracyReport, PicturesShowWhatIsKnown) {
 }
 
 TEST(AccuracyReport, PageIsWellFormedAndNeedsNothing) {
-  const std::string page = accuracy_page(synthetic_study(), scene());
+  const std::string page = accuracy_page(synthetic_study(), synthetic_scene());
   const Markup markup = parse_markup(page);
   EXPECT_EQ(markup.wrong, "");
   std::set<std::string> ids;
@@ -399,7 +388,7 @@ TEST(AccuracyReport, PageMarksTheFront) {
     const std::size_t at = page.find("<tr id=\"run-" + std::to_string(point + 1) + "\"");
     return at == std::string::npos ? std::string() : page.substr(at, page.find("</tr>", at) - at);
   };
-  const std::string page = accuracy_page(study, scene());
+  const std::string page = accuracy_page(study, synthetic_scene());
   for (std::size_t i = 0; i < study.points.size(); ++i) {
     const bool front = on_front(study, i, 0) || on_front(study, i, 1);
     ASSERT_NE(row(page, i), "") << i;
@@ -408,14 +397,14 @@ TEST(AccuracyReport, PageMarksTheFront) {
   }
   const std::size_t point = study.fronts[0].front();
   study.fronts = {{}, {}, {}};
-  EXPECT_FALSE(has(row(accuracy_page(study, scene()), point), "●"));
+  EXPECT_FALSE(has(row(accuracy_page(study, synthetic_scene()), point), "●"));
 }
 
 // One setting, no errors, nothing at all: pages that stand, and say so.
 TEST(AccuracyReport, EmptyStudies) {
   AccuracyStudy study;
   const auto check = [&] {
-    EXPECT_EQ(parse_markup(accuracy_page(study, scene())).wrong, "");
+    EXPECT_EQ(parse_markup(accuracy_page(study, synthetic_scene())).wrong, "");
     EXPECT_EQ(parse_markup(accuracy_svg(study)).wrong, "");
     EXPECT_EQ(parse_markup(knobs_svg(study)).wrong, "");
     EXPECT_FALSE(to_text(study).empty());

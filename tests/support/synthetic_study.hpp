@@ -171,11 +171,21 @@ inline AccuracyStudy synthetic_study() {
         [&](const Setting& s) { return s.tolerance && *s.tolerance == 1e-9 && *s.order == order; });
   study.notes = {
       "Kinetic energy <rings> at 3000 rad/s & is damped: the \"fine\" scale is not resolved."};
-  study.whole = false;
   study.untried = 6;
   study.seconds = 118.7;
   study.budget = 120.0;
   return study;
+}
+
+// Of which it could be: with a beam that its snippets change.
+inline Scene synthetic_scene() {
+  Scene scene;
+  scene.name = "four <bar> & \"co\"";
+  BeamScene beam;
+  beam.name = "bar<1>";
+  scene.beams.push_back(beam);
+  scene.transient = TransientScene{.duration = 10.0, .step = 1e-2};
+  return scene;
 }
 
 }  // namespace mbd::test

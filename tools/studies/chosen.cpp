@@ -143,8 +143,7 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
                     pilot.in_time ? fmt::format("time {:.1e}", *pilot.in_time).c_str() : "",
                     pilot.in_space ? fmt::format("space {:.1e}", *pilot.in_space).c_str() : "",
                     pilot.failure.c_str());
-      row.run = run_trial(with(scene, row.choice.setting),
-                          {.limit = 4.0 * options.limit, .patience = 20.0});
+      row.run = run_trial(with(scene, row.choice.setting), {.limit = 4.0 * options.limit});
       std::printf("%s %.0e: %s; believed %s (%s), choosing %.2f s, run %.2f s %s\n", name.c_str(),
                   accuracy, to_text(scene, row.choice.setting).c_str(),
                   number(row.choice.error).c_str(), row.choice.worst.c_str(), row.choice.cpu,
@@ -158,8 +157,7 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
     for (const bool modest : {false, true}) {
       Setting finest = reference_setting(scene, rows, modest);
       const Trial truth =
-          run_trial(with(scene, finest),
-                    {.limit = reference_limit * options.limit, .patience = 20.0, .repeats = 1});
+          run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
       if (!truth.complete) {
         std::printf("  reference %s: %s\n", to_text(scene, finest).c_str(), truth.failure.c_str());
         continue;
@@ -169,8 +167,7 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
       if (finest.step) *finest.step *= 2.0;
       if (finest.order) --*finest.order;
       const Trial less =
-          run_trial(with(scene, finest),
-                    {.limit = reference_limit * options.limit, .patience = 20.0, .repeats = 1});
+          run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
       if (less.complete)
         reference_error = disagreement(less.findings, truth.findings, accuracies[2]).rms;
       for (Row& row : rows) {

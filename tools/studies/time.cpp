@@ -18,6 +18,7 @@
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/time_stepping.hpp"
+#include "libmbd/study/power_law.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/statics.hpp"
 #include "tools/studies/study.hpp"
@@ -71,12 +72,10 @@ std::unique_ptr<Stepper> stepper(const System& system, const Scene& scene, doubl
                                  const Setting& setting) {
   TransientScene transient = *scene.transient;
   transient.duration = end;
-  transient.method = setting.method;
-  transient.step = transient.tolerance = std::nullopt;
-  (setting.tolerance > 0.0 ? transient.tolerance : transient.step) =
+  SteppingChange change{.method = setting.method};
+  (setting.tolerance > 0.0 ? change.tolerance : change.step) =
       setting.tolerance > 0.0 ? setting.tolerance : setting.step;
-  if (setting.method != TimeMethod::generalized_alpha)
-    transient.rho_infinity = std::nullopt, transient.balance = std::nullopt;
+  change_stepping(transient, change);
   transient.newton_tolerance = std::nullopt;
   return make_stepper(system, transient);
 }
@@ -127,19 +126,6 @@ double distance(const Result& a, const Result& b, double length) {
       worst = std::max(worst, log_so3<double>(A.p.conjugate() * B.p).norm());
     }
   return worst;
-}
-
-// Least squares of log error over log tolerance, and the geometric mean of error / tolerance.
-struct Fit {
-  double slope = 0.0, constant = 0.0;
-};
-Fit fit(const std::vector<plot::Point>& points) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const plot::Point& p : points) {
-    const double u = std::log(p[0]), v = std::log(p[1]);
-    n += 1, x += u, y += v, xx += u * u, xy += u * v;
-  }
-  return {(n * xy - x * y) / (n * xx - x * x), std::exp((y - x) / n)};
 }
 
 }  // namespace
@@ -208,9 +194,9 @@ void time(const std::filesystem::path& directory) {
         last = tolerance;
       }
       if (proportion.size() >= 2) {
-        const Fit f = fit(proportion);
+        const PowerLaw f = fit_power_law(proportion);
         table += fmt::format("| {} | {} | 1e-3 … {:.0e} | {:.2f} | {:.2g} |\n", c.model,
-                             name_of(method), last, f.slope, f.constant);
+                             name_of(method), last, f.slope, f.mean_ratio);
       } else {
         table += fmt::format("| {} | {} | none reached | | |\n", c.model, name_of(method));
       }
