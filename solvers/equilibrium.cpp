@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "solvers/increments.hpp"
+#include "solvers/redundancy.hpp"
 
 namespace mbd {
 namespace {
@@ -89,10 +90,8 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     if (k == 0) norm.set_floor(state, largest_stiffness(system, solver));
     if (solver.factor() != FactorStatus::ok) {
       const Index row = solver.singular_row();
-      failure = fmt::format(
-          "the tangent is singular{}: the structure can move freely there, or constraints are "
-          "redundant",
-          row >= 0 ? " at " + system.name_of(row + 6) : std::string());
+      failure = fmt::format("the tangent is singular{}: the structure can move freely there",
+                            row >= 0 ? " at " + system.name_of(row + 6) : std::string());
       return false;
     }
     x = -r.tail(x.size());
@@ -125,6 +124,10 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3))) {
       if (const std::string element = system.out_of_range(state); !element.empty()) {
         failure = range_failure(element);
+        return false;
+      }
+      if (const std::optional<std::string> open = idle_rows_open(system, state)) {
+        failure = *open;
         return false;
       }
       return true;

@@ -281,6 +281,11 @@ void GeneralizedAlpha::settle() {
   refactor_next_ = true;
 }
 
+void GeneralizedAlpha::forget() {
+  settle();
+  history_ = 0;
+}
+
 // The filtered error (4).
 double GeneralizedAlpha::estimated_error(bool) {
   const double h = h_, c = h * h * (a_.beta - 1.0 / 6.0 - 0.5 * (a_.gamma - 0.5));

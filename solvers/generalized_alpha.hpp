@@ -79,6 +79,8 @@ class GeneralizedAlpha final : public OneStep {
   double estimated_error(bool again) override;
   void accept() override;
   void settle() override;
+  void forget() override;
+  const State& solved() const override { return end_; }
 
   BlockGraph own_graph(bool tolerant) const;
   bool solve_tolerantly(double t, StepReport& report);

@@ -12,6 +12,7 @@
 #include "libmbd/core/error.hpp"
 #include "solvers/increments.hpp"
 #include "solvers/klu_solver.hpp"
+#include "solvers/redundancy.hpp"
 #include "solvers/stabilized_index2.hpp"
 #include "solvers/sundials.hpp"
 
@@ -377,6 +378,10 @@ StepReport Ida::step(State& state) {
   system_.set_time(state, landed ? landing.t : reached, Side::left);
   system_.follow_angles(state);
   integrator_->accepted(begin_, state);
+  if (const std::optional<std::string> open = idle_rows_open(system_, state)) {
+    report.failure = fmt::format("at t = {:.9g} s: {}", state.t, *open);
+    return report;
+  }
   const double h = state.t - begin_.t;
   record_size(h, landed);
 

@@ -15,7 +15,7 @@
 // less accurate than V by 1/h. Dense output: IDA's interpolant, of the order of the step; inside a step
 // accelerations are its derivative, which jumps from step to step by about the tolerance over h.
 // Work: Gauss's rule of three points over each step.
-// Limits: scenes without redundant constraints. BDF of order 3 and more amplifies some undamped oscillations,
+// Idle rows stay those of the start. BDF of order 3 and more amplifies some undamped oscillations,
 // until the steps resolve them: stiff elastic scenes (four_bar.xml) need max_order 2.
 #pragma once
 

@@ -1,11 +1,8 @@
 // A System at a State as a mechanism: how many ways it can move, and which constraints say the same twice.
 //
 // Small motions dU of the nodes (body frames) satisfy B dU = 0, with B the gradient of the constraints
-// (formulation.md 3). Rotations are measured times the length L of the scene and rows are scaled to length
-// one, so B is free of units. Rows are taken one by one, joints first, then drives and motions, each in the
-// order of the scene (sparse Householder QR of B^T without exchange of columns): a row is redundant when it
-// is nearer than 1e-8 to the span of those before it, far above round-off and far below what two drawn axes
-// differ by. So the later of two joints is blamed.
+// (formulation.md 3). Rows are taken one by one, joints first, then drives and motions, each in the order of the
+// scene: redundancy.hpp says when one is redundant. So the later of two joints is blamed.
 //
 // Not used: the singular values of B, which tell the rank but not which joint is to blame.
 #pragma once
@@ -13,14 +10,9 @@
 #include <vector>
 
 #include "libmbd/core/system.hpp"
+#include "solvers/redundancy.hpp"
 
 namespace mbd {
-
-// A constraint row that the others imply to first order.
-struct RedundantRow {
-  Index row = 0;               // in State::lambda
-  std::vector<Index> repeats;  // the rows that imply it together, the most important first
-};
 
 struct Mechanism {
   Index constraints = 0;                // rows, drives and motions included
@@ -37,11 +29,5 @@ struct Mechanism {
 
 // `state` must satisfy the constraints; its multipliers do not matter.
 Mechanism analyze_mechanism(const System& system, const State& state);
-
-// A row in words: "revolute 'D', position 2".
-std::string row_in_words(const System& system, Index row);
-
-// One sentence on a redundant row: "revolute 'D', position 2 repeats revolute 'A', position 2 and …".
-std::string to_text(const System& system, const RedundantRow& row);
 
 }  // namespace mbd

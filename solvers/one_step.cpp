@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libmbd/core/error.hpp"
+#include "solvers/redundancy.hpp"
 
 namespace mbd {
 namespace {
@@ -94,7 +95,8 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   const int before = report.iterations;
   report.iterations = 0;
   report.failure.clear();
-  const bool converged = solve_step(t, h, report);
+  bool converged = attempt(t, h, report);
+  if (!converged && system_.idle_rows_allowed()) converged = attempt_with_other_rows(t, h, report);
   report.iterations += before;
   if (converged)
     report.failure.clear();
@@ -103,8 +105,48 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   return converged;
 }
 
+// Solves the step from begin_, and looks at its idle rows.
+bool OneStep::attempt(double t, double h, StepReport& report) {
+  parted_ = false;
+  if (!solve_step(t, h, report)) return false;
+  if (begin_.idle.empty()) return true;
+  const std::optional<std::string> open = idle_rows_open(system_, solved());
+  if (!open) return true;
+  parted_ = true;
+  report.failure = *open;
+  return false;
+}
+
+bool OneStep::attempt_with_other_rows(double t, double h, StepReport& report) {
+  const std::string failure = report.failure;
+  bool parted = parted_;
+  const Redundancy found = find_redundancy(system_, begin_);
+  if (found.idle != begin_.idle) {
+    forget();
+    begin_.lambda = without_idle(system_, begin_, found.idle);
+    begin_.idle = found.idle;
+    if (attempt(t, h, report)) return true;
+    parted = parted || parted_;
+  }
+  if (parted && !begin_.idle.empty()) {
+    forget();
+    begin_.idle.clear();
+    choose_rows_ = solve_step(t, h, report);
+    if (choose_rows_) return true;
+  }
+  forget();
+  report.failure = failure;
+  return false;
+}
+
 void OneStep::take_step(State& state) {
   accept();
+  if (choose_rows_) {
+    end_.idle = find_redundancy(system_, end_).idle;
+    end_.lambda = without_idle(system_, end_, end_.idle);
+    forget();
+    choose_rows_ = false;
+  }
   norm_.observe(end_.lambda);
   state = end_;
   ++counters_.substeps;

@@ -9,6 +9,11 @@
 // is then tried with -eps I in place of the zero block of its matrix, in units of 1/mass: with B of full rank
 // that costs a factor eps a iteration; where it is not, the motion is still determined, and multipliers stay
 // finite.
+//
+// Idle rows (redundancy.hpp) are looked at after each step. Where they have parted from the others, or the step
+// fails, rows are chosen anew at the start of the step; where that does not help the step is tried with all rows,
+// which is then a rank-tolerant one, and rows are chosen at its end: so a mechanism leaves a singular configuration
+// in which more constraints depend on each other than elsewhere.
 #pragma once
 
 #include <memory>
@@ -80,11 +85,17 @@ class OneStep : public Stepper {
   virtual void accept() = 0;
   // After a step has failed, or was rank-tolerant: its tangents are not kept.
   virtual void settle() = 0;
+  // Other rows are idle: neither tangents nor multipliers of the past are of use.
+  virtual void forget() = 0;
+  // The end of the step that has been solved.
+  virtual const State& solved() const = 0;
 
   StepReport restart(State& state) final;
   StepReport fixed_step(State& state);
   StepReport adaptive_step(State& state);
   bool try_step(const State& state, double t, StepReport& report);
+  bool attempt(double t, double h, StepReport& report);
+  bool attempt_with_other_rows(double t, double h, StepReport& report);
   void take_step(State& state);
 
   int error_order_;
@@ -94,6 +105,8 @@ class OneStep : public Stepper {
   long count_ = 0;                              // whole fixed steps since
   int halvings_ = 0;  // of the fixed steps now tried, and how many in a row have gone well
   int good_ = 0;
+  bool parted_ = false;       // idle rows have, in the last attempt
+  bool choose_rows_ = false;  // at the end of the step under way
 };
 
 }  // namespace mbd

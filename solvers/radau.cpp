@@ -374,6 +374,13 @@ void Radau::settle() {
   history_ = false;  // nothing to extrapolate multipliers from
 }
 
+void Radau::forget() {
+  relinearize_next_ = true;
+  tolerant_ = false;
+  linearized_ = false;
+  history_ = false;
+}
+
 double Radau::estimated_error(bool again) {
   // Of tolerance^(4/5).
   const double factor = local_tolerance * std::pow(settings_.tolerances.relative, -0.2);

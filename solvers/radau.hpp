@@ -78,6 +78,8 @@ class Radau final : public OneStep {
   double estimated_error(bool again) override;
   void accept() override;
   void settle() override;
+  void forget() override;
+  const State& solved() const override { return stage_[2]; }
 
   void predict(bool extrapolate);
   void update_stages();

@@ -60,6 +60,10 @@ StabilizedIndex2::StabilizedIndex2(const System& system, std::unique_ptr<LinearS
         s.kind = Source::Kind::forces;
         all.contributions.push_back({nodes + row, nodes + column});
         all.contributions.push_back({row, nodes + constraints + column});
+      } else if (column >= nodes) {
+        s.kind = Source::Kind::own;
+        all.contributions.push_back({nodes + row, nodes + column});
+        all.contributions.push_back({nodes + constraints + row, nodes + constraints + column});
       } else {
         s.kind = Source::Kind::gradient;
         all.contributions.push_back({nodes + row, nodes + column});
@@ -80,14 +84,12 @@ StabilizedIndex2::StabilizedIndex2(const System& system, std::unique_ptr<LinearS
 
   // Batches with a contribution to a multiplier: B^T mu is their residual, which is linear in multipliers.
   const auto first = system.first_contributions();
-  for (std::size_t b = 0; b < first.size(); ++b) {
-    const std::size_t end = b + 1 < first.size() ? first[b + 1] : graph.contributions.size();
-    for (std::size_t i = first[b]; i < end; ++i)
+  for (std::size_t b = 0; b + 1 < first.size(); ++b)
+    for (std::size_t i = first[b]; i < first[b + 1]; ++i)
       if (graph.contributions[i].row >= nodes) {
         joints_.push_back(system.batches()[b].get());
         break;
       }
-  }
 
   at_ = system.reference_state();
   mu_state_ = at_;
@@ -197,6 +199,7 @@ void StabilizedIndex2::unpack(std::span<const double> y, std::span<const double>
 void StabilizedIndex2::follow(const State& accepted) {
   at_.angles = mu_state_.angles = accepted.angles;
   at_.load_factor = mu_state_.load_factor = accepted.load_factor;
+  at_.idle = mu_state_.idle = accepted.idle;
 }
 
 void StabilizedIndex2::set(double t, std::span<const double> y, std::span<const double> ydot) {
@@ -296,6 +299,10 @@ bool StabilizedIndex2::linearize(double t, std::span<const double> y, std::span<
         two += K;
         block(slots[s.first + 2], s.rows, 6) +=
             block({G_.data() + s.offset, s.rows}, s.rows, 6) / c;
+        break;
+      case Source::Kind::own:  // of idle rows
+        one += K;
+        two += K;
         break;
       case Source::Kind::ground:
         break;

@@ -7,8 +7,8 @@
 //   (|p|^2 - 1)/2                         = 0      in place of the equation of |p|: no drift          (2)
 //   r(H, V, Vdot, lambda, t)              = 0      System::residual                                   (3)
 //   gdot(H, V, t) = 0,   g(H, t)          = 0                                                         (4)
-// (1) makes dg/dt = gdot + B N B^T mu, so mu = 0 where B has full rank; redundant constraints leave lambda and
-// mu undetermined.
+// (1) makes dg/dt = gdot + B N B^T mu, so mu = 0 where B has full rank; of redundant constraints some are idle
+// (State::idle), their lambda and mu 0.
 //
 // Newton's matrix dF/dy + c dF/dydot, on body-frame increments dU = [u; psi], dr = R u, dp = p psi/2 + p^ ds,
 // with v = R^T rdot, q = (q0, w/2):
@@ -95,7 +95,7 @@ class StabilizedIndex2 {
     std::size_t offset = 0;  // in the blocks' values
     int rows = 0, columns = 0;
     int row = -1, column = -1;  // blocks of the System's graph
-    enum class Kind : char { ground, node, gradient, forces } kind = Kind::ground;
+    enum class Kind : char { ground, node, gradient, forces, own } kind = Kind::ground;
     std::size_t first = 0;  // where they go: places of the solver's graph
   };
   std::vector<Source> sources_;

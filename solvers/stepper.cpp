@@ -61,8 +61,10 @@ double time_between(double start, double end) {
 }
 
 std::string singular_failure(const std::string& unknown) {
-  return fmt::format("the tangent is singular{}: redundant constraints or a mechanism in a lock",
-                     unknown.empty() ? unknown : " at " + unknown);
+  return fmt::format(
+      "the tangent is singular{}: a mechanism in a lock, or constraints that repeat each other "
+      "there",
+      unknown.empty() ? unknown : " at " + unknown);
 }
 
 std::string initial_accelerations(const System& system, LinearSolver& solver, State& state,
@@ -82,7 +84,7 @@ std::string initial_accelerations(const System& system, LinearSolver& solver, St
     const Index row = solver.singular_row();
     return fmt::format(
         "the initial accelerations are not determined{}: a node without inertia that no joint "
-        "holds, or redundant constraints",
+        "holds",
         row >= 0 ? " at " + system.name_of(row + 6) : std::string());
   }
   const Index motions = 6 * (system.nodes() - 1);

@@ -43,6 +43,7 @@ void System::finish(bool with_rates, double length_scale) {
     first_contributions_.push_back(graph_.contributions.size());
     batch->connect(graph_);
   }
+  first_contributions_.push_back(graph_.contributions.size());
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const int accelerates = signal_uses_[i] == SignalUse::drive ? 2 : 0;
     for (const Jump& jump : signals_[i].jumps())
@@ -55,6 +56,19 @@ void System::finish(bool with_rates, double length_scale) {
       std::unique(breakpoints_.begin(), breakpoints_.end(),
                   [](const Breakpoint& a, const Breakpoint& b) { return a.t == b.t; }),
       breakpoints_.end());
+}
+
+void System::allow_idle_rows() {
+  const int first = static_cast<int>(nodes()) - 1;
+  touching_.resize(constraints_.size());
+  for (std::size_t i = 0; i < graph_.contributions.size(); ++i) {
+    const auto [row, column] = graph_.contributions[i];
+    if (row >= first) touching_[static_cast<std::size_t>(row - first)].push_back({i, true});
+    if (column >= first) touching_[static_cast<std::size_t>(column - first)].push_back({i, false});
+  }
+  first_own_ = graph_.contributions.size();
+  for (int c = 0; c < static_cast<int>(constraints_.size()); ++c)
+    graph_.contributions.push_back({first + c, first + c});
 }
 
 State System::reference_state() const {
@@ -80,7 +94,12 @@ bool System::residual(const State& state, VecX& r) const {
   r.setZero(rows());
   bool in_range = true;
   for (const auto& batch : batches_) in_range &= batch->residual(state, r);
+  clear_idle(state, r, 6 * nodes());
   return in_range;
+}
+
+void System::clear_idle(const State& state, VecX& multipliers, Index first) const {
+  for (const Index row : state.idle) multipliers(first + row) = 0.0;
 }
 
 bool System::linearize(const State& state, const TangentWeights& weights, VecX& r,
@@ -94,6 +113,22 @@ bool System::linearize(const State& state, const TangentWeights& weights, VecX& 
   r.setZero(rows());
   bool in_range = true;
   for (const auto& batch : batches_) in_range &= batch->linearize(state, weights, r, slots);
+  if (state.idle.empty()) return in_range;
+
+  clear_idle(state, r, 6 * nodes());
+  for (std::size_t c = 0, next = 0; c < constraints_.size() && next < state.idle.size(); ++c)
+    for (; next < state.idle.size() &&
+           state.idle[next] < constraints_[c].first_row + constraints_[c].rows;
+         ++next) {
+      const Index i = state.idle[next] - constraints_[c].first_row;
+      for (const Touching& t : touching_[c]) {
+        const Slot& slot = slots[t.contribution];
+        for (Index j = 0; j < 6; ++j)
+          slot.data[t.in_rows ? i + j * slot.ld : j + i * slot.ld] = 0.0;
+      }
+      const Slot& own = slots[first_own_ + c];
+      own.data[i * (own.ld + 1)] -= 1.0;
+    }
   return in_range;
 }
 
@@ -105,6 +140,7 @@ void System::add_rate_tangent(const State& state, const TangentWeights& weights,
 void System::load_rate(const State& state, VecX& r) const {
   r.setZero(rows());
   for (const auto& batch : batches_) batch->load_rate(state, r);
+  clear_idle(state, r, 6 * nodes());
 }
 
 std::string System::out_of_range(const State& state) const {
@@ -118,12 +154,16 @@ void System::constraints(const State& state, VecX& g, VecX& gdot) const {
   g.setZero(multipliers_);
   gdot.setZero(multipliers_);
   for (const auto& batch : batches_) batch->constraints(state, g, gdot);
+  clear_idle(state, g, 0);
+  clear_idle(state, gdot, 0);
 }
 
 void System::constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const {
   gdot.setZero(multipliers_);
   gddot_rest.setZero(multipliers_);
   for (const auto& batch : batches_) batch->constraint_rates(state, gdot, gddot_rest);
+  clear_idle(state, gdot, 0);
+  clear_idle(state, gddot_rest, 0);
 }
 
 void System::follow_angles(State& state) const {

@@ -44,6 +44,8 @@ class System {
   Index add_angle();  // one more followed angle; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
+  // Makes room for State::idle in the graph: diagonal blocks of the multipliers. After finish().
+  void allow_idle_rows();
 
   // --- sizes ---
   Index nodes() const { return static_cast<Index>(node_names_.size()); }  // with the ground
@@ -53,7 +55,8 @@ class System {
   bool with_rates() const { return with_rates_; }
   double length_scale() const { return length_scale_; }  // [m] size of the scene
   const BlockGraph& graph() const { return graph_; }
-  // Of each batch, the first of its contributions in graph(); they follow each other.
+  bool idle_rows_allowed() const { return !touching_.empty(); }
+  // Of each batch, the first of its contributions in graph(), and the end of the last batch's.
   std::span<const std::size_t> first_contributions() const { return first_contributions_; }
   const std::vector<std::unique_ptr<Batch>>& batches() const { return batches_; }
   const std::vector<ConstraintInfo>& constraints() const { return constraints_; }
@@ -75,6 +78,7 @@ class System {
   // dr/d(load factor): the loads, with the sign of the residual, and how constraints move with
   // prescribed motions. Exact for loads; of motions to 1e-12 of themselves.
   void load_rate(const State& state, VecX& r) const;
+  // Idle rows of a state: 0 in residuals, gaps and rates; in the tangent -1 on the diagonal, else 0.
   std::string out_of_range(const State& state) const;
   // All of size multipliers().
   void constraints(const State& state, VecX& g, VecX& gdot) const;
@@ -98,6 +102,16 @@ class System {
   }
 
  private:
+  void clear_idle(const State& state, VecX& multipliers, Index first) const;
+
+  // A contribution in the rows or in the columns of a constraint.
+  struct Touching {
+    std::size_t contribution;
+    bool in_rows;
+  };
+  std::vector<std::vector<Touching>> touching_;  // by constraint, where idle rows are allowed
+  std::size_t first_own_ = 0;                    // of their diagonal blocks, in graph_
+
   std::vector<std::string> node_names_;
   std::vector<Pose<double>> reference_;
   std::vector<ConstraintInfo> constraints_;

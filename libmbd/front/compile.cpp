@@ -16,6 +16,7 @@
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
+#include "libmbd/front/redundancy.hpp"
 #include "libmbd/front/reference_line.hpp"
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/section_table.hpp"
@@ -73,6 +74,7 @@ class Compiler {
     model.initial = system_->reference_state();
     set_velocities(model.initial);
     check(model.initial);
+    find_repetitions(model);
     if (scene_.path) add_path_channel(model);
     add_channels(model);
     add_lines(model);
@@ -445,6 +447,17 @@ class Compiler {
       const Model::Maker& maker = joints_->makers()[static_cast<std::size_t>(open->multiplier)];
       throw Error(maker.source, fmt::format("{}: {}: {}", maker.label, open->row, open->what));
     }
+  }
+
+  // Constraints that repeat others leave rows idle.
+  void find_repetitions(Model& model) {
+    if (!has_loops(*system_)) return;
+    Redundancy found = find_redundancy(*system_, model.initial);
+    if (found.rows.empty()) return;
+    refuse_contradictions(scene_, *system_, model.initial, joints_->makers(), found);
+    system_->allow_idle_rows();
+    model.initial.idle = std::move(found.idle);
+    model.redundant = std::move(found.rows);
   }
 
   // --- output ---

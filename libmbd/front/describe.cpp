@@ -506,8 +506,7 @@ std::vector<Term> make_terms(const System& system) {
   for (std::size_t i = 0; i < system.batches().size(); ++i) {
     const Batch& batch = *system.batches()[i];
     Term term{std::string(batch.type()), batch.size(), 0, batch.bytes()};
-    const std::size_t end = i + 1 < first.size() ? first[i + 1] : graph.contributions.size();
-    for (std::size_t k = first[i]; k < end; ++k) {
+    for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
       const auto [row, column] = graph.contributions[k];
       if (row >= 0 && column >= 0)
         term.contributions += Index{graph.blocks[static_cast<std::size_t>(row)].size} *

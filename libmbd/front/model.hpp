@@ -10,6 +10,7 @@
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/front/scene.hpp"
+#include "solvers/redundancy.hpp"
 
 namespace mbd {
 
@@ -51,6 +52,8 @@ struct Model {
     std::string label;  // `revolute "A"`
   };
   std::vector<Maker> makers;
+  // Constraints that repeat others (solvers/redundancy.hpp); `initial` leaves as many rows idle.
+  std::vector<RedundantRow> redundant;
 };
 
 // Checks the scene as a mechanism and builds it. Throws Error, naming file, line and item, for unknown

@@ -92,11 +92,12 @@ struct RunReport {
   std::optional<PathScene> path;
   std::optional<ChosenAccuracy> accuracy;
 
-  std::string failure;             // empty: all went well (expectations apart)
-  std::vector<std::string> notes;  // what a user should know of a run that went well
-  double t = 0.0;                  // reached [s]
-  double load_factor = 1.0;        // reached
-  long rows = 0;                   // of history.csv
+  std::string failure;                 // empty: all went well (expectations apart)
+  std::vector<std::string> redundant;  // constraints that repeat others, by joint
+  std::vector<std::string> notes;      // what a user should know of a run that went well
+  double t = 0.0;                      // reached [s]
+  double load_factor = 1.0;            // reached
+  long rows = 0;                       // of history.csv
 
   Index nodes = 0, unknowns = 0, multipliers = 0;
   std::vector<BatchReport> batches;

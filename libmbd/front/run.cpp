@@ -1,6 +1,7 @@
 #include "libmbd/front/run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -138,6 +139,15 @@ class Run {
     report_.nodes = system.nodes();
     report_.unknowns = system.unknowns();
     report_.multipliers = system.multipliers();
+    report_.redundant = repetitions(model_);
+    if (!report_.redundant.empty())
+      report_.notes.push_back(fmt::format(
+          "{} constraints repeat others ({}): the motion does not depend on them, and reactions "
+          "are "
+          "those of least norm, sum of F^2 + (M/L)^2 with L = {:.6g} m",
+          model_.redundant.size(), fmt::join(report_.redundant, "; "), system.length_scale()));
+    for (const RecordScene& record : scene.records)
+      shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
     for (const auto& batch : system.batches())
       report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
     report_.compile = watch_.lap();
@@ -164,7 +174,6 @@ class Run {
     const Mechanism mechanism = system.multipliers() <= most_analysed
                                     ? analyze_mechanism(system, model_.initial)
                                     : Mechanism{};
-    refuse_redundant(model_, mechanism);
     if ((in_statics_ || scene_.path) && mechanism.freedoms() > 0)
       throw Error(
           scene_.statics ? scene_.statics->source : scene_.path->source,
@@ -385,7 +394,12 @@ class Run {
   }
 
   bool write_row(const State& state) {
-    if (const Index bad = sample_row(model_, state, row_); bad >= 0) {
+    // Reactions that constraints share between them: those of least norm.
+    if (shares_reactions_) {
+      shared_ = state;
+      shared_.lambda = minimum_norm(*model_.system, state);
+    }
+    if (const Index bad = sample_row(model_, shares_reactions_ ? shared_ : state, row_); bad >= 0) {
       const std::string name = columns_[static_cast<std::size_t>(bad)].name;
       const std::string failure =
           scene_.transient
@@ -463,6 +477,8 @@ class Run {
   Model model_;
   std::vector<Column> columns_;
   std::vector<double> row_;
+  bool shares_reactions_ = false;  // constraints repeat each other, and reactions are recorded
+  State shared_;
   std::vector<std::size_t> marks_;  // column of each mark of a path
   std::unique_ptr<Expectations> expectations_;
   std::unique_ptr<HistoryWriter> history_;

@@ -9,7 +9,6 @@
 
 #include "libmbd/front/describe.hpp"
 #include "libmbd/front/reader.hpp"
-#include "libmbd/front/redundancy.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/overrides.hpp"
 
@@ -32,7 +31,6 @@ int check_models(const CheckArguments& arguments) {
       const Scene scene = read_model(file, overrides);
       const Model model = compile(scene);
       const CheckReport report = check_model(scene, model);
-      refuse_redundant(model, report.mechanism);
       const std::string text = arguments.json ? to_json(report) : to_text(report);
       fmt::print("{}{}", first || arguments.json ? "" : "\n", text);
       first = false;
