@@ -12,6 +12,7 @@ namespace mbd {
 namespace {
 
 constexpr int most_halvings = 40;
+constexpr int most_contradictions = 30;     // beyond these steps would only creep
 constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
 constexpr double rank_tolerance = 1e-3;     // eps, in units of 1/mass
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
@@ -119,7 +120,7 @@ bool OneStep::attempt(double t, double h, StepReport& report) {
 
 bool OneStep::attempt_with_other_rows(double t, double h, StepReport& report) {
   const std::string failure = report.failure;
-  bool parted = parted_;
+  bool parted = parted_;  // in any attempt
   const Redundancy found = find_redundancy(system_, begin_);
   if (found.idle != begin_.idle) {
     forget();
@@ -135,6 +136,7 @@ bool OneStep::attempt_with_other_rows(double t, double h, StepReport& report) {
     if (choose_rows_) return true;
   }
   forget();
+  parted_ = parted;
   report.failure = failure;
   return false;
 }
@@ -198,7 +200,7 @@ StepReport OneStep::fixed_step(State& state) {
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
-  bool again = false;
+  bool again = false, contradicted = false;
   for (;;) {
     double h = controller_->step();
     const double rest = landing.t - state.t;
@@ -218,6 +220,11 @@ StepReport OneStep::adaptive_step(State& state) {
     }
     if (!try_step(state, last ? landing.t : state.t + h, report)) {
       ++counters_.retries;
+      contradicted = contradicted || parted_;
+      if (parted_ && ++contradictions_ > most_contradictions) {
+        report.failure = fmt::format("at t = {:.9g} s: {}", state.t, report.failure);
+        return report;
+      }
       controller_->failed(h);
       continue;
     }
@@ -230,6 +237,7 @@ StepReport OneStep::adaptive_step(State& state) {
       continue;
     }
     controller_->accepted(h, report.error);
+    if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);
     record_size(h, last);
     sizes_.worst_error = std::max(sizes_.worst_error, report.error);
     sizes_.position_error += error_norm_->position();

@@ -105,6 +105,7 @@ class OneStep : public Stepper {
   long count_ = 0;                              // whole fixed steps since
   int halvings_ = 0;  // of the fixed steps now tried, and how many in a row have gone well
   int good_ = 0;
+  int contradictions_ = 0;    // adaptive steps that idle rows made shorter, less those they did not
   bool parted_ = false;       // idle rows have, in the last attempt
   bool choose_rows_ = false;  // at the end of the step under way
 };

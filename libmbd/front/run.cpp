@@ -141,11 +141,13 @@ class Run {
     report_.multipliers = system.multipliers();
     report_.redundant = repetitions(model_);
     if (!report_.redundant.empty())
-      report_.notes.push_back(fmt::format(
-          "{} constraints repeat others ({}): the motion does not depend on them, and reactions "
-          "are "
-          "those of least norm, sum of F^2 + (M/L)^2 with L = {:.6g} m",
-          model_.redundant.size(), fmt::join(report_.redundant, "; "), system.length_scale()));
+      report_.notes.push_back(
+          fmt::format("{} of the constraints repeat{} others ({}): the motion does not depend on "
+                      "them, and reactions "
+                      "are "
+                      "those of least norm, sum of F^2 + (M/L)^2 with L = {:.6g} m",
+                      model_.redundant.size(), model_.redundant.size() == 1 ? "s" : "",
+                      fmt::join(report_.redundant, "; "), system.length_scale()));
     for (const RecordScene& record : scene.records)
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
     for (const auto& batch : system.batches())

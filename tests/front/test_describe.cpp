@@ -178,7 +178,7 @@ TEST(Check, FindsWhatARunRefuses) {
 
 TEST(Check, NotesSayWhatToMend) {
   // The same hinge twice: each of its five rows is there already.
-  const CheckReport twice = check_of(read_model(bad_models / "joints_twice.xml"));
+  const CheckReport twice = check_of(read_model(bad_models / "good" / "joints_twice.xml"));
   EXPECT_EQ(twice.redundant.size(), 5u);
   EXPECT_TRUE(twice.notes.empty());
   const CheckReport loose = check_of(read_model(bad_models / "nothing_holds_it.xml"));

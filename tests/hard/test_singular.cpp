@@ -68,7 +68,8 @@ double windows_error(const Table& table, int N) {
     const double angle = q(table.columns[0][k]);
     for (const auto& [name, x] : {std::pair{"P", 0.0}, {"last", static_cast<double>(N)}}) {
       const std::string p = std::string(name) + ".position.";
-      worst = std::max(worst, std::hypot(table[p + "1"][k] - x - std::cos(angle), table[p + "2"][k] - std::sin(angle)));
+      worst = std::max(worst, std::hypot(table[p + "1"][k] - x - std::cos(angle),
+                                         table[p + "2"][k] - std::sin(angle)));
     }
   }
   return worst;
@@ -86,7 +87,8 @@ Scene windows(const std::string& model, int N, double tolerance) {
   return scene;
 }
 
-void windows_case(const char* id, const char* model, int N, double tolerance, double bound, double duration = 10.0) {
+void windows_case(const char* id, const char* model, int N, double tolerance, double bound,
+                  double duration = 10.0) {
   Scene scene = windows(model, N, tolerance);
   scene.transient->duration = duration;
   RunReport report;
@@ -96,18 +98,24 @@ void windows_case(const char* id, const char* model, int N, double tolerance, do
   heavier.bodies[1].mass *= 1.1;
   heavier.transient->duration = 2.0;
   EXPECT_GT(windows_error(table_of(heavier), N), 1e-4);
-  hard::record({id, fmt::format("{} windows in a row, all links parallel twice a turn", N),
-                fmt::format("{}{}, N={}, radau, tolerance {:g}", "models/", model, N, tolerance) + ".xml",
-                "one pendulum, integrated in the test",
-                bounded(error, bound) + fmt::format(" m, largest distance of two joints over {:g} s; {} rank-tolerant steps",
-                                                    duration, report.transient_counters.tolerant),
-                "one crank + 10 %"});
+  hard::record(
+      {id, fmt::format("{} windows in a row, all links parallel twice a turn", N),
+       fmt::format("{}{}, N={}, radau, tolerance {:g}", "models/", model, N, tolerance) + ".xml",
+       "one pendulum, integrated in the test",
+       bounded(error, bound) +
+           fmt::format(" m, largest distance of two joints over {:g} s; {} rank-tolerant steps",
+                       duration, report.transient_counters.tolerant),
+       "one crank + 10 %"});
 }
 
 TEST(Singular, TwoWindows) { windows_case("2a", "windows", 2, 1e-8, 1e-5); }
-TEST(Singular, TwoWindowsOfRevoluteJoints) { windows_case("2b", "hard/windows_parallel", 2, 1e-8, 1e-5); }
+TEST(Singular, TwoWindowsOfRevoluteJoints) {
+  windows_case("2b", "hard/windows_parallel", 2, 1e-8, 1e-5);
+}
 TEST(SingularSlow, FortyWindows) { windows_case("2c", "windows", 40, 1e-8, 1e-4, 3.0); }
-TEST(SingularSlow, FortyWindowsOfRevoluteJoints) { windows_case("2d", "hard/windows_parallel", 40, 1e-7, 1e-4, 1.5); }
+TEST(SingularSlow, FortyWindowsOfRevoluteJoints) {
+  windows_case("2d", "hard/windows_parallel", 40, 1e-7, 1e-4, 1.5);
+}
 
 // Generalized-alpha with steps that fall anywhere about the change points: always second order, never elsewhere.
 TEST(SingularSlow, WindowsByFixedStepsOfAnySize) {
@@ -124,19 +132,21 @@ TEST(SingularSlow, WindowsByFixedStepsOfAnySize) {
     worst = std::max(worst, error);
     ++runs;
   }
-  hard::record({"2e", "two windows by generalized-alpha, 25 steps from 0.75 to 1 ms", "models/windows.xml, step=…",
-                "one pendulum, integrated in the test", bounded(worst, 2e-4) + " m at 1 ms, scaled by the square of the step",
-                "see 2a"});
+  hard::record({"2e", "two windows by generalized-alpha, 25 steps from 0.75 to 1 ms",
+                "models/windows.xml, step=…", "one pendulum, integrated in the test",
+                bounded(worst, 2e-4) + " m at 1 ms, scaled by the square of the step", "see 2a"});
 }
 
 TEST(Singular, DeadCentre) {
   const Scene scene = model_scene("hard/dead_centre");
   const auto error = [&](const Table& table) {
     // w^2 (1/3 + 3 sin^2 q) constant.
-    OneCoordinate q([](double at, double w) {
-      const double s = std::sin(at), c = std::cos(at);
-      return -3.0 * s * c * w * w / (1.0 / 3.0 + 3.0 * s * s);
-    }, pi / 4.0, 2.0);
+    OneCoordinate q(
+        [](double at, double w) {
+          const double s = std::sin(at), c = std::cos(at);
+          return -3.0 * s * c * w * w / (1.0 / 3.0 + 3.0 * s * s);
+        },
+        pi / 4.0, 2.0);
     double worst = 0.0;
     for (std::size_t k = 0; k < table.rows(); ++k) {
       const double angle = q(table.columns[0][k]);
@@ -152,11 +162,12 @@ TEST(Singular, DeadCentre) {
   Scene heavier = scene;
   heavier.bodies[2].mass *= 1.1;
   EXPECT_GT(error(table_of(heavier)), 1e-3);
-  hard::record({"2f", "slider-crank of equal links through its dead centres", "models/hard/dead_centre.xml",
-                "energy with one coordinate, integrated in the test",
-                bounded(error(table), 1e-6) + fmt::format(" rad and m, all rows; {} rank-tolerant steps",
-                                                          report.transient_counters.tolerant),
-                "slider + 10 %"});
+  hard::record(
+      {"2f", "slider-crank of equal links through its dead centres", "models/hard/dead_centre.xml",
+       "energy with one coordinate, integrated in the test",
+       bounded(error(table), 1e-6) + fmt::format(" rad and m, all rows; {} rank-tolerant steps",
+                                                 report.transient_counters.tolerant),
+       "slider + 10 %"});
 }
 
 // A drive that asks for what a singular configuration does not allow.
@@ -173,10 +184,12 @@ TEST(Singular, StartInALockIsRefused) {
     <transient duration="1" {5}/>
     <record name="slider" at="slider" quantities="position"/></mbd>)xml";
   int refused = 0;
-  for (const char* const how : {"method=\"radau\" tolerance=\"1e-6\"", "step=\"0.01\"", "method=\"ida\" tolerance=\"1e-6\""}) {
+  for (const char* const how : {"method=\"radau\" tolerance=\"1e-6\"", "step=\"0.01\"",
+                                "method=\"ida\" tolerance=\"1e-6\""}) {
     // Crank and rod in one line: the slider cannot be driven from there, the crank can.
     const auto scene = [&](const char* joint, const char* law) {
-      return read_model_text(fmt::format(fmt::runtime(text), 0.5, 1.5, 2, joint, law, how), "lock.xml");
+      return read_model_text(fmt::format(fmt::runtime(text), 0.5, 1.5, 2, joint, law, how),
+                             "lock.xml");
     };
     try {
       const RunReport report = run(scene("guide", "displacement"), {});
@@ -190,8 +203,11 @@ TEST(Singular, StartInALockIsRefused) {
     const RunReport report = run(scene("O", "angle"), {});
     EXPECT_TRUE(report.complete()) << how << ": " << report.failure;
   }
-  hard::record({"2g", "start in a lock: the slider of a crank in line with its rod is driven; three integrators", "in C++",
-                "refused with the reason", fmt::format("{} of 3 refused", refused), "the crank driven in its place: runs"});
+  hard::record(
+      {"2g",
+       "start in a lock: the slider of a crank in line with its rod is driven; three integrators",
+       "in C++", "refused with the reason", fmt::format("{} of 3 refused", refused),
+       "the crank driven in its place: runs"});
 }
 
 }  // namespace
