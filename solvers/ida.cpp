@@ -104,6 +104,7 @@ class Ida::Integrator final : public DenseStep {
     stop_ = stop;
     singular_ = false;
     thrown_.clear();
+    unusable_.clear();
     void* const memory = memory_.get();
     if (const int status = IDASetStopTime(memory, stop); status < 0) return status;
     const int status = IDASolve(memory, stop, &t, y_.get(), ydot_.get(), IDA_ONE_STEP);
@@ -122,6 +123,8 @@ class Ida::Integrator final : public DenseStep {
     return status;
   }
   int iterations() const { return iterations_; }  // of the last step
+  // What the last step met of a signal that cannot be used, however short it then became; or empty.
+  const std::string& unusable() const { return unusable_; }
 
   // The end of the last step.
   void end_state(State& state) const {
@@ -177,6 +180,7 @@ class Ida::Integrator final : public DenseStep {
   // Why a step ended with a negative status.
   std::string failure(int status) {
     if (!thrown_.empty()) return thrown_;
+    if (!unusable_.empty()) return unusable_;
     if (singular_) return singular_failure(equations_.singular_unknown());
     if (const std::string element = system_.out_of_range(equations_.at()); !element.empty())
       return range_failure(element);
@@ -250,6 +254,10 @@ class Ida::Integrator final : public DenseStep {
       ++counters_.residuals;
       const auto f = values(F);
       const bool in_range = equations_.residual(std::min(t, stop_), values(y), values(ydot), f);
+      if (std::string unusable = system_.unusable_signal(equations_.at()); !unusable.empty()) {
+        unusable_ = std::move(unusable);
+        return 1;
+      }
       const bool finite =
           std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); });
       return in_range && finite ? 0 : 1;
@@ -310,7 +318,7 @@ class Ida::Integrator final : public DenseStep {
   double stop_ = 0.0;      // the step under way does not pass it [s]
   double c_ = 0.0;         // cj of the last matrix since the start [1/s]; 0: none
   bool initialized_ = false, singular_ = false;
-  std::string thrown_;
+  std::string thrown_, unusable_;
   Steps last_;
   int iterations_ = 0;
   const State* begin_ = nullptr;
@@ -395,10 +403,13 @@ StepReport Ida::step(State& state) {
   if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, report)) return report;
   tiny_ = h < slack_ && !landed ? tiny_ + 1 : 0;
   if (tiny_ > most_tiny_steps) {
-    report.failure = fmt::format(
-        "at t = {:.9g} s the step has shrunk to {:.3g} s (worst equation: {}); look for a "
-        "singularity there",
-        state.t, h, integrator_->worst_error());
+    report.failure = !integrator_->unusable().empty()
+                         ? fmt::format("from t = {:.9g} s: {}", state.t, integrator_->unusable())
+                         : fmt::format(
+                               "at t = {:.9g} s the step has shrunk to {:.3g} s (worst equation: "
+                               "{}); look for a "
+                               "singularity there",
+                               state.t, h, integrator_->worst_error());
     return report;
   }
   report.converged = true;

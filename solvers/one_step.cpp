@@ -35,6 +35,27 @@ OneStep::OneStep(const System& system, std::unique_ptr<LinearSolver> solver,
                             settings.max_halvings));
 }
 
+bool OneStep::usable(const State& state, StepReport& report) {
+  report.failure = system_.unusable_signal(state);
+  if (report.failure.empty()) return true;
+  find_last_usable(begin_.t, state.t, report);
+  return false;
+}
+
+// By bisection between a time at which all signals can be used and one at which some cannot.
+void OneStep::find_last_usable(double from, double to, StepReport& report) {
+  State at = begin_;
+  while (to - from > slack_) {
+    const double middle = from + 0.5 * (to - from);
+    if (!(from < middle && middle < to)) break;
+    system_.set_time(at, middle, Side::left);
+    std::string unusable = system_.unusable_signal(at);
+    (unusable.empty() ? from : to) = middle;
+    if (!unusable.empty()) report.failure = std::move(unusable);
+  }
+  last_usable_ = from;
+}
+
 void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
   for (std::size_t k = 0; k < own.size(); ++k)
     for (Index i = 0; i < system_.constraints()[k].rows; ++i)
@@ -94,6 +115,7 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   const int before = report.iterations;
   report.iterations = 0;
   report.failure.clear();
+  last_usable_.reset();
   const bool converged = solve_step(t, h, report);
   report.iterations += before;
   if (converged)
@@ -134,9 +156,9 @@ StepReport OneStep::fixed_step(State& state) {
       }
       last = false;
       good_ = 0;
-      if (halvings_ == settings_.max_halvings) {
+      if (halvings_ == settings_.max_halvings || last_usable_) {
         report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
-                                     settings_.max_halvings > 0
+                                     settings_.max_halvings > 0 && !last_usable_
                                          ? fmt::format(", even with a step of {:.3g} s", h)
                                          : std::string(),
                                      report.failure);
@@ -155,7 +177,8 @@ StepReport OneStep::fixed_step(State& state) {
 
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
-  const Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
+  Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
+  std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false;
   for (;;) {
     double h = controller_->step();
@@ -165,6 +188,10 @@ StepReport OneStep::adaptive_step(State& state) {
       h = rest;
     else if (2.0 * h > rest)
       h = 0.5 * rest;  // two alike, rather than a whole one and a rest
+    if (!(h > slack_) && !unusable.empty()) {
+      report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable);
+      return report;
+    }
     if (!(h > slack_)) {
       report.failure = fmt::format(
           "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
@@ -176,7 +203,12 @@ StepReport OneStep::adaptive_step(State& state) {
     }
     if (!try_step(state, last ? landing.t : state.t + h, report)) {
       ++counters_.retries;
-      controller_->failed(h);
+      if (last_usable_) {
+        unusable = report.failure;
+        landing = {.t = *last_usable_};
+      } else {
+        controller_->failed(h);
+      }
       continue;
     }
     report.error = estimated_error(again);

@@ -70,6 +70,8 @@ std::string initial_accelerations(const System& system, LinearSolver& solver, St
   VecX r, gdot, gddot_rest;
   VecX x(system.unknowns());
   system.set_time(state, state.t, Side::right);
+  if (std::string unusable = system.unusable_signal(state, true); !unusable.empty())
+    return unusable;
   // r is linear in Vdot and lambda: one solve, and one more against round-off.
   for (Vec6& a : state.Vdot) a.setZero();
   state.lambda.setZero();
