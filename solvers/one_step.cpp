@@ -38,22 +38,8 @@ OneStep::OneStep(const System& system, std::unique_ptr<LinearSolver> solver,
 bool OneStep::usable(const State& state, StepReport& report) {
   report.failure = system_.unusable_signal(state);
   if (report.failure.empty()) return true;
-  find_last_usable(begin_.t, state.t, report);
+  last_usable_ = last_usable(system_, begin_, state.t, slack_, report.failure);
   return false;
-}
-
-// By bisection between a time at which all signals can be used and one at which some cannot.
-void OneStep::find_last_usable(double from, double to, StepReport& report) {
-  State at = begin_;
-  while (to - from > slack_) {
-    const double middle = from + 0.5 * (to - from);
-    if (!(from < middle && middle < to)) break;
-    system_.set_time(at, middle, Side::left);
-    std::string unusable = system_.unusable_signal(at);
-    (unusable.empty() ? from : to) = middle;
-    if (!unusable.empty()) report.failure = std::move(unusable);
-  }
-  last_usable_ = from;
 }
 
 void OneStep::add_rank_tolerance(std::span<const Slot> own) const {

@@ -94,7 +94,6 @@ class OneStep : public Stepper {
   StepReport adaptive_step(State& state);
   bool try_step(const State& state, double t, StepReport& report);
   void take_step(State& state);
-  void find_last_usable(double from, double to, StepReport& report);
 
   int error_order_;
   std::unique_ptr<StepController> controller_;  // of adaptive steps

@@ -96,8 +96,8 @@ std::string System::unusable_signal(const State& state, bool accelerations) cons
     return fmt::format(
         "{}{} is {} at t = {:.9g} s; choose another law there by condition ? value : value, or end "
         "the run before",
-        signal_names_[i].empty() ? fmt::format("signal {}", i + 1) : signal_names_[i], of, value,
-        state.t);
+        signal_names_[i].empty() ? fmt::format("signal {}", i + 1) : signal_names_[i], of,
+        std::isnan(value) ? "not a number" : fmt::format("{}", value), state.t);
   }
   return {};
 }
