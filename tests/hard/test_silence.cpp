@@ -63,19 +63,6 @@ double last_time(const fs::path& file) {
   return history.values[0].back();
 }
 
-TEST(Silence, ThePrefixCheckerTellsWhatIsNoPrefix) {
-  const std::string whole = "# a\ntime,x\n0,1\n0.1,1.25\n0.2,1.5\n";
-  EXPECT_EQ(wrong_prefix(whole, whole), "");
-  EXPECT_EQ(wrong_prefix("# a\ntime,x\n0,1\n", whole), "");
-  EXPECT_NE(wrong_prefix("# a\ntime,x\n0,1\n0.1,1.2", whole), "") << "cut in a row";
-  EXPECT_EQ(wrong_prefix("# a\ntime,x\n0,1\n0.1,1.2", whole, true), "");
-  EXPECT_NE(wrong_prefix("# a\ntime,x\n0,1\n0.1,7.2", whole, true), "") << "cut, and another";
-  EXPECT_NE(wrong_prefix("# a\ntime,x\n0,1\n0.1,1.26\n", whole), "") << "another number";
-  EXPECT_NE(wrong_prefix("# a\ntime,x\n0.1,1.25\n", whole), "") << "a row left out";
-  EXPECT_EQ(rows_of(whole), 3);
-  EXPECT_EQ(rows_of("# a\ntime,x\n0,1\n0.1,1.2"), 1);
-}
-
 class Silence : public testing::Test {
  protected:
   Ended mbd(std::vector<std::string> arguments, const std::string& out) {
@@ -92,6 +79,19 @@ class Silence : public testing::Test {
   TemporaryDirectory directory_;
 };
 
+TEST_F(Silence, ThePrefixCheckerTellsWhatIsNoPrefix) {
+  const std::string whole = "# a\ntime,x\n0,1\n0.1,1.25\n0.2,1.5\n";
+  EXPECT_EQ(wrong_prefix(whole, whole), "");
+  EXPECT_EQ(wrong_prefix("# a\ntime,x\n0,1\n", whole), "");
+  EXPECT_NE(wrong_prefix("# a\ntime,x\n0,1\n0.1,1.2", whole), "") << "cut in a row";
+  EXPECT_EQ(wrong_prefix("# a\ntime,x\n0,1\n0.1,1.2", whole, true), "");
+  EXPECT_NE(wrong_prefix("# a\ntime,x\n0,1\n0.1,7.2", whole, true), "") << "cut, and another";
+  EXPECT_NE(wrong_prefix("# a\ntime,x\n0,1\n0.1,1.26\n", whole), "") << "another number";
+  EXPECT_NE(wrong_prefix("# a\ntime,x\n0.1,1.25\n", whole), "") << "a row left out";
+  EXPECT_EQ(rows_of(whole), 3);
+  EXPECT_EQ(rows_of("# a\ntime,x\n0,1\n0.1,1.2"), 1);
+}
+
 void expect_says(const std::string& text, const std::vector<std::string>& all) {
   for (const std::string& one : all)
     EXPECT_NE(text.find(one), std::string::npos) << one << "\nin: " << text;
@@ -102,18 +102,19 @@ void expect_says(const std::string& text, const std::vector<std::string>& all) {
 struct Method {
   const char* name;
   std::vector<std::string> arguments;
-  bool fixed;
+  double tolerance;  // 0: fixed steps
+  bool fixed() const { return tolerance == 0.0; }
 };
 
 const std::vector<Method>& methods() {
   static const std::vector<Method> all = {
-      {"generalized-alpha, fixed", {}, true},
+      {"generalized-alpha, fixed", {}, 0.0},
       {"generalized-alpha, adaptive",
        {"--method", "generalized_alpha", "--tolerance", "1e-4"},
-       false},
-      {"radau, fixed", {"--method", "radau"}, true},
-      {"radau, adaptive", {"--method", "radau", "--tolerance", "1e-6"}, false},
-      {"ida", {"--method", "ida", "--tolerance", "1e-5"}, false}};
+       1e-4},
+      {"radau, fixed", {"--method", "radau"}, 0.0},
+      {"radau, adaptive", {"--method", "radau", "--tolerance", "1e-6"}, 1e-6},
+      {"ida", {"--method", "ida", "--tolerance", "1e-5"}, 1e-5}};
   return all;
 }
 
@@ -184,7 +185,7 @@ TEST_F(Silence, SignalsThatEndAreNamedWithTheirTime) {
       EXPECT_EQ(whole.status, 0) << whole.err;
       const std::string part_text = read_text(file(out, "history.csv"));
       const std::string whole_text = read_text(file("undisturbed", "history.csv"));
-      if (method.fixed) {
+      if (method.fixed()) {
         EXPECT_EQ(wrong_prefix(part_text, whole_text), "");
       } else {  // the last steps before it are others
         const History a = read_history(file(out, "history.csv"));
@@ -214,8 +215,7 @@ TEST_F(Silence, SignalsThatEndAreNamedWithTheirTime) {
 TEST_F(Silence, ALoadThatIsNoNumberAtTheStartIsRefused) {
   const Ended ended = mbd({"run", model("load_ends"), "--set", "T=-1"}, "out");
   EXPECT_EQ(ended.status, 1);
-  expect_says(ended.err,
-              {"load_ends.xml:14: load \"push\": force 3", "is not a number at t = 0 s"});
+  expect_says(ended.err, {"load_ends.xml:14: load \"push\": force component 3 is -nan at t = 0"});
   EXPECT_FALSE(fs::exists(directory_.path() / "out")) << "nothing is written";
 }
 
@@ -244,7 +244,7 @@ TEST_F(Silence, OverflowIsNoResult) {
     EXPECT_EQ(ended.status, 1);
     EXPECT_NE(ended.err, "");
     expect_says(report("out").at("failure").get<std::string>(), {"t = 0"});
-    if (method.fixed) expect_says(ended.err, {"the energy is not finite at t = 0."});
+    if (method.arguments.empty()) expect_says(ended.err, {"the energy is not finite at t = 0."});
   }
   Ended ended = mbd({"run", model("statics_overflow")}, "statics");
   EXPECT_EQ(ended.status, 1);
@@ -254,7 +254,7 @@ TEST_F(Silence, OverflowIsNoResult) {
   EXPECT_EQ(mbd({"run", model("statics_overflow"), "--set", "F=1"}, "statics").status, 0);
   ended = mbd({"run", model("stretched_beyond_numbers")}, "stretched");
   EXPECT_EQ(ended.status, 1);
-  expect_says(ended.err, {"the energy is not finite at load factor"});
+  expect_says(ended.err, {"stretched_beyond_numbers.xml:12: static: no equilibrium beyond"});
   hard::record({.id = "9b",
                 .what = "energies, residuals and statics that overflow, five methods",
                 .run = "tests/hard/models/energy_overflows.xml, statics_overflow.xml, "
@@ -272,9 +272,11 @@ TEST_F(Silence, TheLastStepCountsToo) {
     SCOPED_TRACE(method.name);
     std::vector<std::string> arguments = {"run", model("lock")};
     arguments.insert(arguments.end(), method.arguments.begin(), method.arguments.end());
+    // Fixed steps are to end in the lock, others a little after it.
+    if (method.fixed()) arguments.insert(arguments.end(), {"--set", "duration=0.1"});
     const Ended ended = mbd(arguments, "out");
     EXPECT_EQ(ended.status, 1) << ended.err;
-    if (method.fixed) expect_says(ended.err, {"step 101 of 101"});
+    if (method.fixed()) expect_says(ended.err, {"step 100 of 100"});
     // Rows up to the lock, each of them right: cos(crank) = slider/2.
     const History history = read_history(file("out", "history.csv"));
     EXPECT_GT(history.values[0].back(), 0.0985);
@@ -285,14 +287,15 @@ TEST_F(Silence, TheLastStepCountsToo) {
       const double exact = std::acos(std::min(0.5 * slider, 1.0)) - std::acos(0.95);
       // Near the lock the angle goes with the root of what is left: measured by the slider.
       const double error = std::abs(2.0 * std::cos(angle[r] + std::acos(0.95)) - slider);
-      worst = std::max(worst, error);
+      worst = std::max(worst, error / std::max(method.tolerance, 1e-9));
       EXPECT_NEAR(angle[r], exact, 0.05);
     }
     // It is the lock that stops it.
+    if (method.fixed()) arguments.resize(arguments.size() - 2);
     arguments.insert(arguments.end(), {"--set", "duration=0.09"});
     EXPECT_EQ(mbd(arguments, "before").status, 0);
   }
-  constexpr double bound = 1e-4;
+  constexpr double bound = 5.0;  // times the tolerance, or 1e-9 with fixed steps
   EXPECT_LT(worst, bound);
 
   const Ended ended = mbd({"run", model("beyond_the_limit")}, "limit");
@@ -311,9 +314,9 @@ TEST_F(Silence, TheLastStepCountsToo) {
        .what = "a lock in the last time step, five methods; a load 0.1 % beyond the limit load",
        .run = "tests/hard/models/lock.xml, beyond_the_limit.xml",
        .reference = "closed form of the slider-crank; limit load by shooting",
-       .error = fmt::format(
-           "rows up to it: {} m of the slider; load factor {:.1e} below the limit (bound 5e-06)",
-           hard::bounded(worst, bound), 0.999 - reached),
+       .error = fmt::format("rows up to it: {:.1e} of the tolerance, or of 1e-9 in fixed steps "
+                            "(bound {:.0f}); load factor {:.1e} below the limit (bound 5e-06)",
+                            worst, bound, 0.999 - reached),
        .shown = "in the test: ended before the lock, and below the limit load: status 0"});
 }
 
@@ -328,12 +331,12 @@ TEST_F(Silence, AccuracyHidesNoFailure) {
 
 // ---- writing -----------------------------------------------------------------------------------
 
-// No file may grow beyond 64 KB: what is written of a row that goes beyond is taken back.
+// No file may grow beyond 256 KB: what is written of a row that goes beyond is taken back.
 TEST_F(Silence, ADiskThatFillsUpLeavesAPrefix) {
   const fs::path whole = directory_.path() / "whole", part = directory_.path() / "part";
   EXPECT_EQ(mbd({"run", model("many_rows"), "--set", "steps=2000"}, "whole").status, 0);
   const Output limited =
-      bash(fmt::format("trap '' XFSZ; ulimit -f 64; exec {} run {} --set steps=2000 -q -o {}",
+      bash(fmt::format("trap '' XFSZ; ulimit -f 256; exec {} run {} --set steps=2000 -q -o {}",
                        quote(MBD_PROGRAM), quote(model("many_rows")), quote(part.string())));
   EXPECT_EQ(limited.status, 1);
   expect_says(
@@ -341,7 +344,8 @@ TEST_F(Silence, ADiskThatFillsUpLeavesAPrefix) {
       {"part/history.csv: cannot be written (File too large); it holds what was written before"});
   const std::string rows = read_text(part / "history.csv");
   EXPECT_EQ(wrong_prefix(rows, read_text(whole / "history.csv")), "");
-  EXPECT_LE(rows.size(), 65536u);
+  EXPECT_LE(rows.size(), 262144u);
+  EXPECT_GT(rows_of(rows), 200);
   EXPECT_GT(rows_of(read_text(whole / "history.csv")), 2000);
   expect_says(
       nlohmann::json::parse(read_text(part / "report.json")).at("failure").get<std::string>(),
@@ -396,7 +400,7 @@ class StoppedRun : public Silence {
                      (directory_.path() / out).string()},
                     directory_.path() / "program");
     const fs::path csv = file(out, "history.csv");
-    while (!program.ended() && !(fs::exists(csv) && fs::file_size(csv) > 60'000))
+    while (!program.ended() && !(fs::exists(csv) && fs::file_size(csv) > 120'000))
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     program.signal(signal);
     return program.wait();
@@ -454,7 +458,7 @@ TEST_F(StoppedRun, InterruptedItEndsWithAllItHas) {
 }
 
 // The same between load steps and points of a path, where rows are few.
-TEST(Silence_, InterruptedEquilibriaKeepWhatTheyHave) {
+TEST_F(Silence, InterruptedEquilibriaKeepWhatTheyHave) {
   class After : public Observer {
    public:
     After(int rows, std::atomic<bool>& flag) : rows_(rows), flag_(flag) {}
