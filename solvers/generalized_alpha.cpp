@@ -265,6 +265,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
 bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
   set_step(h);
   predict(t, true);
+  if (!usable(end_, report)) return false;
   bool converged = iterate(report);
   if (!converged) {  // once more without extrapolation, with a tangent of its own
     report.failure.clear();

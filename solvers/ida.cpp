@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "libmbd/core/error.hpp"
@@ -105,6 +107,7 @@ class Ida::Integrator final : public DenseStep {
     stop_ = stop;
     singular_ = false;
     thrown_.clear();
+    unusable_.reset();
     void* const memory = memory_.get();
     if (const int status = IDASetStopTime(memory, stop); status < 0) return status;
     const int status = IDASolve(memory, stop, &t, y_.get(), ydot_.get(), IDA_ONE_STEP);
@@ -123,6 +126,8 @@ class Ida::Integrator final : public DenseStep {
     return status;
   }
   int iterations() const { return iterations_; }  // of the last step
+  // When a signal could not be used that the last step met, however short it then became [s].
+  std::optional<double> unusable() const { return unusable_; }
 
   // The end of the last step.
   void end_state(State& state) const {
@@ -251,6 +256,10 @@ class Ida::Integrator final : public DenseStep {
       ++counters_.residuals;
       const auto f = values(F);
       const bool in_range = equations_.residual(std::min(t, stop_), values(y), values(ydot), f);
+      if (!system_.unusable_signal(equations_.at()).empty()) {
+        unusable_ = equations_.at().t;
+        return 1;
+      }
       const bool finite =
           std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); });
       return in_range && finite ? 0 : 1;
@@ -312,6 +321,7 @@ class Ida::Integrator final : public DenseStep {
   double c_ = 0.0;         // cj of the last matrix since the start [1/s]; 0: none
   bool initialized_ = false, singular_ = false;
   std::string thrown_;
+  std::optional<double> unusable_;
   Steps last_;
   int iterations_ = 0;
   const State* begin_ = nullptr;
@@ -345,6 +355,7 @@ StepReport Ida::start(State& state) {
   state.t = start_time(system_.breakpoints(), state.t, slack_);
   sizes_ = {};
   tiny_ = 0;
+  last_usable_ = std::numeric_limits<double>::infinity();
   return restart(state);
 }
 
@@ -360,7 +371,14 @@ StepReport Ida::restart(State& state) {
 
 StepReport Ida::step(State& state) {
   StepReport report;
-  const Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
+  Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
+  if (last_usable_ < landing.t) {
+    if (!(last_usable_ - state.t > slack_)) {
+      report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable_);
+      return report;
+    }
+    landing = {.t = last_usable_};
+  }
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration", state.t);
     return report;
@@ -368,8 +386,12 @@ StepReport Ida::step(State& state) {
   double reached = state.t;
   const int status = integrator_->step(landing.t, reached);
   report.iterations = integrator_->iterations();
+  if (integrator_->unusable())  // the steps to come go as far as the signals
+    last_usable_ = last_usable(system_, state, *integrator_->unusable(), slack_, unusable_);
   if (status < 0) {
-    report.failure = fmt::format("from t = {:.9g} s: {}", state.t, integrator_->failure(status));
+    report.failure =
+        fmt::format("from t = {:.9g} s: {}", state.t,
+                    integrator_->unusable() ? unusable_ : integrator_->failure(status));
     return report;
   }
   const bool landed = landing.t - reached <= slack_;

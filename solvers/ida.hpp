@@ -62,6 +62,9 @@ class Ida final : public Stepper {
   double span_ = 0.0;   // time from start() to the end [s]
   double slack_ = 0.0;  // round-off of times [s]
   long tiny_ = 0;       // steps in a row that are shorter
+  double last_usable_ =
+      0.0;  // where signals end that can be used, as far as it is known: else infinity [s]
+  std::string unusable_;  // which does not go on
   State begin_, scratch_;
 };
 

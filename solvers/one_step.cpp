@@ -37,6 +37,13 @@ OneStep::OneStep(const System& system, std::unique_ptr<LinearSolver> solver,
                             settings.max_halvings));
 }
 
+bool OneStep::usable(const State& state, StepReport& report) {
+  report.failure = system_.unusable_signal(state);
+  if (report.failure.empty()) return true;
+  last_usable_ = last_usable(system_, begin_, state.t, slack_, report.failure);
+  return false;
+}
+
 void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
   for (std::size_t k = 0; k < own.size(); ++k)
     for (Index i = 0; i < system_.constraints()[k].rows; ++i)
@@ -96,8 +103,10 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   const int before = report.iterations;
   report.iterations = 0;
   report.failure.clear();
+  last_usable_.reset();
   bool converged = attempt(t, h, report);
-  if (!converged && system_.idle_rows_allowed()) converged = attempt_with_other_rows(t, h, report);
+  if (!converged && !last_usable_ && system_.idle_rows_allowed())
+    converged = attempt_with_other_rows(t, h, report);
   report.iterations += before;
   if (converged)
     report.failure.clear();
@@ -178,9 +187,9 @@ StepReport OneStep::fixed_step(State& state) {
       }
       last = false;
       good_ = 0;
-      if (halvings_ == settings_.max_halvings) {
+      if (halvings_ == settings_.max_halvings || last_usable_) {
         report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
-                                     settings_.max_halvings > 0
+                                     settings_.max_halvings > 0 && !last_usable_
                                          ? fmt::format(", even with a step of {:.3g} s", h)
                                          : std::string(),
                                      report.failure);
@@ -199,7 +208,8 @@ StepReport OneStep::fixed_step(State& state) {
 
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
-  const Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
+  Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
+  std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false, contradicted = false;
   for (;;) {
     double h = controller_->step();
@@ -209,6 +219,10 @@ StepReport OneStep::adaptive_step(State& state) {
       h = rest;
     else if (2.0 * h > rest)
       h = 0.5 * rest;  // two alike, rather than a whole one and a rest
+    if (!(h > slack_) && !unusable.empty()) {
+      report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable);
+      return report;
+    }
     if (!(h > slack_)) {
       report.failure = fmt::format(
           "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
@@ -220,6 +234,11 @@ StepReport OneStep::adaptive_step(State& state) {
     }
     if (!try_step(state, last ? landing.t : state.t + h, report)) {
       ++counters_.retries;
+      if (last_usable_) {
+        unusable = report.failure;
+        landing = {.t = *last_usable_};
+        continue;
+      }
       contradicted = contradicted || parted_;
       if (parted_ && ++contradictions_ > most_contradictions) {
         report.failure = fmt::format("at t = {:.9g} s: {}", state.t, report.failure);

@@ -4,6 +4,9 @@
 // A step ends on every breakpoint of the signals inside it, and starts afresh where accelerations jump. A fixed
 // step that fails is tried in halves, down to 2^-max_halvings.
 //
+// Signals that are not finite. A step that meets one is not tried again in parts: the signal is the cause, and is
+// named. Adaptive steps go to the last time before it first, so that results reach as far as the motion is defined.
+//
 // Rank-tolerant steps. Near a singular configuration, where all links of a mechanism come into line, B loses
 // rank and Newton's iterations their convergence, though the motion goes smoothly through it. A step that fails
 // is then tried with -eps I in place of the zero block of its matrix, in units of 1/mass: with B of full rank
@@ -17,6 +20,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -55,6 +59,10 @@ class OneStep : public Stepper {
   // sense.
   OneStep(const System& system, std::unique_ptr<LinearSolver> solver, const Settings& settings,
           int error_order);
+
+  // Whether the signals of a state inside the step can be used; otherwise report.failure says which cannot, and
+  // the step has failed for good: none that reaches that time can be solved.
+  bool usable(const State& state, StepReport& report);
 
   // -eps I onto the multipliers' own blocks, of a rank-tolerant step.
   void add_rank_tolerance(std::span<const Slot> own) const;
@@ -102,7 +110,9 @@ class OneStep : public Stepper {
   std::unique_ptr<StepController> controller_;  // of adaptive steps
   double origin_ = 0.0;                         // time of start() [s]
   double slack_ = 0.0;                          // round-off of times [s]
-  long count_ = 0;                              // whole fixed steps since
+  // Of a step that met a signal that cannot be used: the last time at which all can [s].
+  std::optional<double> last_usable_;
+  long count_ = 0;    // whole fixed steps since
   int halvings_ = 0;  // of the fixed steps now tried, and how many in a row have gone well
   int good_ = 0;
   int contradictions_ = 0;    // adaptive steps that idle rows made shorter, less those they did not

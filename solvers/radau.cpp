@@ -336,6 +336,7 @@ bool Radau::solve_step(double t, double h, StepReport& report) {
   for (std::size_t j = 0; j < stages; ++j) {
     stage_[j] = begin_;
     system_.set_time(stage_[j], j + 1 == stages ? t : time_of(j), Side::left);
+    if (!usable(stage_[j], report)) return false;
   }
   error_norm_->measure(begin_, begin_);
   predict(true);

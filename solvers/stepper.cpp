@@ -47,6 +47,19 @@ double start_time(std::span<const Breakpoint> breakpoints, double t, double slac
   return start;
 }
 
+double last_usable(const System& system, State state, double t, double slack, std::string& why) {
+  double from = state.t, to = t;
+  while (to - from > slack) {
+    const double middle = from + 0.5 * (to - from);
+    if (!(from < middle && middle < to)) break;
+    system.set_time(state, middle, Side::left);
+    std::string unusable = system.unusable_signal(state);
+    (unusable.empty() ? from : to) = middle;
+    if (!unusable.empty()) why = std::move(unusable);
+  }
+  return from;
+}
+
 void check_motion(const System& system, double max_step) {
   if (!system.with_rates())
     throw Error("the system was compiled for statics: it has no inertia to integrate");
@@ -72,6 +85,8 @@ std::string initial_accelerations(const System& system, LinearSolver& solver, St
   VecX r, gdot, gddot_rest;
   VecX x(system.unknowns());
   system.set_time(state, state.t, Side::right);
+  if (std::string unusable = system.unusable_signal(state, true); !unusable.empty())
+    return unusable;
   // r is linear in Vdot and lambda: one solve, and one more against round-off.
   for (Vec6& a : state.Vdot) a.setZero();
   state.lambda.setZero();

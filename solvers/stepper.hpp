@@ -72,6 +72,10 @@ Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double e
 // `t`, or a breakpoint that is there but for `slack`.
 double start_time(std::span<const Breakpoint> breakpoints, double t, double slack);
 
+// The last time, but for `slack`, at which all signals can be used, from state.t, where they can, to `t`, where some
+// cannot; `why` says then which is the first that cannot, and when. By bisection.
+double last_usable(const System& system, State state, double t, double slack, std::string& why);
+
 // Throws Error for a system without inertia, or a largest step that is negative; 0 stands for the usual one.
 void check_motion(const System& system, double max_step);
 // From `start` to `end` [s]; throws Error if that is not after it.

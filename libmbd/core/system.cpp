@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace mbd {
 
@@ -22,9 +23,10 @@ Index System::add_constraint(ConstraintInfo info) {
   return constraints_.back().first_row;
 }
 
-Index System::add_signal(Signal signal, SignalUse use) {
+Index System::add_signal(Signal signal, SignalUse use, std::string name) {
   signals_.push_back(std::move(signal));
   signal_uses_.push_back(use);
+  signal_names_.push_back(std::move(name));
   return static_cast<Index>(signals_.size()) - 1;
 }
 
@@ -88,6 +90,30 @@ State System::reference_state() const {
 void System::set_time(State& state, double t, Side side) const {
   state.t = t;
   for (std::size_t i = 0; i < signals_.size(); ++i) state.signals[i] = signals_[i](t, side);
+}
+
+std::string System::unusable_signal(const State& state, bool accelerations) const {
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const auto& [f, fdot, fddot] = state.signals[i];
+    const bool rates = with_rates_ && signal_uses_[i] == SignalUse::drive;
+    const char* of = nullptr;
+    double value = 0.0;
+    const auto look = [&](double x, const char* what) {
+      if (of != nullptr || std::isfinite(x)) return;
+      of = what;
+      value = x;
+    };
+    look(f, "");
+    if (rates) look(fdot, ", its rate,");
+    if (rates && accelerations) look(fddot, ", its second derivative,");
+    if (of == nullptr) continue;
+    return fmt::format(
+        "{}{} is {} at t = {:.9g} s; choose another law there by condition ? value : value, or end "
+        "the run before",
+        signal_names_[i].empty() ? fmt::format("signal {}", i + 1) : signal_names_[i], of,
+        std::isnan(value) ? "not a number" : fmt::format("{}", value), state.t);
+  }
+  return {};
 }
 
 bool System::residual(const State& state, VecX& r) const {

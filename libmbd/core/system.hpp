@@ -39,8 +39,9 @@ class System {
   System();                                                    // with the ground as node 0
   Index add_node(std::string name, const Pose<double>& pose);  // returns its index
   Index add_constraint(ConstraintInfo info);                   // returns its first multiplier
-  // Returns its index in State::signals. `use` says which of its jumps make the accelerations jump.
-  Index add_signal(Signal signal, SignalUse use = SignalUse::drive);
+  // Returns its index in State::signals. `use` says which of its jumps make the accelerations jump, `name` what
+  // messages call it: `rod.xml:12: load "push": force 2 "1/t"`.
+  Index add_signal(Signal signal, SignalUse use = SignalUse::drive, std::string name = {});
   Index add_angle();  // one more followed angle; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
@@ -67,6 +68,10 @@ class System {
   State reference_state() const;  // all at rest in the reference configuration
   // t and the signals at t; at a jump, their limits from `side`.
   void set_time(State& state, double t, Side side = Side::right) const;
+  // The first signal of the state that cannot be used, with its value, its time and what to do: a load that is not
+  // finite, or a drive that is not, or with rates its first derivative; the second counts where `accelerations`
+  // follow from it. Empty if there is none.
+  std::string unusable_signal(const State& state, bool accelerations = false) const;
   // Both return false if an element is outside the range of its formulation; out_of_range() names it.
   bool residual(const State& state, VecX& r) const;
   bool linearize(const State& state, const TangentWeights& weights, VecX& r, LinearSolver& S) const;
@@ -120,6 +125,7 @@ class System {
   BlockGraph graph_;
   std::vector<std::size_t> first_contributions_;
   std::vector<SignalUse> signal_uses_;
+  std::vector<std::string> signal_names_;
   std::vector<Breakpoint> breakpoints_;
   Index multipliers_ = 0;
   Index angles_ = 0;

@@ -432,6 +432,20 @@ void check_names(const Scene& scene) {
   for (const PointMassScene& m : scene.point_masses) optional("point_mass", m);
 }
 
+// With more nodes the entries of the matrix are more than the linear solver can count (int), long after they are
+// more than fit into memory; here nothing has been built yet.
+void check_size(const Scene& scene) {
+  constexpr long most_nodes = 1'000'000;
+  long nodes = std::ssize(scene.bodies);
+  for (const BeamScene& b : scene.beams) {
+    nodes += 1 + long{b.elements} * long{b.order};
+    if (nodes > most_nodes)
+      Checked(element_of(b), b.name, b.source)
+          .fail("with it the model has " + std::to_string(nodes) + " nodes, of which it may have " +
+                std::to_string(most_nodes) + "; take fewer elements or a lower order");
+  }
+}
+
 }  // namespace
 
 void check_scene(const Scene& scene) {
@@ -441,6 +455,7 @@ void check_scene(const Scene& scene) {
                                                   " is no name; " + std::string(schema::names_are));
   for (const Section& s : scene.sections) check(s);
   for (const BeamScene& b : scene.beams) check(b);
+  check_size(scene);
   for (const BodyScene& b : scene.bodies) check(b);
   for (const JointScene& j : scene.joints) check(j);
   for (const DriveScene& d : scene.drives) check(d);

@@ -72,6 +72,8 @@ class Compiler {
 
     Model model;
     model.initial = system_->reference_state();
+    if (const std::string unusable = system_->unusable_signal(model.initial); !unusable.empty())
+      throw Error(unusable);
     set_velocities(model.initial);
     check(model.initial);
     find_repetitions(model);

@@ -264,7 +264,11 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
                 fmt::format("{}: the {} is {:.6g} at t = 0, but must start at 0: it counts from "
                             "the geometry as given; subtract this from the law",
                             who, what, start));
-  return static_cast<int>(system_.add_signal(signal, SignalUse::drive));
+  return static_cast<int>(system_.add_signal(
+      signal, SignalUse::drive,
+      said(source, fmt::format("{}: {} \"{}\"", who,
+                               is_rate ? fmt::format("the rate of the {}", what) : what,
+                               excerpt(law.text())))));
 }
 
 // The node's pose is the reference moved by d(t) and turned by exp(theta(t)), both in inertial axes; only

@@ -12,6 +12,9 @@ namespace mbd {
 // `beam "b1"`, or `gravity` of what has no name.
 std::string label(std::string_view element, std::string_view name = {});
 
+// "rod.xml:12: what", as messages begin.
+std::string said(const Source& source, const std::string& what);
+
 std::string_view element_of(const BeamScene& beam);  // "beam", "arc" or "curve"
 
 inline std::string label(const Section& s) { return label("section", s.name); }

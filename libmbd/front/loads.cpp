@@ -23,21 +23,28 @@ ElementBatch<E>& Loads::batch(std::unique_ptr<ElementBatch<E>>& made) {
   return *made;
 }
 
-int Loads::signal(const Expression& e) {
+int Loads::signal(const Expression& e, const std::string& name) {
+  const auto named = [&] { return fmt::format("{} \"{}\"", name, excerpt(e.text())); };
   if (!e.is_constant())
-    return static_cast<int>(system_.add_signal(Signal::from_expression(e), SignalUse::load));
+    return static_cast<int>(
+        system_.add_signal(Signal::from_expression(e), SignalUse::load, named()));
   if (e.value() == 0.0) return -1;
   const auto [it, is_new] = constants_.try_emplace(e.value(), -1);
   if (is_new)
-    it->second = static_cast<int>(system_.add_signal(Signal::constant(e.value()), SignalUse::load));
+    it->second =
+        static_cast<int>(system_.add_signal(Signal::constant(e.value()), SignalUse::load, named()));
   return it->second;
 }
 
-load::Signals Loads::signals(const Components& force, const Components& moment) {
+load::Signals Loads::signals(const LoadScene& load, std::string_view kind, const Components& force,
+                             const Components& moment) {
   load::Signals result{-1, -1, -1, -1, -1, -1};
+  const auto name = [&](std::string_view of, std::size_t i) {
+    return said(load.source, fmt::format("{}: {}{} {}", label(load), kind, of, i + 1));
+  };
   for (std::size_t i = 0; i < 3; ++i) {
-    if (force) result[i] = signal((*force)[i]);
-    if (moment) result[3 + i] = signal((*moment)[i]);
+    if (force) result[i] = signal((*force)[i], name("force", i));
+    if (moment) result[3 + i] = signal((*moment)[i], name("moment", i));
   }
   return result;
 }
@@ -59,9 +66,10 @@ void Loads::add(const LoadScene& load, int node) {
   if (node == 0)
     throw Error(load.source,
                 label(load) + ": on the ground it does nothing; give a beam or a body");
-  const load::Signals dead = signals(load.force, load.moment);
+  const load::Signals dead = signals(load, "", load.force, load.moment);
   add_dead(dead, 1.0, node);
-  add_follower(signals(load.follower_force, load.follower_moment), 1.0, load.offset, node);
+  add_follower(signals(load, "follower_", load.follower_force, load.follower_moment), 1.0,
+               load.offset, node);
   const bool has_force = std::any_of(dead.begin(), dead.begin() + 3, [](int i) { return i >= 0; });
   if (has_force && !load.offset.isZero(0.0))
     batch(arm_).add({dead, 1.0, load.offset}, std::array{node},
@@ -78,14 +86,19 @@ void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> node
   // An expression without s is one signal for all nodes.
   using Fields = std::optional<std::array<FieldExpression, 3>>;
   struct Row {
+    std::string_view name;
     const Fields& fields;
     std::array<int, 3> everywhere{-1, -1, -1};
   };
-  std::array<Row, 4> rows{Row{load.force}, Row{load.moment}, Row{load.follower_force},
-                          Row{load.follower_moment}};
-  const auto signal_at = [&](const FieldExpression& field, double s) {
+  std::array<Row, 4> rows{Row{"force", load.force}, Row{"moment", load.moment},
+                          Row{"follower_force", load.follower_force},
+                          Row{"follower_moment", load.follower_moment}};
+  const auto signal_at = [&](const Row& row, std::size_t i, double s) {
+    const FieldExpression& field = (*row.fields)[i];
     try {
-      return signal(field.at(s));
+      std::string name = said(load.source, fmt::format("{}: {} {}", who, row.name, i + 1));
+      if (field.varies()) name += fmt::format(" at s = {:.6g}", s);
+      return signal(field.at(s), name);
     } catch (const Error& e) {
       throw Error(load.source, fmt::format("{}, at s = {:.6g}: {}", who, s, e.what()));
     }
@@ -93,7 +106,7 @@ void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> node
   for (Row& row : rows)
     for (std::size_t i = 0; i < 3; ++i)
       if (row.fields && !(*row.fields)[i].varies())
-        row.everywhere[i] = signal_at((*row.fields)[i], load.from);
+        row.everywhere[i] = signal_at(row, i, load.from);
 
   const auto at = [&](std::size_t force, double s) {
     load::Signals result{-1, -1, -1, -1, -1, -1};
@@ -101,7 +114,7 @@ void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> node
       const Row& row = rows[force + k / 3];
       const std::size_t i = k % 3;
       if (!row.fields) continue;
-      result[k] = (*row.fields)[i].varies() ? signal_at((*row.fields)[i], s) : row.everywhere[i];
+      result[k] = (*row.fields)[i].varies() ? signal_at(row, i, s) : row.everywhere[i];
     }
     return result;
   };

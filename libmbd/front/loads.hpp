@@ -36,8 +36,11 @@ class Loads {
   ElementBatch<E>& batch(std::unique_ptr<ElementBatch<E>>& made);
 
   using Components = std::optional<std::array<Expression, 3>>;
-  load::Signals signals(const Components& force, const Components& moment);
-  int signal(const Expression& e);
+  // `kind`: "" or "follower_", before force and moment in messages.
+  load::Signals signals(const LoadScene& load, std::string_view kind, const Components& force,
+                        const Components& moment);
+  // `name`: as of System::add_signal, without the expression.
+  int signal(const Expression& e, const std::string& name);
   void add_dead(const load::Signals& signals, double weight, int node);
   void add_follower(const load::Signals& signals, double weight, const Vec3& offset, int node);
 

@@ -230,13 +230,14 @@ class Run {
     options.newton.tolerance = scene_.statics->tolerance;
     options.newton.line_search = scene_.statics->line_search;
     options.solver = scene_.statics->solver;
-    if (!scene_.transient)
-      options.accepted = [this](const State& step) {
-        report_.equilibrium += watch_.lap();
-        const bool going = (report_.rows > 0 || accept_reference()) && accept(step, true);
-        report_.output += watch_.lap();
-        return going;
-      };
+    options.accepted = [this](const State& step) {
+      if (scene_.transient) return !interrupted(step);
+      report_.equilibrium += watch_.lap();
+      const bool going =
+          (report_.rows > 0 || accept_reference()) && accept(step, true) && !interrupted(step);
+      report_.output += watch_.lap();
+      return going;
+    };
     const std::unique_ptr<LinearSolver> solver = make_klu_solver();
     const StaticReport result = solve_statics(*model_.system, *solver, options, state);
     report_.static_counters = result.counters;
@@ -288,7 +289,7 @@ class Run {
     options.accepted = [this](const PathPoint& point) {
       report_.equilibrium += watch_.lap();
       *model_.path = {point.arc_length, point.branch, point.event, point.negative.value_or(-1)};
-      const bool going = accept(point.state, true);
+      const bool going = accept(point.state, true) && !interrupted(point.state);
       report_.output += watch_.lap();
       return going;
     };
@@ -383,6 +384,7 @@ class Run {
       if (options_.progress)
         options_.progress({state.t, transient.duration, n, steps, step.iterations});
       report_.output += watch_.lap();
+      if (going && !at_end) going = !interrupted(state);
     }
     if (!report_.complete() && report_.rows > 0) monitor(state);
     report_.integration += watch_.lap();
@@ -403,11 +405,10 @@ class Run {
     }
     if (const Index bad = sample_row(model_, shares_reactions_ ? shared_ : state, row_); bad >= 0) {
       const std::string name = columns_[static_cast<std::size_t>(bad)].name;
-      const std::string failure =
-          scene_.transient
-              ? fmt::format("column {} of the results is not finite at t = {:.9g} s", name, state.t)
-              : fmt::format("column {} of the results is not finite at load factor {:.9g}", name,
-                            state.load_factor);
+      std::string failure =
+          fmt::format("column {} of the results is not finite at {}", name, place_of(state));
+      if (const std::string unusable = model_.system->unusable_signal(state); !unusable.empty())
+        failure += ": " + unusable;
       if (report_.rows == 0) fail_to_start(failure);
       report_.failure = failure;
       return false;
@@ -427,9 +428,24 @@ class Run {
     monitor(state);
     if (std::isfinite(report_.energy_end.total() + report_.work.loads + report_.work.drives))
       return true;
-    report_.failure = fmt::format(
-        "the energy is not finite at t = {:.9g} s; look at the loads and drives", state.t);
+    report_.failure = fmt::format("the energy is not finite at {}; look at the loads and drives",
+                                  place_of(state));
     return false;
+  }
+
+  std::string place_of(const State& state) const {
+    return scene_.transient ? fmt::format("t = {:.9g} s", state.t)
+                            : fmt::format("load factor {:.9g}", state.load_factor);
+  }
+
+  // Whether the user has had enough; that is a failure of the run. Before the first row nothing is left of it.
+  bool interrupted(const State& state) {
+    if (options_.interrupted == nullptr || !*options_.interrupted) return false;
+    if (report_.rows == 0)
+      throw Error(fmt::format("interrupted at load factor {:.9g}, before the start of the motion",
+                              state.load_factor));
+    report_.failure = "interrupted at " + place_of(state);
+    return true;
   }
 
   void monitor(const State& state) {

@@ -1,6 +1,7 @@
 // Runs a scene from its start to its end: compile, equilibrium, time steps, results.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -25,6 +26,7 @@ struct RunOptions {
   std::vector<std::string> notes = {};               // that the report begins with
   std::optional<ChosenAccuracy> accuracy = {};       // for the report
   std::function<void(const Progress&)> progress = {};  // after each time step
+  const std::atomic<bool>* interrupted = nullptr;  // looked at after each step: true ends the run
 };
 
 // Throws Error for what is wrong with the scene or the directory, and when there is no first state: the

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -20,14 +18,13 @@
 #include "libmbd/study/accuracy_page.hpp"
 #include "libmbd/study/accuracy_report.hpp"
 #include "tools/mbd/command_line.hpp"
+#include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
 
 namespace mbd {
 namespace {
 
 constexpr int interrupted_status = 130;  // as a shell says it of a program that Ctrl-C ended
-
-std::atomic<bool> interrupted = false;
 
 struct AccuracyArguments {
   std::string model, output, reference = "auto";
@@ -71,21 +68,6 @@ std::string command_of(const AccuracyArguments& arguments) {
   return text + fmt::format(" --budget {:g}", arguments.budget);
 }
 
-// The handler stands while it lives.
-class InterruptHandler {
- public:
-  InterruptHandler() {
-    interrupted = false;
-    before_ = std::signal(SIGINT, [](int) { interrupted = true; });
-  }
-  ~InterruptHandler() { std::signal(SIGINT, before_); }
-  InterruptHandler(const InterruptHandler&) = delete;
-  InterruptHandler& operator=(const InterruptHandler&) = delete;
-
- private:
-  void (*before_)(int);
-};
-
 int study_model(const AccuracyArguments& arguments) {
   if (!(arguments.budget >= 1.0) || !(arguments.budget <= 1e6))
     throw Error(fmt::format("--budget {:g}: give seconds, 1 to 1e6", arguments.budget));
@@ -111,7 +93,7 @@ int study_model(const AccuracyArguments& arguments) {
       fmt::print(stderr, "\r\033[K{}{}", count, what);
       std::fflush(stderr);
     };
-  options.interrupted = &interrupted;
+  options.interrupted = &InterruptHandler::flag();
   AccuracyStudy study;
   {
     const InterruptHandler handler;
@@ -132,7 +114,7 @@ int study_model(const AccuracyArguments& arguments) {
         "accuracy.json, advice.md\n",
         output.string());
   }
-  return interrupted ? interrupted_status : 0;
+  return InterruptHandler::flag() ? interrupted_status : 0;
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "libmbd/front/summary.hpp"
 #include "libmbd/study/choose.hpp"
 #include "tools/mbd/command_line.hpp"
+#include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
 
 namespace mbd {
@@ -146,6 +147,8 @@ int run_model(const RunArguments& arguments) {
     ProgressLine line;
     if (!arguments.quiet && isatty(STDERR_FILENO))
       options.progress = [&line](const Progress& progress) { line.show(progress); };
+    const InterruptHandler handler;
+    options.interrupted = &InterruptHandler::flag();
     report = run(scene, options);
   }
   if (!arguments.quiet) fmt::print("{}", summary(report));
