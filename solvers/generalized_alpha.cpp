@@ -108,8 +108,7 @@ void GeneralizedAlpha::filter_start(double h) {
   factored_ = false;
   refactor_next_ = true;
   if (solver_->factor() != FactorStatus::ok) return;
-  for (std::size_t n = 1; n < p_.size(); ++n)
-    x_.segment<6>(6 * static_cast<Index>(n - 1)) = p_[n];
+  for (std::size_t n = 1; n < p_.size(); ++n) x_.segment<6>(6 * static_cast<Index>(n - 1)) = p_[n];
   x_.tail(gddot_rest_.size()) = -gddot_rest_;
   solver_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
   if (!x_.allFinite()) return;

@@ -334,7 +334,7 @@ std::vector<Jump> Signal::jumps() const {
   return result;
 }
 
-// An interval [a, b] of length h is quiet if, with V the largest of |ḟ| over samples of all,
+// An interval [a, b] of length h is quiet if, with V the largest |ḟ| met (1e-9 at least: less is round-off),
 //   (6)  |ḟ_b − ḟ_a − h (f̈_a + f̈_b)/2| ≤ 1e-4 V,
 //   (7)  |f_b − f_a − h (ḟ_a + ḟ_b)/2 + h² (f̈_b − f̈_a)/12| ≤ 1e-4 h V;
 // where f is smooth the left sides fall with h³ and h⁵, where ḟ jumps (6) does not fall, where f jumps (7)
@@ -351,20 +351,24 @@ std::optional<Jump> Signal::undeclared_jump(double t_begin, double t_end) const 
     if (t_begin < t && t < t_end) knots.push_back(t);
   knots.push_back(t_end);
   std::vector<double> ends;  // of the first intervals, the next one last
-  double V = 0.0;
+  double V = 1e-9;
+  const auto observe = [&V](double rate) {
+    if (std::isfinite(rate)) V = std::max(V, std::abs(rate));
+  };
   for (std::size_t i = 0; i + 1 < knots.size(); ++i)
     for (int j = 1; j <= samples; ++j) {
       const double x = double(j) / samples;
       const double uneven = x + 0.05 / samples * std::sin(7.0 * x * (1.0 - x) * j);
       ends.push_back(j == samples ? knots[i + 1] : std::lerp(knots[i], knots[i + 1], uneven));
-      const double rate = std::abs((*this)(ends.back(), Side::left).fdot);
-      if (std::isfinite(rate)) V = std::max(V, rate);
+      observe((*this)(ends.back(), Side::left).fdot);
     }
   std::reverse(ends.begin(), ends.end());
   double a = t_begin;
   for (long n = 0; !ends.empty() && n < most; ++n) {
     const double b = ends.back(), h = b - a;
     const SignalValue left = (*this)(a, Side::right), right = (*this)(b, Side::left);
+    observe(left.fdot);
+    observe(right.fdot);
     const double rate = right.fdot - left.fdot;
     const double unexplained = rate - 0.5 * h * (left.fddot + right.fddot);  // (6)
     const double gap = right.f - left.f - 0.5 * h * (left.fdot + right.fdot) +
