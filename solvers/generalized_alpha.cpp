@@ -42,10 +42,8 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
   if (!(options.rho_infinity >= 0.0 && options.rho_infinity <= 1.0))
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   const auto n = static_cast<std::size_t>(system.nodes());
-  if (options.balance == Balance::momentum) {
-    momentum_.resize(n);
-    p_.resize(n);
-  }
+  if (options.balance == Balance::momentum) momentum_.resize(n);
+  p_.resize(n);
   solver_->analyze(own_graph(false));
   Q_.assign(n, Vec6::Zero());
   A_.assign(n, Vec6::Zero());
@@ -82,7 +80,7 @@ void GeneralizedAlpha::begin_at(State& state) {
       const Vec6 f = p_[n] - r_.segment<6>(6 * static_cast<Index>(n));
       Momentum& m = momentum_[n];
       m.mu = inertial_wrench<double>(state.pose[n], p_[n]);
-      m.f = m.a = inertial_wrench<double>(state.pose[n], f);
+      m.f = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
     }
   }
   A_ = state.Vdot;
@@ -93,14 +91,52 @@ void GeneralizedAlpha::begin_at(State& state) {
   drive_power_ = system_.drive_power(state);
   history_ = 0;
   h_ = 0.0;
+  starting_ = true;
   factored_ = false;
   refactor_next_ = true;
 }
 
+// Equation (4), for a step of h from begin_. Where its matrix is singular, the accelerations are left as they are.
+void GeneralizedAlpha::filter_start(double h) {
+  scratch_ = begin_;
+  scratch_.V = begin_.Vdot;
+  system_.momenta(scratch_, p_);  // M Vdot
+  system_.constraint_rates(begin_, gdot_, gddot_rest_);
+  system_.linearize(begin_, {.U = h * h, .V = 0.0, .A = 1.0, .T_inv = {}}, r_, *solver_);
+  ++counters_.tangents;
+  ++counters_.factorizations;
+  factored_ = false;
+  refactor_next_ = true;
+  if (solver_->factor() != FactorStatus::ok) return;
+  for (std::size_t n = 1; n < p_.size(); ++n) x_.segment<6>(6 * static_cast<Index>(n - 1)) = p_[n];
+  x_.tail(gddot_rest_.size()) = -gddot_rest_;
+  solver_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
+  if (!x_.allFinite()) return;
+  for (std::size_t n = 1; n < A_.size(); ++n) {
+    const Vec6 A = x_.segment<6>(6 * static_cast<Index>(n - 1));
+    scratch_.V[n] = A - begin_.Vdot[n];
+    begin_.Vdot[n] = A;
+  }
+  if (momentum_.empty()) return;
+  system_.momenta(scratch_, p_);
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t n = 1; n < momentum_.size(); ++n)
+    sum += inertial_wrench<double>(begin_.pose[n], p_[n]);
+  sum /= static_cast<double>(momentum_.size() - 1);
+  for (std::size_t n = 1; n < momentum_.size(); ++n) {
+    Momentum& m = momentum_[n];
+    m.f = m.a = m.at_start + inertial_wrench<double>(begin_.pose[n], p_[n]) - sum;
+  }
+}
+
 // A, and a of (3), for a step of another size.
 void GeneralizedAlpha::set_step(double h) {
+  if (starting_) {
+    filter_start(h);
+    A_ = begin_.Vdot;
+  }
   if (h == h_) return;
-  if (h_ > 0.0) {
+  if (h_ > 0.0 && !starting_) {
     const double ratio = h / h_;
     for (std::size_t n = 1; n < A_.size(); ++n)
       A_[n] = begin_.Vdot[n] + ratio * (A_[n] - begin_.Vdot[n]);
@@ -287,7 +323,7 @@ void GeneralizedAlpha::forget() {
   history_ = 0;
 }
 
-// The filtered error (4).
+// The filtered error (5).
 double GeneralizedAlpha::estimated_error(bool) {
   const double h = h_, c = h * h * (a_.beta - 1.0 / 6.0 - 0.5 * (a_.gamma - 0.5));
   const double m = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f);
@@ -362,6 +398,7 @@ void GeneralizedAlpha::accept() {
   std::swap(lambda_old_, begin_.lambda);
   t_older_ = t_old_;
   t_old_ = begin_.t;
+  starting_ = false;
   history_ = tolerant_ ? 0 : std::min(history_ + 1, 2);  // nothing to extrapolate multipliers from
 }
 

@@ -27,13 +27,21 @@
 // p known from the last state. Linear systems give the same as (1). Angular momentum is kept too;
 // energy is not (order 2, as in (1)).
 //
+// Start. Forces that jump give a node of little mass, of which a finer mesh has many, an acceleration without
+// bound; h A would make velocities ring about their course in proportion to it, for long with rho near 1. So the
+// scheme goes on from
+//   (M + h^2 K) A = M Vdot,   B A = B Vdot,                                                           (4)
+// in place of A = Vdot: the same to order h^2 in what the step resolves, and the static response over h^2 in what
+// it does not. Vdot of the state itself stays what the equations of motion say. With a balance of momenta,
+// f = a takes M (A - Vdot), less what this adds to the sum over the nodes.
+//
 // Where the step changes, A - Vdot, which is proportional to h, is scaled with it. Landings, steps that fail, and
 // rank-tolerant ones, with -eps I in place of the zero block of (2): one_step.hpp.
 //
 // Adaptive steps. With A(t) = Vdot(t + (alpha_m - alpha_f) h) to first order, (1) leaves of the motion
-//   e = h^2 (beta - 1/6 - (gamma - 1/2)/2) (Vdot_f - Vdot_i) + O(h^4)                              (4)
+//   e = h^2 (beta - 1/6 - (gamma - 1/2)/2) (Vdot_f - Vdot_i) + O(h^4)                              (5)
 // a step, which is of order h^3. What is stiffer than the step resolves is damped in it as in the step
-// itself, e := S^-1 M' e with S and M' of (2). The error of the whole goes with h^2, so the tolerance of (4) is
+// itself, e := S^-1 M' e with S and M' of (2). The error of the whole goes with h^2, so the tolerance of (5) is
 // taken as tolerance^(3/2), times a constant: the error then goes with the tolerance. Velocities are not
 // estimated: their error is of the same order.
 #pragma once
@@ -85,6 +93,7 @@ class GeneralizedAlpha final : public OneStep {
   BlockGraph own_graph(bool tolerant) const;
   bool solve_tolerantly(double t, StepReport& report);
   void set_step(double h);
+  void filter_start(double h);
   void predict(double t, bool extrapolate);
   void update_poses();
   bool residual();
@@ -96,6 +105,7 @@ class GeneralizedAlpha final : public OneStep {
   HermiteStep dense_;
 
   double h_ = 0.0;           // step under way [s]; 0: none since the last start
+  bool starting_ = false;    // no step has been accepted since the last start
   double stiffness_ = 0.0;   // largest entry of dr/dU at the last start
   std::vector<Vec6> Q_;      // H_f = H_i exp(Q)
   std::vector<Vec6> A_;      // algorithmic acceleration at the last accepted time
@@ -111,10 +121,11 @@ class GeneralizedAlpha final : public OneStep {
   // Equation (3), by node, inertial axes about the origin: mu, f, a at the last accepted time, and p.
   struct Momentum {
     Vec6 mu = Vec6::Zero(), f = Vec6::Zero(), a = Vec6::Zero(), past = Vec6::Zero();
+    Vec6 at_start = Vec6::Zero();  // f of the last start, before (4)
   };
   std::vector<Momentum> momentum_;  // empty for Balance::acceleration
   std::vector<Vec6> p_;             // M V, body axes
-  State scratch_;                   // adaptive: its V is what M is applied to
+  State scratch_;                   // its V is what M is applied to
   std::vector<Vec6> error_;
 
   VecX r_, x_, gdot_, gddot_rest_;

@@ -334,4 +334,61 @@ std::vector<Jump> Signal::jumps() const {
   return result;
 }
 
+// An interval [a, b] of length h is quiet if, with V the largest |ḟ| met (1e-9 at least: less is round-off),
+//   (6)  |ḟ_b − ḟ_a − h (f̈_a + f̈_b)/2| ≤ 1e-4 V,
+//   (7)  |f_b − f_a − h (ḟ_a + ḟ_b)/2 + h² (f̈_b − f̈_a)/12| ≤ 1e-4 h V;
+// where f is smooth the left sides fall with h³ and h⁵, where ḟ jumps (6) does not fall, where f jumps (7)
+// does not; two jumps within the interval, which may cancel in (6), do not in (7).
+std::optional<Jump> Signal::undeclared_jump(double t_begin, double t_end) const {
+  const auto* expression = std::get_if<Expression>(&law_);
+  if (expression == nullptr || expression->is_constant()) return {};
+  constexpr double smallest = 1e-4;  // jump / V
+  constexpr double shortest = 1e-9;  // interval / (t_end - t_begin)
+  constexpr int samples = 199;       // of a piece; uneven, so as not to fall in step with a period
+  constexpr long most = 2'000'000;   // intervals: what oscillates faster is believed to be smooth
+  std::vector<double> knots{t_begin};
+  for (const double t : expression->breakpoints())
+    if (t_begin < t && t < t_end) knots.push_back(t);
+  knots.push_back(t_end);
+  std::vector<double> ends;  // of the first intervals, the next one last
+  double V = 1e-9;
+  const auto observe = [&V](double rate) {
+    if (std::isfinite(rate)) V = std::max(V, std::abs(rate));
+  };
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i)
+    for (int j = 1; j <= samples; ++j) {
+      const double x = double(j) / samples;
+      const double uneven = x + 0.05 / samples * std::sin(7.0 * x * (1.0 - x) * j);
+      ends.push_back(j == samples ? knots[i + 1] : std::lerp(knots[i], knots[i + 1], uneven));
+      observe((*this)(ends.back(), Side::left).fdot);
+    }
+  std::reverse(ends.begin(), ends.end());
+  double a = t_begin;
+  for (long n = 0; !ends.empty() && n < most; ++n) {
+    const double b = ends.back(), h = b - a;
+    const SignalValue left = (*this)(a, Side::right), right = (*this)(b, Side::left);
+    observe(left.fdot);
+    observe(right.fdot);
+    const double rate = right.fdot - left.fdot;
+    const double unexplained = rate - 0.5 * h * (left.fddot + right.fddot);  // (6)
+    const double gap = right.f - left.f - 0.5 * h * (left.fdot + right.fdot) +
+                       h * h / 12.0 * (right.fddot - left.fddot);  // (7)
+    const bool quiet = std::abs(unexplained) <= smallest * V && std::abs(gap) <= smallest * h * V;
+    const double middle = a + 0.5 * h;
+    if (!quiet && h > shortest * (t_end - t_begin) && a < middle && middle < b) {
+      ends.push_back(middle);
+      continue;
+    }
+    if (!quiet) {  // so short that what is smooth does not change in it; round-off of f is below V h
+      const double step = right.f - left.f;
+      if (std::abs(step) > 1e3 * h * V && std::abs(step) > 1e-10 * std::abs(left.f))
+        return Jump{middle, 0, step};
+      if (std::abs(rate) > smallest * V) return Jump{middle, 1, rate};
+    }
+    a = b;
+    ends.pop_back();
+  }
+  return {};
+}
+
 }  // namespace mbd

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -66,6 +67,12 @@ class Signal {
   // The jumps in ascending time, inside the interval for a rate law. A breakpoint counts if a limit
   // is not finite or the difference exceeds 1e-10 of the signal's magnitude on the adjacent pieces.
   std::vector<Jump> jumps() const;
+
+  // A jump of f or of its first derivative between t_begin and t_end at which the expression does not switch:
+  // asin(sin(t)), sqrt((t-1)^2), atan2. Found where an interval, halved to 1e-9 of the whole, keeps a change of
+  // the derivative by more than 1e-4 of its largest value (smaller ones, and narrower pulses than 1/200 of a
+  // piece, can be missed). Of a rate law there is none: its integration would have failed.
+  std::optional<Jump> undeclared_jump(double t_begin, double t_end) const;
 
   bool is_constant() const;
 

@@ -249,8 +249,10 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
       throw Error(source, fmt::format("{}: {}", who, e.what()));
     }
   }();
-  for (const Jump& jump : signal.jumps()) {
-    if (jump.derivative < 2 && jump.t < duration) {
+  std::vector<Jump> jumps = signal.jumps();
+  if (const auto hidden = signal.undeclared_jump(0.0, duration)) jumps.push_back(*hidden);
+  for (const Jump& jump : jumps) {
+    if (jump.derivative < 2 && jump.t >= 0.0 && jump.t <= duration) {
       throw Error(source,
                   fmt::format("{}: the {} jumps by {:.6g} at t = {:.9g} s, an impact; make the law "
                               "continuous",

@@ -254,7 +254,11 @@ class Run {
 
   // Of the equilibrium of a <static>.
   void judge_stability(const State& state) {
-    if (!has_potential(scene_)) return;
+    if (!has_potential(scene_)) {
+      report_.notes.push_back("the stability of the equilibrium is not judged: " +
+                              without_potential(scene_));
+      return;
+    }
     StabilityCount count(*model_.system);
     report_.negative_eigenvalues = count(state);
     report_.equilibrium += watch_.lap();
