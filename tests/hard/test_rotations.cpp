@@ -163,6 +163,7 @@ TEST(Turns, OfJointsInEveryDirection) {
         if (e.r.allFinite()) error = std::max(error, (place(h.table, e.body) - e.r).norm());
         EXPECT_LE(error, method == 0 ? 1e-7 : 1e-3) << e.body << " trial " << trial << " method " << method;
         worst[method] = std::max(worst[method], error);
+        fmt::print("{} {} {:.1e}\n", e.body, method, error);
       }
       for (const Angle& a : angles) EXPECT_NEAR(h.table[a.column].back(), a.value, 1e-9) << a.column;
     }
@@ -200,7 +201,9 @@ TEST(Turns, OfAClampedBeamInEveryDirection) {
         const Vec3 psi = angle * random_direction(rng);
         const History still = bent(Vec3::Zero(), along, normal), turned = bent(psi, along, normal);
         ASSERT_TRUE(still.report.complete()) << still.report.failure;
-        ASSERT_TRUE(turned.report.complete()) << turned.report.failure;
+        ASSERT_TRUE(turned.report.complete())
+            << turned.report.failure << ", along " << text(along) << ", normal " << text(normal) << ", turned "
+            << text(psi) << ", " << name_of(metric) << " " << name_of(form);
         const Quaternion<double> R = exp_so3<double>(psi);
         double error = (place(turned.table, "tip") - R * place(still.table, "tip")).norm();
         error = std::max(error, angle_between(turn(turned.table, "tip"), R * turn(still.table, "tip")));
