@@ -28,10 +28,10 @@ class DenseStep {
 // velocities leave multipliers uncertain by eps/h. Sizes, not bounds: one response of the linear system to
 // round-off of either sign in every constraint.
 struct RoundOff {
-  double velocity = 0.0;                // [m/s]
-  double force = 0.0;                   // of multipliers [N]
-  double moment = 0.0;                  // of multipliers [N.m]
-  double reciprocal_condition = 0.0;    // estimate, of the scaled matrix of Newton's iterations
+  double velocity = 0.0;              // [m/s]
+  double force = 0.0;                 // of multipliers [N]
+  double moment = 0.0;                // of multipliers [N.m]
+  double reciprocal_condition = 0.0;  // estimate, of the scaled matrix of Newton's iterations
 };
 
 class Stepper {

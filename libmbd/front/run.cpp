@@ -391,8 +391,10 @@ class Run {
                  scale = std::max(force_most_, report_.kinetic_most / length);
     if (scale > 0.0 && force > much_noise * scale)
       report_.notes.push_back(fmt::format(
-          "steps as short as the last are lost in the round-off of positions: velocities are known to about "
-          "{:.1g} m/s, constraint forces to about {:.1g} N (of {:.1g} N) and moments to about {:.1g} N.m; take "
+          "steps as short as the last are lost in the round-off of positions: velocities are known "
+          "to about "
+          "{:.1g} m/s, constraint forces to about {:.1g} N (of {:.1g} N) and moments to about "
+          "{:.1g} N.m; take "
           "larger steps{}",
           floor.velocity, floor.force, force_most_, floor.moment,
           report_.transient->method == TimeMethod::radau ? "" : ", or method=\"radau\""));
@@ -486,7 +488,8 @@ class Run {
   RunReport report_;
   std::optional<RowTimes> rows_;  // of a transient
   bool in_statics_ = false;
-  double force_most_ = 0.0;  // largest multiplier of the monitored states, moments over the scene's length [N]
+  double force_most_ =
+      0.0;  // largest multiplier of the monitored states, moments over the scene's length [N]
   Model model_;
   std::vector<Column> columns_;
   std::vector<double> row_;

@@ -61,7 +61,8 @@ struct PlaneRod {
       m1 = m2, y1 = end(m1);
     }
     EXPECT_LT(std::abs(y1[3]), 1e-11 * P);
-    const double x = k0 == 0.0 ? 1.0 : std::sin(k0) / k0, y = k0 == 0.0 ? 0.0 : (1 - std::cos(k0)) / k0;
+    const double x = k0 == 0.0 ? 1.0 : std::sin(k0) / k0,
+                 y = k0 == 0.0 ? 0.0 : (1 - std::cos(k0)) / k0;
     return {y1[0] - x, y1[1] - y};
   }
 };
@@ -78,7 +79,8 @@ struct Equilibrium {
 };
 
 Equilibrium equilibrium(const std::string& inside) {
-  const History h = run_to_table(read(inside + R"(<record name="tip" at="b.end" quantities="displacement"/>)"));
+  const History h =
+      run_to_table(read(inside + R"(<record name="tip" at="b.end" quantities="displacement"/>)"));
   Equilibrium e{h.report, {}};
   if (!h.table.columns.empty())
     e.tip = {h.table["tip.displacement.1"].back(), h.table["tip.displacement.2"].back()};
@@ -103,13 +105,13 @@ TEST(Stiffness, RatiosDoNotLock) {
     const std::array<double, 2> exact = PlaneRod{ratio, ratio / 2.4, 1.0, 0.0, 5.0}.tip();
     for (const char* form : {"energy", "paper"})
       for (const char* metric : {"matrix", "quaternion", "geodesic"}) {
-        const Equilibrium e = equilibrium(
-            bent(ratio, fmt::format(R"(elements="4" order="4" form="{}" metric="{}")", form, metric)));
+        const Equilibrium e = equilibrium(bent(
+            ratio, fmt::format(R"(elements="4" order="4" form="{}" metric="{}")", form, metric)));
         EXPECT_TRUE(e.report.complete()) << e.report.failure;
         worst = std::max(worst, error(e.tip, exact));
       }
-    const Equilibrium e =
-        equilibrium(bent(ratio, R"(elements="4" order="4" kinematics="classical" rule="gauss_lobatto")"));
+    const Equilibrium e = equilibrium(
+        bent(ratio, R"(elements="4" order="4" kinematics="classical" rule="gauss_lobatto")"));
     locked = std::max(locked, e.report.complete() ? error(e.tip, exact) : 1.0);
   }
   EXPECT_LE(worst, 5e-6);
@@ -130,8 +132,8 @@ TEST(StiffnessSlow, OfASlendernessOfAMillion) {
   int most = 0;
   for (const char* form : {"energy", "paper"})
     for (const char* metric : {"matrix", "geodesic"}) {
-      const Equilibrium e = equilibrium(
-          bent(ratio, fmt::format(R"(elements="4" order="4" form="{}" metric="{}")", form, metric)));
+      const Equilibrium e = equilibrium(bent(
+          ratio, fmt::format(R"(elements="4" order="4" form="{}" metric="{}")", form, metric)));
       EXPECT_TRUE(e.report.complete()) << e.report.failure;
       worst = std::max(worst, error(e.tip, exact));
       most = std::max(most, static_cast<int>(e.report.static_counters.steps));
@@ -183,12 +185,13 @@ TEST(Lengths, OneToTenThousandInOneBeam) {
   const Equilibrium coarse = equilibrium(bent(1e6, R"(elements="2" order="4")"));
   const double even = error(coarse.tip, exact), uneven = error(e.tip, exact);
   EXPECT_LE(uneven, std::max(2 * even, 1e-9));
-  hard::record({.id = "5c",
-                .what = "elements of lengths 1 : 11 114 in one beam",
-                .run = "`mbd run models/hard/uneven_elements.xml`",
-                .reference = "rod equations by shooting",
-                .error = fmt::format("{:.1e}; two even elements: {:.1e} (bound twice that)", uneven, even),
-                .shown = "floor of Newton's increments in place of that of the scene (a loose tolerance)"});
+  hard::record(
+      {.id = "5c",
+       .what = "elements of lengths 1 : 11 114 in one beam",
+       .run = "`mbd run models/hard/uneven_elements.xml`",
+       .reference = "rod equations by shooting",
+       .error = fmt::format("{:.1e}; two even elements: {:.1e} (bound twice that)", uneven, even),
+       .shown = "floor of Newton's increments in place of that of the scene (a loose tolerance)"});
 }
 
 TEST(Curvature, OfAQuarterCircleInOneElement) {
@@ -196,9 +199,10 @@ TEST(Curvature, OfAQuarterCircleInOneElement) {
   const std::array<double, 2> exact = PlaneRod{1e6, 1e6 / 2.4, 1.0, k0, 1.0}.tip();
   const auto arc = [&](int order, const std::string& more) {
     return section(1e6, 1e6 / 2.4) +
-           fmt::format(R"(<arc name="b" section="s" from="0 0 0" center="0 {0:.17g} 0" axis="0 0 1" angle="pi/2" normal="0 0 1" order="{1}" {2}/>
+           fmt::format(
+               R"(<arc name="b" section="s" from="0 0 0" center="0 {0:.17g} 0" axis="0 0 1" angle="pi/2" normal="0 0 1" order="{1}" {2}/>
              <fixed name="clamp" between="ground b.start"/><load at="b.end" force="0 1 0"/><static steps="4"/>)",
-                       1 / k0, order, more);
+               1 / k0, order, more);
   };
   std::vector<double> errors;
   for (int order = 2; order <= 8; ++order) {
@@ -223,13 +227,14 @@ TEST(Curvature, OfAQuarterCircleInOneElement) {
       Error);
   const Equilibrium two = equilibrium(arc(6, R"(metric="matrix" elements="2")"));
   EXPECT_LE(error(two.tip, exact), 1e-6);
-  hard::record({.id = "5d",
-                .what = "an element curved by 90 degrees, orders 2 … 8; by the matrix metric refused",
-                .run = "`mbd run models/hard/quarter_circle.xml --set order=…`",
-                .reference = "rod equations by shooting",
-                .error = fmt::format("{:.0e} … {:.0e}, falling with the order (bound 1e-9)", errors.front(),
-                                     errors.back()),
-                .shown = "matrix metric (in the test)"});
+  hard::record(
+      {.id = "5d",
+       .what = "an element curved by 90 degrees, orders 2 … 8; by the matrix metric refused",
+       .run = "`mbd run models/hard/quarter_circle.xml --set order=…`",
+       .reference = "rod equations by shooting",
+       .error = fmt::format("{:.0e} … {:.0e}, falling with the order (bound 1e-9)", errors.front(),
+                            errors.back()),
+       .shown = "matrix metric (in the test)"});
 }
 
 // --- vibration ---
@@ -278,7 +283,8 @@ TEST(Stiffness, FrequencyAndIterationsDoNotDependOnTheRatio) {
     const std::vector<double>&t = h.table["time"], &u = h.table["tip.displacement.2"];
     std::vector<double> zeros;
     for (std::size_t i = 1; i < u.size(); ++i)
-      if (u[i - 1] * u[i] < 0.0) zeros.push_back(t[i - 1] + (t[i] - t[i - 1]) * u[i - 1] / (u[i - 1] - u[i]));
+      if (u[i - 1] * u[i] < 0.0)
+        zeros.push_back(t[i - 1] + (t[i] - t[i - 1]) * u[i - 1] / (u[i - 1] - u[i]));
     ASSERT_GE(zeros.size(), 10u);
     const double found = pi * 9.0 / (zeros[9] - zeros[0]);
     fmt::print("EA/EI {:.0e}: w {:.8f} found {:.8f}, {:.2f} iterations\n", ratio, w, found, most);
@@ -286,12 +292,14 @@ TEST(Stiffness, FrequencyAndIterationsDoNotDependOnTheRatio) {
   }
   EXPECT_LE(worst, 3e-4);  // of the method: (w h)^2/12 is 2e-5; higher modes shift zeros
   EXPECT_LE(most, 2.5);
-  hard::record({.id = "5e",
-                .what = "first frequency of a cantilever, EA/EI = 1e2 … 1e10, and iterations a step",
-                .run = "in C++",
-                .reference = "Timoshenko's beam, transfer matrices",
-                .error = hard::bounded(worst, 3e-4) + fmt::format(", {:.1f} iterations a step at most", most),
-                .shown = "shear stiffness left out of the reference (ratio 1e2)"});
+  hard::record(
+      {.id = "5e",
+       .what = "first frequency of a cantilever, EA/EI = 1e2 … 1e10, and iterations a step",
+       .run = "in C++",
+       .reference = "Timoshenko's beam, transfer matrices",
+       .error =
+           hard::bounded(worst, 3e-4) + fmt::format(", {:.1f} iterations a step at most", most),
+       .shown = "shear stiffness left out of the reference (ratio 1e2)"});
 }
 
 // --- mass ---
@@ -318,7 +326,8 @@ std::array<double, 2> double_pendulum(long double ratio, double duration) {
     return r;
   };
   for (int k = 0; k < steps; ++k) {
-    const Vector a = rate(y), b = rate(ahead(y, h / 2, a)), c = rate(ahead(y, h / 2, b)), d = rate(ahead(y, h, c));
+    const Vector a = rate(y), b = rate(ahead(y, h / 2, a)), c = rate(ahead(y, h / 2, b)),
+                 d = rate(ahead(y, h, c));
     for (std::size_t i = 0; i < 4; ++i) y[i] += h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]);
   }
   return {static_cast<double>(y[0]), static_cast<double>(y[1])};
@@ -344,8 +353,10 @@ TEST(Mass, RatiosOfADoublePendulum) {
       const History h = run_to_table(read(inside(how)));
       EXPECT_TRUE(h.report.complete()) << h.report.failure;
       if (h.table.columns.empty()) return 1.0;
-      const double a = h.table["one.rotation.3"].back() + 1.0, b = h.table["two.rotation.3"].back() - 0.5;
-      return std::max(std::abs(std::remainder(a - exact[0], 2 * pi)), std::abs(std::remainder(b - exact[1], 2 * pi)));
+      const double a = h.table["one.rotation.3"].back() + 1.0,
+                   b = h.table["two.rotation.3"].back() - 0.5;
+      return std::max(std::abs(std::remainder(a - exact[0], 2 * pi)),
+                      std::abs(std::remainder(b - exact[1], 2 * pi)));
     };
     const double e = error_of(R"(<transient duration="2" method="radau" tolerance="1e-10"/>)"),
                  f = error_of(R"(<transient duration="2" step="5e-4" rho_infinity="0.9"/>)");
@@ -404,22 +415,25 @@ TEST(Mass, PartsWithoutAny) {
   }
   double worst = 0.0, worst_fixed = 0.0;
   for (const bool adaptive : {true, false}) {
-    const History r =
-        run_to_table(read(inside + (adaptive ? R"(<transient duration="0.4" method="radau" tolerance="1e-10"/>)"
-                                             : R"(<transient duration="0.4" step="1e-4"/>)")));
+    const History r = run_to_table(
+        read(inside + (adaptive ? R"(<transient duration="0.4" method="radau" tolerance="1e-10"/>)"
+                                : R"(<transient duration="0.4" step="1e-4"/>)")));
     ASSERT_TRUE(r.report.complete()) << r.report.failure;
     double& e = adaptive ? worst : worst_fixed;
-    e = std::max({std::abs(r.table["A.angle"].back() - static_cast<double>(th)),
-                  std::abs(r.table["B.angle"].back() - 2 * duration), std::abs(r.table["C.angle"].back() - 3 * duration),
-                  std::abs(r.table["pole.position.1"].back() - 1.0),
-                  std::abs(r.table["pole.position.2"].back() - 8.0 - static_cast<double>(std::sin(ph)))});
+    e = std::max(
+        {std::abs(r.table["A.angle"].back() - static_cast<double>(th)),
+         std::abs(r.table["B.angle"].back() - 2 * duration),
+         std::abs(r.table["C.angle"].back() - 3 * duration),
+         std::abs(r.table["pole.position.1"].back() - 1.0),
+         std::abs(r.table["pole.position.2"].back() - 8.0 - static_cast<double>(std::sin(ph)))});
   }
   EXPECT_LE(worst, 1e-8);
   EXPECT_LE(worst_fixed, 1e-5);
   // A rod without inertia between two balls may spin as it likes.
   std::string refused = "no error";
   try {
-    (void)run(read(R"(<body name="rod" mass="0" inertia="0 0 0"/><spherical name="A" between="ground rod" at="0 0 0"/>
+    (void)run(read(
+        R"(<body name="rod" mass="0" inertia="0 0 0"/><spherical name="A" between="ground rod" at="0 0 0"/>
       <body name="bob" at="1 0 0" mass="1" inertia="1 1 1"/><spherical name="B" between="rod bob" at="1 0 0"/>
       <gravity acceleration="0 0 -9.81"/><transient duration="1" step="1e-3"/>)"));
   } catch (const Error& e) {
@@ -427,13 +441,15 @@ TEST(Mass, PartsWithoutAny) {
   }
   EXPECT_NE(refused.find("body \"rod\""), std::string::npos) << refused;
   EXPECT_NE(refused.find("lacks mass or inertia"), std::string::npos) << refused;
-  hard::record({.id = "5g",
-                .what = "crank, cross and cart without mass; a rod without inertia between two balls is refused",
-                .run = "`mbd run models/hard/massless.xml`",
-                .reference = "scalar equations of motion, Runge-Kutta; even rotation",
-                .error = "radau " + hard::bounded(worst, 1e-8) + ", generalized-alpha " +
-                         hard::bounded(worst_fixed, 1e-5) + " (m, rad)",
-                .shown = "point mass + 1 % of its arm"});
+  hard::record(
+      {.id = "5g",
+       .what =
+           "crank, cross and cart without mass; a rod without inertia between two balls is refused",
+       .run = "`mbd run models/hard/massless.xml`",
+       .reference = "scalar equations of motion, Runge-Kutta; even rotation",
+       .error = "radau " + hard::bounded(worst, 1e-8) + ", generalized-alpha " +
+                hard::bounded(worst_fixed, 1e-5) + " (m, rad)",
+       .shown = "point mass + 1 % of its arm"});
 }
 
 TEST(Mass, LightCartPole) {
@@ -442,26 +458,31 @@ TEST(Mass, LightCartPole) {
   const double peak = std::sqrt(2 * 9.81 * (1e-9 + 1) / 1e-9);
   double energy = 0.0, momentum = 0.0, fastest = 0.0;
   for (const double x : h.table["all.total_energy"]) energy = std::max(energy, std::abs(x));
-  for (const double x : h.table["all.linear_momentum.1"]) momentum = std::max(momentum, std::abs(x));
+  for (const double x : h.table["all.linear_momentum.1"])
+    momentum = std::max(momentum, std::abs(x));
   for (const double x : h.table["pole.rate"]) fastest = std::max(fastest, std::abs(x));
   EXPECT_LE(std::abs(h.table["all.total_energy"].back()), 1e-3);
   EXPECT_LE(std::abs(h.table["all.linear_momentum.1"].back()), 1e-5);
   EXPECT_NEAR(fastest / peak, 1.0, 1e-2);
   // Tolerances below what round-off of times leaves of a microsecond: ends, keeps its rows, says when.
-  const History fine = run_to_table(model_scene("cart_pole", {{"M", "1e-9"}, {"tolerance", "1e-9"}}));
+  const History fine =
+      run_to_table(model_scene("cart_pole", {{"M", "1e-9"}, {"tolerance", "1e-9"}}));
   EXPECT_FALSE(fine.report.complete());
-  EXPECT_NE(fine.report.failure.find("where times are round-off"), std::string::npos) << fine.report.failure;
+  EXPECT_NE(fine.report.failure.find("where times are round-off"), std::string::npos)
+      << fine.report.failure;
   EXPECT_GT(fine.report.rows, 100);
-  hard::record({.id = "5h",
-                .what = "pole of 1 kg on a cart of 1e-9 kg; a tolerance of 1e-9 ends with a reason",
-                .run = "`mbd run models/cart_pole.xml --set M=1e-9 --set tolerance=1e-6`",
-                .reference = "conservation of energy and momentum, 10 s",
-                .error = fmt::format("energy {:.0e} J of 9.8 (bound 1e-3), momentum {:.0e} N.s (bound 1e-5), peak rate "
-                                     "{:.5g} of {:.5g} rad/s",
-                                     std::abs(h.table["all.total_energy"].back()),
-                                     std::abs(h.table["all.linear_momentum.1"].back()), fastest, peak),
-                .shown = "tolerance 1e-4 (in the model's comment); energy in between reaches " +
-                         fmt::format("{:.0e} J", energy)});
+  hard::record(
+      {.id = "5h",
+       .what = "pole of 1 kg on a cart of 1e-9 kg; a tolerance of 1e-9 ends with a reason",
+       .run = "`mbd run models/cart_pole.xml --set M=1e-9 --set tolerance=1e-6`",
+       .reference = "conservation of energy and momentum, 10 s",
+       .error = fmt::format(
+           "energy {:.0e} J of 9.8 (bound 1e-3), momentum {:.0e} N.s (bound 1e-5), peak rate "
+           "{:.5g} of {:.5g} rad/s",
+           std::abs(h.table["all.total_energy"].back()),
+           std::abs(h.table["all.linear_momentum.1"].back()), fastest, peak),
+       .shown = "tolerance 1e-4 (in the model's comment); energy in between reaches " +
+                fmt::format("{:.0e} J", energy)});
 }
 
 }  // namespace

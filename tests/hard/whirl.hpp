@@ -39,7 +39,7 @@ struct PlaneBeam {
 // Deflection of mid-span of a clamped shaft of length L with a disk of mass M whose centre is e beside the axis.
 inline double whirl(const PlaneBeam& beam, double L, double M, double e) {
   const auto shear = beam.at(L / 2, {0, 0, 1, 0}), moment = beam.at(L / 2, {0, 0, 0, 1});
-  const double k = 0.5 * M * beam.W;        // Q = k (w + e), psi = 0 at mid-span
+  const double k = 0.5 * M * beam.W;       // Q = k (w + e), psi = 0 at mid-span
   const double r = -shear[1] / moment[1];  // root moment of a root shear force of 1
   const double q = k * e / (shear[2] - k * shear[0] + r * (moment[2] - k * moment[0]));
   return q * (shear[0] + r * moment[0]);
