@@ -252,8 +252,8 @@ PairTangent<double> joint_tangent(const Pose<double>& g, const Vec6& f, const Ma
 }
 
 // Direction and angle rows vanish half a turn from where they mean to hold as well: a step too large could end
-// there. With rows on both of b1 and b2, a3.b3 > 0; with three directions, all axes within a quarter turn;
-// with an angle, cos(theta - phi) > 0.
+// there. With rows on both of b1 and b2, a3.b3 > 0; with an angle, cos(theta - phi) > 0. Three directions vanish
+// where axes change places too (a third of a turn about (1, 1, 1), tr R = 0): less than a quarter turn, tr R > 1.
 template <Joint J>
 bool on_branch(const Pose<double>& g, [[maybe_unused]] const Given<double>& given) {
   constexpr auto directions = [] {
@@ -270,7 +270,7 @@ bool on_branch(const Pose<double>& g, [[maybe_unused]] const Given<double>& give
       if (!(std::cos(given.s) * R(0, 0) + std::sin(given.s) * R(1, 0) > 0.0)) return false;
     }
     if constexpr (directions == 2) return R(2, 2) > 0.0;
-    if constexpr (directions == 3) return R.trace() > 0.0;
+    if constexpr (directions == 3) return R.trace() > 1.0;
     return true;
   }
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libmbd/core/error.hpp"
 
@@ -340,6 +341,20 @@ double GeneralizedAlpha::estimated_error(bool) {
   error_norm_->measure(begin_, end_);
   // Of tolerance^(3/2).
   return (*error_norm_)(error_, {}, local_tolerance * std::sqrt(settings_.tolerances.relative));
+}
+
+// Gaps of eps times positions, of which (2) makes dU and s dlambda.
+std::optional<RoundOff> GeneralizedAlpha::round_off() {
+  if (!factored_ || history_ == 0 || system_.multipliers() == 0) return std::nullopt;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  double farthest = system_.length_scale();
+  for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
+  const std::span<double> x(x_.data(), static_cast<std::size_t>(x_.size()));
+  set_round_off(eps * farthest, x);
+  solver_->solve(x);
+  RoundOff result = round_off_of(x, a_.gamma / (h_ * a_.beta), 1.0 / (a_.beta * h_ * h_));
+  result.reciprocal_condition = solver_->reciprocal_condition();
+  return result;
 }
 
 // Once more with the block -eps I. What it leaves of the constraints must be as small as increments may be.

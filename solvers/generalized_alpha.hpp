@@ -81,6 +81,8 @@ class GeneralizedAlpha final : public OneStep {
 
   const LinearSolver& linear_solver() const { return *solver_; }
 
+  std::optional<RoundOff> round_off() override;
+
  private:
   void begin_at(State& state) override;
   bool solve_step(double t, double h, StepReport& report) override;

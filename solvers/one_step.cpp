@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "libmbd/core/error.hpp"
 #include "solvers/redundancy.hpp"
@@ -52,6 +53,33 @@ void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
 
 double OneStep::multiplier_slack() const {
   return tolerant_ ? std::max(1.0, loose_multipliers / settings_.newton.multiplier_tolerance) : 1.0;
+}
+
+void OneStep::set_round_off(double size, std::span<double> x) const {
+  std::fill(x.begin(), x.end(), 0.0);
+  auto row = x.end() - system_.multipliers();
+  // Signs without a pattern that a mechanism could share: bits of multiples of the golden ratio.
+  std::uint32_t bits = 0;
+  for (const ConstraintInfo& c : system_.constraints())
+    for (const bool is_position : c.is_position) {
+      bits += 0x9E3779B9u;
+      const double signed_size = (bits >> 31) != 0 ? -size : size;
+      *row++ = is_position ? signed_size : signed_size / system_.length_scale();
+    }
+}
+
+RoundOff OneStep::round_off_of(std::span<const double> x, double rate, double force_rate) const {
+  RoundOff r;
+  auto value = x.begin();
+  for (Index n = 1; n < system_.nodes(); ++n)
+    for (Index i = 0; i < 6; ++i, ++value)
+      if (i < 3) r.velocity = std::max(r.velocity, rate * std::abs(*value));
+  for (const ConstraintInfo& c : system_.constraints())
+    for (const bool is_position : c.is_position) {
+      double& largest = is_position ? r.force : r.moment;
+      largest = std::max(largest, force_rate * std::abs(*value++));
+    }
+  return r;
 }
 
 std::string OneStep::newton_failure(const std::string& out_of_range, const VecX& r) const {

@@ -69,6 +69,12 @@ class OneStep : public Stepper {
   // On the tolerance of multipliers, of which some are not determined in a rank-tolerant step.
   double multiplier_slack() const;
 
+  // Right-hand side of a response to round-off: 0 for the motion, and for the constraints `size` [m or m/s] (over
+  // the scene's length for angles) of either sign.
+  void set_round_off(double size, std::span<double> x) const;
+  // Its solution: motion times `rate` is velocity, multipliers times `force_rate` are forces and moments.
+  RoundOff round_off_of(std::span<const double> x, double rate, double force_rate) const;
+
   // Why Newton's iterations end without a solution; `out_of_range` as of System.
   std::string newton_failure(const std::string& out_of_range, const VecX& r) const;
 

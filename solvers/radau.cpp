@@ -449,6 +449,23 @@ void Radau::estimate(bool filtered) {
   }
 }
 
+// Rates of gaps of eps times velocities, of which (2) makes W and s dL.
+std::optional<RoundOff> Radau::round_off() {
+  if (factored_step_ == 0.0 || !history_ || system_.multipliers() == 0) return std::nullopt;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const double x = tableau().gamma / factored_step_;
+  double fastest = 0.0;
+  for (const Vec6& V : end_.V)
+    fastest = std::max({fastest, V.head<3>().cwiseAbs().maxCoeff(),
+                        V.tail<3>().cwiseAbs().maxCoeff() * system_.length_scale()});
+  const std::span<double> response(x_.data(), static_cast<std::size_t>(x_.size()));
+  set_round_off(eps * fastest / x, response);
+  pencil_->solve(response);
+  RoundOff result = round_off_of(response, x, x * x);
+  result.reciprocal_condition = pencil_->reciprocal_condition();
+  return result;
+}
+
 // Puts end_ on the constraints, at both levels.
 void Radau::project() {
   if (system_.multipliers() == 0) return;

@@ -67,6 +67,8 @@ class Radau final : public OneStep {
   Radau(const System& system, std::unique_ptr<LinearSolver> solver,
         std::unique_ptr<PencilSolver> pencil, const RadauOptions& options);
 
+  std::optional<RoundOff> round_off() override;
+
  private:
   static constexpr std::size_t stages = 3;
   using Stages = std::array<std::vector<Vec6>, stages>;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,17 @@ class DenseStep {
   virtual void at(double t, State& out) const = 0;
 };
 
+// What round-off leaves unknown because of the size of a step h. Positions are known to eps of their size, so
+// constraints of positions leave velocities uncertain by eps/h and multipliers by eps/h^2 (BBC); constraints of
+// velocities leave multipliers uncertain by eps/h. Sizes, not bounds: one response of the linear system to
+// round-off of either sign in every constraint.
+struct RoundOff {
+  double velocity = 0.0;              // [m/s]
+  double force = 0.0;                 // of multipliers [N]
+  double moment = 0.0;                // of multipliers [N.m]
+  double reciprocal_condition = 0.0;  // estimate, of the scaled matrix of Newton's iterations
+};
+
 class Stepper {
  public:
   virtual ~Stepper() = default;
@@ -37,6 +49,9 @@ class Stepper {
 
   const Counters& counters() const { return counters_; }
   const StepSizes& sizes() const { return sizes_; }
+
+  // Of the last accepted step; nothing before the first, after a restart, and of steppers that do not know it.
+  virtual std::optional<RoundOff> round_off() { return std::nullopt; }
 
   // Shown each accepted piece of a step, before what happens at its end (a restart at a jump).
   void on_substep(std::function<void(const DenseStep&)> observer) {

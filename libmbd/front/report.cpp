@@ -175,6 +175,12 @@ std::string to_json(const RunReport& report) {
   if (report.transient) {
     solver["transient"] = json(report.transient_counters);
     solver["transient"]["most_iterations_in_a_step"] = report.most_iterations;
+    if (const std::optional<RoundOff>& floor = report.round_off)
+      solver["transient"]["round_off_of_the_last_step"] = {
+          {"velocity", floor->velocity},
+          {"constraint_force", floor->force},
+          {"constraint_moment", floor->moment},
+          {"reciprocal_condition", floor->reciprocal_condition}};
     if (report.transient->tolerance) {
       const StepSizes& sizes = report.step_sizes;
       solver["transient"]["least_step"] = sizes.least;

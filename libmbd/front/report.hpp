@@ -14,6 +14,7 @@
 #include "libmbd/front/scene.hpp"
 #include "solvers/path.hpp"
 #include "solvers/report.hpp"
+#include "solvers/stepper.hpp"
 
 namespace mbd {
 
@@ -102,8 +103,9 @@ struct RunReport {
   Index nodes = 0, unknowns = 0, multipliers = 0;
   std::vector<BatchReport> batches;
   Counters static_counters, transient_counters;
-  StepSizes step_sizes;                                 // of a transient
-  int searched_steps = 0;                               // load steps that the line search saved
+  StepSizes step_sizes;               // of a transient
+  std::optional<RoundOff> round_off;  // of its last step; nothing where the method does not know it
+  int searched_steps = 0;             // load steps that the line search saved
   int most_static_iterations = 0, most_iterations = 0;  // in one load step, one time step
 
   // Of a <path>, and stability of the equilibrium of a <static>, where forces have a potential.

@@ -27,6 +27,7 @@ namespace mbd {
 namespace {
 
 constexpr double much_energy = 0.1;   // of the largest kinetic energy, change or work: worth a note
+constexpr double much_noise = 1e-3;   // of constraint forces: worth a note
 constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
 
 class Stopwatch {
@@ -394,6 +395,26 @@ class Run {
     report_.integration += watch_.lap();
     report_.transient_counters = stepper->counters();
     report_.step_sizes = stepper->sizes();
+    if (report_.rows > 0) judge_round_off(*stepper);
+  }
+
+  // Says it if steps are so short that round-off of positions drowns constraint forces.
+  void judge_round_off(Stepper& stepper) {
+    report_.round_off = stepper.round_off();
+    if (!report_.round_off) return;
+    const RoundOff& floor = *report_.round_off;
+    const double length = model_.system->length_scale();
+    const double force = std::max(floor.force, floor.moment / length),
+                 scale = std::max(force_most_, report_.kinetic_most / length);
+    if (scale > 0.0 && force > much_noise * scale)
+      report_.notes.push_back(fmt::format(
+          "steps as short as the last are lost in the round-off of positions: velocities are known "
+          "to about "
+          "{:.1g} m/s, constraint forces to about {:.1g} N (of {:.1g} N) and moments to about "
+          "{:.1g} N.m; take "
+          "larger steps{}",
+          floor.velocity, floor.force, force_most_, floor.moment,
+          report_.transient->method == TimeMethod::radau ? "" : ", or method=\"radau\""));
   }
 
   // Shows a state to the observers. False ends the run.
@@ -455,6 +476,13 @@ class Run {
   void monitor(const State& state) {
     monitor_constraints(*model_.system, state, report_);
     monitor_energies(*model_.system, state, report_);
+    for (const ConstraintInfo& c : model_.system->constraints())
+      for (Index i = 0; i < c.rows; ++i) {
+        const double size = std::abs(state.lambda(c.first_row + i));
+        force_most_ = std::max(force_most_, c.is_position[static_cast<std::size_t>(i)]
+                                                ? size
+                                                : size / model_.system->length_scale());
+      }
   }
 
   // Says it if the integrator has made much of the energy, or lost much.
@@ -496,6 +524,8 @@ class Run {
   RunReport report_;
   std::optional<RowTimes> rows_;  // of a transient
   bool in_statics_ = false;
+  double force_most_ =
+      0.0;  // largest multiplier of the monitored states, moments over the scene's length [N]
   Model model_;
   std::vector<Column> columns_;
   std::vector<double> row_;
