@@ -138,6 +138,7 @@ class Run {
     report_.nodes = system.nodes();
     report_.unknowns = system.unknowns();
     report_.multipliers = system.multipliers();
+    audit_.emplace(scene_, system, options.certify);
     for (const auto& batch : system.batches())
       report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
     report_.compile = watch_.lap();
@@ -311,7 +312,7 @@ class Run {
 
   void integrate(State& state) {
     const TransientScene& transient = *scene_.transient;
-    check_initial_state(*model_.system, state);
+    check_initial_state(*model_.system, state, 1.0 / transient.duration);
     if (transient.rho_infinity == 1.0)
       report_.notes.push_back(
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
@@ -325,8 +326,11 @@ class Run {
     bool going = true;
 
     State inside = state;  // where steps are interpolated
-    if (steps == 0 || rows_->inside_steps())
+    const bool rows_inside = steps == 0 || rows_->inside_steps();
+    if (rows_inside || audit_->certifies())
       stepper->on_substep([&](const DenseStep& step) {
+        if (audit_->certifies()) audit_->piece(step);
+        if (!rows_inside) return;
         // What lies at the end of the step is left to the state there, after a restart if there is one; what
         // lies at the end of a piece, to the beginning of the next.
         const double before = step.end() - rows_->slack();
@@ -353,6 +357,7 @@ class Run {
                                     : fmt::format("after {} steps, {}", n - 1, step.failure);
         break;
       }
+      audit_->step(step, state);
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
       report_.integration += watch_.lap();
       at_end = steps > 0 ? n == steps : state.t > rows_->end() - rows_->slack();
@@ -419,6 +424,7 @@ class Run {
   void monitor(const State& state) {
     monitor_constraints(*model_.system, state, report_);
     monitor_energies(*model_.system, state, report_);
+    audit_->sample(state);
   }
 
   // Says it if the integrator has made much of the energy, or lost much.
@@ -436,6 +442,7 @@ class Run {
 
   void finish() {
     check_energy();
+    report_.certificate = audit_->certificate(report_);
     report_.expects = expectations_->results();
     for (Observer* const observer : observers_) {
       try {
@@ -461,6 +468,7 @@ class Run {
   std::optional<RowTimes> rows_;  // of a transient
   bool in_statics_ = false;
   Model model_;
+  std::optional<Audit> audit_;
   std::vector<Column> columns_;
   std::vector<double> row_;
   std::vector<std::size_t> marks_;  // column of each mark of a path
