@@ -32,6 +32,7 @@
 #include "libmbd/study/accuracy.hpp"
 #include "libmbd/study/accuracy_page.hpp"
 #include "libmbd/study/accuracy_report.hpp"
+#include "libmbd/study/certify.hpp"
 #include "libmbd/study/choose.hpp"
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/initial.hpp"

@@ -237,6 +237,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
   bool refactor = refactor_next_ || !factored_;
   bool fresh = false;  // tangent of this step
   report.iterations = 0;
+  report.contraction = 0.0;
   for (int k = 0; k < settings_.newton.max_iterations; ++k) {
     bool in_range = true;
     if (refactor || always) {
@@ -264,6 +265,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     }
     if (previous > 0.0) {
       theta_ = std::max({e / previous, theta_memory * theta_, theta_floor});
+      if (previous > 1.0) report.contraction = std::max(report.contraction, e / previous);
       if (e > 2.0 * previous && !(fresh && k < 4) && e > 1.0) {
         if (fresh) break;  // diverges with its own tangent
         refactor = true;   // the increment is not taken: start again from the present iterate
@@ -371,8 +373,8 @@ bool GeneralizedAlpha::solve_tolerantly(double t, StepReport& report) {
   bool converged = iterate(report);
   if (converged) {
     residual();
-    converged = r_.tail(system_.multipliers()).cwiseAbs().maxCoeff() <=
-                settings_.newton.tolerance * std::max(1.0, system_.length_scale());
+    converged = largest_violation(system_, r_.tail(system_.multipliers())) <=
+                std::max(settings_.newton.tolerance, norm_.floor() * settings_.newton.tolerance);
   }
   if (!converged) report.failure = failure;
   return converged;

@@ -69,6 +69,7 @@ double largest_stiffness(const System& system, const LinearSolver& S) {
 
 double largest_stiffness(const System& system, std::span<const Slot> slots) {
   double largest = 0.0;
+  const double per_length = 1.0 / system.length_scale();
   const BlockGraph& graph = system.graph();
   for (std::size_t i = 0; i < graph.contributions.size(); ++i) {
     const auto [row, column] = graph.contributions[i];
@@ -78,10 +79,40 @@ double largest_stiffness(const System& system, std::span<const Slot> slots) {
     if (r.kind != BlockGraph::Kind::node || c.kind != BlockGraph::Kind::node) continue;
     const Slot slot = slots[i];
     for (Index k = 0; k < c.size; ++k)
-      for (Index j = 0; j < r.size; ++j)
-        largest = std::max(largest, std::abs(slot.data[k * slot.ld + j]));
+      for (Index j = 0; j < r.size; ++j) {
+        const double units = (j < 3 ? 1.0 : per_length) * (k < 3 ? 1.0 : per_length);
+        largest = std::max(largest, units * std::abs(slot.data[k * slot.ld + j]));
+      }
   }
   return largest;
+}
+
+double largest_violation(const System& system, const VecX& g, Index* row) {
+  double largest = 0.0;
+  Index worst = -1;
+  const double per_length = 1.0 / system.length_scale();
+  for (const ConstraintInfo& c : system.constraints())
+    for (Index i = 0; i < c.rows; ++i) {
+      const double raw = std::abs(g(c.first_row + i));
+      const double size = c.is_position[static_cast<std::size_t>(i)] ? raw * per_length : raw;
+      if (std::isnan(size) || size > largest) {
+        worst = c.first_row + i;
+        largest = size;
+      }
+      if (std::isnan(size)) {
+        if (row != nullptr) *row = worst;
+        return size;
+      }
+    }
+  if (row != nullptr) *row = worst;
+  return largest;
+}
+
+double fastest(const System& system, const State& state) {
+  double most = 0.0;
+  for (const Vec6& V : state.V)
+    most = std::max({most, V.head<3>().norm() / system.length_scale(), V.tail<3>().norm()});
+  return most;
 }
 
 Index worst_row(const System& system, const VecX& residual) {

@@ -31,6 +31,7 @@ class IncrementNorm {
   // that times the stiffness [N/m], and, with a step h, times mass / (beta h^2). `stiffness` is the
   // largest entry of the tangent that takes increments of motion to forces.
   void set_floor(const State& state, double stiffness);
+  double floor() const { return floor_ / tolerance_; }  // under motion, in units of its tolerance
 
  private:
   Index motions_;
@@ -41,12 +42,20 @@ class IncrementNorm {
   double force_floor_ = 0.0;     // [N]
 };
 
-// Largest entry of the node-node blocks of what has been added to slots; not after factor().
+// Largest entry of the node-node blocks of what has been added to slots, in units of force per motion: moments
+// and turns count by the scene's length [N/m, or kg of a mass matrix]; not after factor().
 double largest_stiffness(const System& system, std::span<const Slot> slots);
 double largest_stiffness(const System& system, const LinearSolver& S);
 
 // What to say of the element or joint that System::out_of_range names.
 std::string range_failure(const std::string& name);
+
+// Largest entry of what constraint rows violate, lengths over that of the scene [rad, or rad/s of rates]; NaN if
+// one is. `row`: which, -1 if all are zero.
+double largest_violation(const System& system, const VecX& g, Index* row = nullptr);
+
+// The fastest node: its spin, or its speed over the scene's length [rad/s].
+double fastest(const System& system, const State& state);
 
 // Row of a residual whose force, moment or gap is the worst, each kind in its own scale; for messages.
 Index worst_row(const System& system, const VecX& residual);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "libmbd/core/error.hpp"
+#include "solvers/increments.hpp"
 
 namespace mbd {
 namespace {
@@ -43,9 +44,11 @@ ConstraintResiduals constraint_residuals(const System& system, const State& stat
   return worst;
 }
 
-std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state) {
-  const ConstraintResiduals worst = constraint_residuals(system, state);
-  const double tolerance = open_tolerance * std::max(1.0, system.length_scale());
+std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state,
+                                                   double slow) {
+  VecX r, g, gdot, rest;
+  system.residual(state, r);
+  g = r.tail(system.multipliers());
   const auto open = [&](Index row, std::string_view what, double size, std::string_view unit,
                         std::string_view remedy) {
     for (const ConstraintInfo& info : system.constraints())
@@ -57,21 +60,23 @@ std::optional<OpenConstraint> find_open_constraint(const System& system, const S
       }
     return OpenConstraint{row, "", ""};
   };
-  if (!(worst.position <= tolerance))
-    return open(worst.position_row, "the joint is open by", worst.position, " at the start",
+  Index worst = -1;
+  if (!(largest_violation(system, g, &worst) <= open_tolerance))
+    return open(worst, "the joint is open by", std::abs(g(worst)), " at the start",
                 "mend the geometry");
-  double fastest = 1.0;
-  for (const Vec6& V : state.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
-  if (!(worst.velocity <= tolerance * fastest))
+  if (state.V.empty()) return std::nullopt;
+  system.constraint_rates(state, gdot, rest);
+  if (!(largest_violation(system, gdot, &worst) <=
+        open_tolerance * std::max(slow, fastest(system, state))))
     return open(
-        worst.velocity_row, "the initial velocities open the joint at", worst.velocity, "/s",
+        worst, "the initial velocities open the joint at", std::abs(gdot(worst)), "/s",
         "give bodies the velocity and angular_velocity that the joints and drives ask for, or let "
         "drives start from rest");
   return std::nullopt;
 }
 
-void check_initial_state(const System& system, const State& state) {
-  if (const auto open = find_open_constraint(system, state))
+void check_initial_state(const System& system, const State& state, double slow) {
+  if (const auto open = find_open_constraint(system, state, slow))
     throw Error(system.name_of(6 * system.nodes() + open->multiplier) + ": " + open->what);
 }
 

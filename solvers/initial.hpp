@@ -23,9 +23,11 @@ struct OpenConstraint {
   std::string row;       // of the joint: "position 2"
   std::string what;      // by how much, and what to do
 };
-std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state);
+// What turns by a radian, or moves by the scene's length, in 1/`slow` is at rest [rad/s].
+std::optional<OpenConstraint> find_open_constraint(const System& system, const State& state,
+                                                   double slow = 1.0);
 
 // Throws Error that names the open joint and the gap at position or velocity level.
-void check_initial_state(const System& system, const State& state);
+void check_initial_state(const System& system, const State& state, double slow = 1.0);
 
 }  // namespace mbd

@@ -46,9 +46,13 @@ bool OneStep::usable(const State& state, StepReport& report) {
 }
 
 void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
+  const double length = system_.length_scale();
   for (std::size_t k = 0; k < own.size(); ++k)
     for (Index i = 0; i < system_.constraints()[k].rows; ++i)
-      own[k].data[i * (own[k].ld + 1)] -= rank_tolerance / mass_;
+      own[k].data[i * (own[k].ld + 1)] -=
+          rank_tolerance / (system_.constraints()[k].is_position[static_cast<std::size_t>(i)]
+                                ? mass_
+                                : mass_ * length * length);
 }
 
 double OneStep::multiplier_slack() const {
@@ -129,6 +133,7 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   // Not the round-off of times: accelerations see it divided by h^2.
   if (std::abs(h - settings_.step) <= time_rounding * settings_.step) h = settings_.step;
   const int before = report.iterations;
+  const double contraction = report.contraction;
   report.iterations = 0;
   report.failure.clear();
   last_usable_.reset();
@@ -136,6 +141,8 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   if (!converged && !last_usable_ && system_.idle_rows_allowed())
     converged = attempt_with_other_rows(t, h, report);
   report.iterations += before;
+  report.contraction = converged ? std::max(contraction, report.contraction) : contraction;
+  report.floor = norm_.floor();
   if (converged)
     report.failure.clear();
   else

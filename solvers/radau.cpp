@@ -224,9 +224,10 @@ bool Radau::iterate(StepReport& report) {
   const double x = t.gamma / h_, s = 1.0 / (x * x);
   const std::complex<double> z = t.mu / h_;
   const Index size = system_.unknowns(), motions = 6 * (system_.nodes() - 1);
-  double previous = 0.0;
+  double previous = 0.0, last = 0.0;  // increments, in tolerances; of the last with its floor
   fresh_ = false;
   report.iterations = 0;
+  report.contraction = 0.0;
   if (relinearize_next_ || !linearized_) {
     linearize(stage_[1]);
     fresh_ = true;
@@ -288,6 +289,7 @@ bool Radau::iterate(StepReport& report) {
     const bool stagnates = previous > 0.0 && exact > stagnation * previous;
     if (previous > 0.0) {
       theta_ = std::max({exact / previous, theta_memory * theta_, theta_floor});
+      if (last > 1.0) report.contraction = std::max(report.contraction, e / last);
       if (e > stalled && exact > 2.0 * previous) {
         if (fresh_ && k > 2) break;  // diverges with its own tangents
         renew = !fresh_;
@@ -295,6 +297,7 @@ bool Radau::iterate(StepReport& report) {
     }
     if (!renew) {
       previous = exact;
+      last = e;
       for (std::size_t j = 0; j < stages; ++j) {
         for (Index n = 1; n < system_.nodes(); ++n) {
           const auto N = static_cast<std::size_t>(n);
@@ -317,7 +320,7 @@ bool Radau::iterate(StepReport& report) {
     if (renew) {
       linearize(stage_[1]);
       fresh_ = true;
-      previous = 0.0;
+      previous = last = 0.0;
       if (!factorize(report)) return false;
     }
   }
@@ -472,9 +475,9 @@ void Radau::project() {
   constexpr int most_passes = 20;
   constexpr double slow = 0.1, worth = 100.0;
   constexpr double eps = std::numeric_limits<double>::epsilon();
-  double farthest = system_.length_scale(), fastest = 0.0;
+  double farthest = system_.length_scale();
   for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
-  for (const Vec6& V : end_.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
+  const double round_off = eps * farthest / system_.length_scale();
   const auto correct = [&](const VecX& violation) {
     x_.setZero();
     x_.tail(violation.size()) = -violation;
@@ -483,13 +486,13 @@ void Radau::project() {
   // Corrects until the violation is round-off, or no longer falls. Where things turn far in a step the kept
   // gradients are too old for that.
   bool renewed = tolerant_;
-  const auto settle_on = [&](const VecX& violation, double round_off, const auto& change) {
+  const auto settle_on = [&](const VecX& violation, double enough, const auto& change) {
     double last = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < most_passes; ++pass) {
       system_.constraints(end_, g_, gdot_);
-      const double size = violation.cwiseAbs().maxCoeff();
-      if (size <= round_off || !(size < 0.9 * last)) return;
-      if (pass >= 2 && size > slow * last && size > worth * round_off && !renewed) {
+      const double size = largest_violation(system_, violation);
+      if (size <= enough || !(size < 0.9 * last)) return;
+      if (pass >= 2 && size > slow * last && size > worth * enough && !renewed) {
         renewed = true;
         linearize(end_);
         StepReport report;
@@ -500,14 +503,14 @@ void Radau::project() {
       change();
     }
   };
-  settle_on(g_, 2.0 * eps * farthest, [&] {
+  settle_on(g_, 2.0 * round_off, [&] {
     for (Index n = 1; n < system_.nodes(); ++n) {
       const auto N = static_cast<std::size_t>(n);
       q_[2][N] += T_inverse_times<double>(q_[2][N], x_.segment<6>(6 * (n - 1)));
       end_.pose[N] = reference_[2][N] * exp_se3<double>(q_[2][N]);
     }
   });
-  settle_on(gdot_, 4.0 * eps * fastest, [&] {
+  settle_on(gdot_, 4.0 * eps * fastest(system_, end_), [&] {
     for (Index n = 1; n < system_.nodes(); ++n) {
       const auto N = static_cast<std::size_t>(n);
       dV_[2][N] += x_.segment<6>(6 * (n - 1));

@@ -57,6 +57,10 @@ struct StepReport {
   bool converged = false;
   int iterations = 0;
   double error = 0.0;  // estimate of what is left, in units of the tolerance
+  // Largest ratio of an increment above the tolerance to the next, in the iterations that converged; 0: none
+  // was measured, the first increment was small enough.
+  double contraction = 0.0;
+  double floor = 0.0;  // round-off of motion in units of its tolerance; above 1 it takes its place
   std::array<double, 32>
       increments{};  // size of each iteration's increment, in units of the tolerance
   std::string

@@ -304,13 +304,72 @@ class Expression::Parser {
     for (const Instruction& i : program_) {
       if (i.op == Opcode::constant && i.target != kSound) report(faults_[to_index(i.target)]);
     }
-    check_stack();
+    if (deepest(program_) > kMaxStack)
+      fail(0, "more than " + std::to_string(kMaxStack) + " pending values", "less nesting",
+           "name parts of the expression as parameters or split it");
     Expression expression;
-    expression.breakpoints_ = join_switching_times();
+    expression.breakpoints_ = join_switching_times(program_);
     program_.shrink_to_fit();
     expression.program_ = std::move(program_);
     expression.text_ = text_;
     return expression;
+  }
+
+  static bool is_switch(const Instruction& i) {
+    return i.op == Opcode::before || i.op == Opcode::after || i.op == Opcode::negate_before ||
+           i.op == Opcode::negate_after || i.op == Opcode::first_before ||
+           i.op == Opcode::first_after;
+  }
+
+  // Breakpoints; in the program, times that differ by rounding only become equal.
+  static std::vector<double> join_switching_times(std::vector<Instruction>& program) {
+    std::vector<double> all;
+    for (const Instruction& i : program) {
+      if (is_switch(i)) all.push_back(i.value);
+    }
+    std::sort(all.begin(), all.end());
+    std::vector<double> times;
+    for (const double t : all) {
+      constexpr double unit = std::numeric_limits<double>::epsilon();
+      if (times.empty() || t - times.back() > 4.0 * unit * std::abs(t)) times.push_back(t);
+    }
+    for (Instruction& i : program) {
+      if (is_switch(i)) i.value = *(std::upper_bound(times.begin(), times.end(), i.value) - 1);
+    }
+    return times;
+  }
+
+  // Most pending values. Both branches of a choice push one value: `jump`, which ends the first, takes it off the count.
+  static std::size_t deepest(const std::vector<Instruction>& program) {
+    std::size_t depth = 0, most = 0;
+    for (const Instruction& i : program) {
+      switch (i.op) {
+        case Opcode::constant:
+        case Opcode::time:
+        case Opcode::before:
+        case Opcode::after:
+          ++depth;
+          break;
+        case Opcode::add:
+        case Opcode::subtract:
+        case Opcode::multiply:
+        case Opcode::divide:
+        case Opcode::power:
+        case Opcode::atan2:
+        case Opcode::first_before:
+        case Opcode::first_after:
+        case Opcode::both:
+        case Opcode::either:
+        case Opcode::jump:
+        case Opcode::jump_if_false:
+          --depth;
+          break;
+        default:
+          break;
+      }
+      most = std::max(most, depth);
+    }
+    return most;
   }
 
  private:
@@ -951,66 +1010,6 @@ class Expression::Parser {
          (is_near ? "did you mean " + quoted(nearest) + "? " : "") + "there are: " + list);
   }
 
-  // ---- after the last token
-
-  // Breakpoints; in the program, times that differ by rounding only become equal.
-  std::vector<double> join_switching_times() {
-    const auto is_switch = [](const Instruction& i) {
-      return i.op == Opcode::before || i.op == Opcode::after || i.op == Opcode::negate_before ||
-             i.op == Opcode::negate_after || i.op == Opcode::first_before ||
-             i.op == Opcode::first_after;
-    };
-    std::vector<double> all;
-    for (const Instruction& i : program_) {
-      if (is_switch(i)) all.push_back(i.value);
-    }
-    std::sort(all.begin(), all.end());
-    std::vector<double> times;
-    for (const double t : all) {
-      constexpr double unit = std::numeric_limits<double>::epsilon();
-      if (times.empty() || t - times.back() > 4.0 * unit * std::abs(t)) times.push_back(t);
-    }
-    for (Instruction& i : program_) {
-      if (is_switch(i)) i.value = *(std::upper_bound(times.begin(), times.end(), i.value) - 1);
-    }
-    return times;
-  }
-
-  // Both branches of a choice push one value: `jump`, which ends the first, takes it off the count.
-  void check_stack() const {
-    std::size_t depth = 0;
-    for (const Instruction& i : program_) {
-      switch (i.op) {
-        case Opcode::constant:
-        case Opcode::time:
-        case Opcode::before:
-        case Opcode::after:
-          ++depth;
-          break;
-        case Opcode::add:
-        case Opcode::subtract:
-        case Opcode::multiply:
-        case Opcode::divide:
-        case Opcode::power:
-        case Opcode::atan2:
-        case Opcode::first_before:
-        case Opcode::first_after:
-        case Opcode::both:
-        case Opcode::either:
-        case Opcode::jump:
-        case Opcode::jump_if_false:
-          --depth;
-          break;
-        default:
-          break;
-      }
-      if (depth > kMaxStack) {
-        fail(0, "more than " + std::to_string(kMaxStack) + " pending values", "less nesting",
-             "name parts of the expression as parameters or split it");
-      }
-    }
-  }
-
   std::string_view text_;
   const Parameters& parameters_;
   Variables allowed_;
@@ -1024,6 +1023,57 @@ class Expression::Parser {
 Expression Expression::parse(std::string_view text, const Parameters& parameters,
                              Variables allowed) {
   return Parser(text, parameters, allowed).run();
+}
+
+Expression Expression::sum(std::span<const Term> terms, double stretch) {
+  if (!(stretch > 0.0 && std::isfinite(stretch)))
+    throw Error("a law of time stretched by " + to_text(stretch) + "; that must be positive");
+  Expression result;
+  std::vector<Instruction>& program = result.program_;
+  constexpr std::int32_t none = -1;
+  double constant = 0.0;  // of all constant terms
+  for (const auto& [factor, of] : terms) {
+    if (factor == 0.0) continue;
+    if (!result.text_.empty()) result.text_ += " + ";
+    result.text_ += to_text(factor) + "*(" + of->text_ + ")";
+    if (of->is_constant()) {
+      constant += factor * of->value();
+      continue;
+    }
+    const bool first = program.empty();
+    std::vector<std::int32_t> moved;  // where each instruction, and the end, have gone
+    std::vector<std::size_t> jumps;
+    for (const Instruction& i : of->program_) {
+      moved.push_back(static_cast<std::int32_t>(program.size()));
+      program.push_back(i);
+      if (i.op == Opcode::jump || i.op == Opcode::jump_if_false)
+        jumps.push_back(program.size() - 1);
+      if (stretch == 1.0) continue;
+      if (Parser::is_switch(i)) program.back().value *= stretch;
+      if (i.op == Opcode::time) {
+        program.push_back({Opcode::constant, none, stretch});
+        program.push_back({Opcode::divide, none, 0.0});
+      }
+    }
+    moved.push_back(static_cast<std::int32_t>(program.size()));
+    for (const std::size_t j : jumps)
+      program[j].target = moved[static_cast<std::size_t>(program[j].target)];
+    if (factor != 1.0) {
+      program.push_back({Opcode::constant, none, factor});
+      program.push_back({Opcode::multiply, none, 0.0});
+    }
+    if (!first) program.push_back({Opcode::add, none, 0.0});
+  }
+  if (program.empty() || constant != 0.0) {
+    program.push_back({Opcode::constant, none, constant});
+    if (program.size() > 1) program.push_back({Opcode::add, none, 0.0});
+  }
+  if (result.text_.empty()) result.text_ = "0";
+  if (stretch != 1.0) result.text_ += " at t/" + to_text(stretch);
+  if (Parser::deepest(program) > kMaxStack)
+    throw Error("the sum of the laws " + result.text_ + " has too many pending values");
+  result.breakpoints_ = Parser::join_switching_times(program);
+  return result;
 }
 
 bool Expression::is_reserved(std::string_view name) {

@@ -69,6 +69,15 @@ class Expression {
   // Switching times within 4 rounding units of each other (0.3 and 0.1+0.2) are one breakpoint.
   static Expression parse(std::string_view text, const Parameters& parameters, Variables allowed);
 
+  // sum_k factor_k e_k(t / stretch): laws in other axes, or in other units of what they give and of time.
+  // Breakpoints move with the time; the text says how it was made and cannot be parsed. Throws Error for a
+  // stretch that is not positive, and if the sum nests too deeply.
+  struct Term {
+    double factor;
+    const Expression* of;
+  };
+  static Expression sum(std::span<const Term> terms, double stretch = 1.0);
+
   // Whether `name` is t, a constant or a function, and so cannot name a parameter.
   static bool is_reserved(std::string_view name);
 

@@ -381,7 +381,16 @@ class Compiler {
       throw Error(scene_.source,
                   label("mbd", scene_.name) + ": the scene is empty; give it a beam or a body");
     length_ = (high_ - low_).norm();
-    if (!(length_ > 0.0)) length_ = 1.0;  // a body about its own mass centre
+    if (!(length_ > 0.0)) length_ = largest_gyration();
+  }
+
+  // Diameter of gyration of bodies about their own mass centre, which have no other size; 1 m of points.
+  double largest_gyration() const {
+    double most = 0.0;
+    for (const BodyScene& body : scene_.bodies)
+      if (body.mass > 0.0)
+        most = std::max(most, 2.0 * std::sqrt(0.5 * body.inertia.trace() / body.mass));
+    return most > 0.0 ? most : 1.0;
   }
 
   // --- nodal terms ---
@@ -445,7 +454,8 @@ class Compiler {
   // Without a transient prescribed motions grow with the load, from none.
   void check(State initial) const {
     if (!scene_.transient) initial.load_factor = 0.0;
-    if (const std::optional<OpenConstraint> open = find_open_constraint(*system_, initial)) {
+    if (const std::optional<OpenConstraint> open = find_open_constraint(
+            *system_, initial, scene_.transient ? 1.0 / scene_.transient->duration : 1.0)) {
       const Model::Maker& maker = joints_->makers()[static_cast<std::size_t>(open->multiplier)];
       throw Error(maker.source, fmt::format("{}: {}: {}", maker.label, open->row, open->what));
     }

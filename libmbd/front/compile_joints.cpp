@@ -21,20 +21,6 @@ constexpr double open_tolerance = 1e-9;
 // Cosine of the angle between two axes that are called perpendicular.
 constexpr double perpendicular = 1e-9;
 
-// Rotation whose third column is `third`; the first is `first`, or any perpendicular one.
-Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {}) {
-  const Vec3 e3 = third.stableNormalized();
-  Index smallest = 0;
-  e3.cwiseAbs().minCoeff(&smallest);
-  const Vec3 across = first
-                          ? Vec3(first->stableNormalized() - e3.dot(first->stableNormalized()) * e3)
-                          : Vec3(Vec3::Unit(smallest).cross(e3));
-  const Vec3 e1 = across.normalized();
-  Mat3 R;
-  R << e1, e3.cross(e1), e3;
-  return R;
-}
-
 // Kinds of joints that have an angle, or a displacement.
 std::string kinds_with(bool angle) {
   std::vector<std::string_view> names;
@@ -70,6 +56,19 @@ std::string row_name(const joint::Row& row) {
 }
 
 }  // namespace
+
+Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first) {
+  const Vec3 e3 = third.stableNormalized();
+  Index smallest = 0;
+  e3.cwiseAbs().minCoeff(&smallest);
+  const Vec3 across = first
+                          ? Vec3(first->stableNormalized() - e3.dot(first->stableNormalized()) * e3)
+                          : Vec3(Vec3::Unit(smallest).cross(e3));
+  const Vec3 e1 = across.normalized();
+  Mat3 R;
+  R << e1, e3.cross(e1), e3;
+  return R;
+}
 
 // The batch of a joint type, made when first called for.
 joint::AnyJointBatch* JointCompiler::batch_of(std::string_view type) {
@@ -261,7 +260,8 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
     }
   }
   // The scene is drawn where the law starts; without a transient the value at t = 0 grows from nothing.
-  if (const double start = signal(0.0).f; scene_.transient && !(std::abs(start) <= 1e-12))
+  const double nothing = 1e-12 * (what == "displacement" ? length_ : 1.0);
+  if (const double start = signal(0.0).f; scene_.transient && !(std::abs(start) <= nothing))
     throw Error(source,
                 fmt::format("{}: the {} is {:.6g} at t = 0, but must start at 0: it counts from "
                             "the geometry as given; subtract this from the law",

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,10 @@ struct Attachment {
   int node = 0;
   bool is_point = false;  // a beam node: joints act at the node itself
 };
+
+// Axes of a joint: a rotation whose third column is `third`; the first is `first`, or one perpendicular to it that
+// depends on the inertial axes.
+Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {});
 
 class JointCompiler {
  public:

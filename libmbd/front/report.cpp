@@ -49,6 +49,24 @@ Json json(const ChosenAccuracy& accuracy) {
           {"pilots", pilots}};
 }
 
+Json json(const Certificate& certificate) {
+  Json checks = Json::array();
+  for (const Check& check : certificate.checks)
+    checks.push_back({{"name", check.name},
+                      {"verdict", name_of(check.verdict)},
+                      {"value", check.value},
+                      {"warn_above", check.warn},
+                      {"fail_above", check.fail},
+                      {"unit", check.unit},
+                      {"where", check.where},
+                      {"why", check.why}});
+  const Check* const culprit = certificate.culprit();
+  return {{"verdict", name_of(certificate.verdict())},
+          {"culprit", culprit != nullptr ? Json(culprit->name) : Json()},
+          {"certified", certificate.certified},
+          {"checks", checks}};
+}
+
 Json json(const Counters& c) {
   Json all;
   for (const NamedCounter& n : named_counters) all[std::string(n.name)] = c.*n.counter;
@@ -230,6 +248,7 @@ std::string to_json(const RunReport& report) {
                     {"transient", json(report.integration)},
                     {"output", json(report.output)}};
 
+  all["certificate"] = json(report.certificate);
   Json expects = Json::array();
   for (const ExpectResult& expect : report.expects)
     expects.push_back({{"quantity", expect.what},

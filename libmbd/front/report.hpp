@@ -11,6 +11,7 @@
 
 #include "libmbd/core/batch.hpp"
 #include "libmbd/core/state.hpp"
+#include "libmbd/front/certificate.hpp"
 #include "libmbd/front/scene.hpp"
 #include "solvers/path.hpp"
 #include "solvers/report.hpp"
@@ -129,6 +130,7 @@ struct RunReport {
   double energy_moved() const;  // largest of kinetic energy, change of the total and works [J]
 
   Seconds compile, equilibrium, integration, output;  // of the parts; output is in no other
+  Certificate certificate;
   std::vector<ExpectResult> expects;
   std::vector<std::filesystem::path> results;  // files written
 

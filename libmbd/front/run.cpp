@@ -144,13 +144,13 @@ class Run {
     if (!report_.redundant.empty())
       report_.notes.push_back(
           fmt::format("{} of the constraints repeat{} others ({}): the motion does not depend on "
-                      "them, and reactions "
-                      "are "
-                      "those of least norm, sum of F^2 + (M/L)^2 with L = {:.6g} m",
+                      "them, and reactions are those of least norm, sum of F^2 + (M/L)^2 with "
+                      "L = {:.6g} m",
                       model_.redundant.size(), model_.redundant.size() == 1 ? "s" : "",
                       fmt::join(report_.redundant, "; "), system.length_scale()));
     for (const RecordScene& record : scene.records)
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
+    audit_.emplace(scene_, system, options.certify);
     for (const auto& batch : system.batches())
       report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
     report_.compile = watch_.lap();
@@ -328,7 +328,7 @@ class Run {
 
   void integrate(State& state) {
     const TransientScene& transient = *scene_.transient;
-    check_initial_state(*model_.system, state);
+    check_initial_state(*model_.system, state, 1.0 / transient.duration);
     if (transient.rho_infinity == 1.0)
       report_.notes.push_back(
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
@@ -342,8 +342,11 @@ class Run {
     bool going = true;
 
     State inside = state;  // where steps are interpolated
-    if (steps == 0 || rows_->inside_steps())
+    const bool rows_inside = steps == 0 || rows_->inside_steps();
+    if (rows_inside || audit_->certifies())
       stepper->on_substep([&](const DenseStep& step) {
+        if (audit_->certifies()) audit_->piece(step);
+        if (!rows_inside) return;
         // What lies at the end of the step is left to the state there, after a restart if there is one; what
         // lies at the end of a piece, to the beginning of the next.
         const double before = step.end() - rows_->slack();
@@ -370,6 +373,7 @@ class Run {
                                     : fmt::format("after {} steps, {}", n - 1, step.failure);
         break;
       }
+      audit_->step(step, state);
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
       report_.integration += watch_.lap();
       at_end = steps > 0 ? n == steps : state.t > rows_->end() - rows_->slack();
@@ -483,6 +487,7 @@ class Run {
                                                 ? size
                                                 : size / model_.system->length_scale());
       }
+    audit_->sample(state);
   }
 
   // Says it if the integrator has made much of the energy, or lost much.
@@ -500,6 +505,7 @@ class Run {
 
   void finish() {
     check_energy();
+    report_.certificate = audit_->certificate(report_);
     report_.expects = expectations_->results();
     for (Observer* const observer : observers_) {
       try {
@@ -527,6 +533,7 @@ class Run {
   double force_most_ =
       0.0;  // largest multiplier of the monitored states, moments over the scene's length [N]
   Model model_;
+  std::optional<Audit> audit_;
   std::vector<Column> columns_;
   std::vector<double> row_;
   bool shares_reactions_ = false;  // constraints repeat each other, and reactions are recorded

@@ -25,6 +25,7 @@ struct RunOptions {
   std::vector<Observer*> observers = {};             // more of them; they must outlive the run
   std::vector<std::string> notes = {};               // that the report begins with
   std::optional<ChosenAccuracy> accuracy = {};       // for the report
+  bool certify = false;  // the dear checks of the certificate too (certificate.hpp)
   std::function<void(const Progress&)> progress = {};  // after each time step
   const std::atomic<bool>* interrupted = nullptr;  // looked at after each step: true ends the run
 };

@@ -176,6 +176,33 @@ void energy(std::string& text, const RunReport& report) {
     text += fmt::format("  {:1} {:>{}}  {}\n", line.sign, line.number, longest, line.name);
 }
 
+// One line, or, of a run that was certified, one for each check and the reasons of those that do not pass.
+void certificate(std::string& text, const Certificate& certificate) {
+  if (certificate.checks.empty()) return;
+  const auto number = [](const Check& check) {
+    return check.unit.empty() ? fmt::format("{:.2g}", check.value)
+                              : fmt::format("{:.2g}\t{}", check.value, check.unit);
+  };
+  std::string words(name_of(certificate.verdict()));
+  std::size_t others = 0;
+  for (const Check& check : certificate.checks) others += check.verdict != Verdict::pass ? 1 : 0;
+  if (const Check* const culprit = certificate.culprit()) {
+    words += fmt::format(": {} {}", culprit->name, number(*culprit));
+    if (!culprit->where.empty()) words += ", " + culprit->where;
+    if (others > 1) words += fmt::format("; {}\tmore", others - 1);
+  } else {
+    words += fmt::format(", {}", plural(std::ssize(certificate.checks), "check"));
+  }
+  item(text, "certificate", words);
+  if (!certificate.certified) return;
+  for (const Check& check : certificate.checks) {
+    std::string about = fmt::format("{}: {}", check.name, number(check));
+    if (!check.where.empty()) about += ", " + check.where;
+    if (check.verdict != Verdict::pass) about += "; " + check.why;
+    line(text, fmt::format("  {}", name_of(check.verdict)), about, 8);
+  }
+}
+
 // As wide as what stands in it. Where that is too wide, what was expected is left out, which `got` and
 // `error` tell; then a quantity too long stands on a line of its own.
 void expectations(std::string& text, const RunReport& report) {
@@ -280,6 +307,7 @@ std::string summary(const RunReport& report) {
   seconds(text, report);
   constraints(text, report);
   energy(text, report);
+  certificate(text, report.certificate);
   for (const std::string& note : report.notes) line(text, "note:", note, 6);
   expectations(text, report);
   files(text, report);

@@ -513,5 +513,33 @@ TEST(Expression, IsEvaluatedByManyThreads) {
   for (const double sum : sums) EXPECT_EQ(sum, sums.front());
 }
 
+TEST(Expression, SumsAndStretchesLaws) {
+  const Parameters given{{"a", 2.0}};
+  const Expression x = Expression::parse("t < 3 ? a*t^2 : 9*a + min(t, 5)", given, Variables::time);
+  const Expression y = Expression::parse("sin(a*t)*exp(-t)", given, Variables::time);
+  const Expression z = Expression::parse("7", given, Variables::time);
+  const Expression::Term terms[] = {{0.5, &x}, {-2.0, &y}, {1.0, &z}, {0.0, &y}};
+  for (const double stretch : {1.0, 1e-3, 250.0}) {
+    const Expression sum = Expression::sum(terms, stretch);
+    const std::vector<double> at(sum.breakpoints().begin(), sum.breakpoints().end());
+    ASSERT_EQ(at.size(), 2U);
+    EXPECT_DOUBLE_EQ(at[0], 3.0 * stretch);
+    EXPECT_DOUBLE_EQ(at[1], 5.0 * stretch);
+    for (const double t : {0.0, 1.3, 3.0, 4.2, 5.0, 7.7})
+      for (const Side side : {Side::left, Side::right}) {
+        const Taylor2 s = sum(t == 3.0 ? at[0] : t == 5.0 ? at[1] : t * stretch, side);
+        const Taylor2 X = x(t, side), Y = y(t, side);
+        EXPECT_NEAR(s.v, 0.5 * X.v - 2.0 * Y.v + 7.0, 1e-13);
+        EXPECT_NEAR(s.d * stretch, 0.5 * X.d - 2.0 * Y.d, 1e-12);
+        EXPECT_NEAR(s.dd * stretch * stretch, 0.5 * X.dd - 2.0 * Y.dd, 1e-12);
+      }
+  }
+  const Expression::Term constants[] = {{3.0, &z}, {-1.0, &z}};
+  EXPECT_TRUE(Expression::sum(constants, 2.0).is_constant());
+  EXPECT_EQ(Expression::sum(constants, 2.0).value(), 14.0);
+  EXPECT_EQ(Expression::sum({}).value(), 0.0);
+  EXPECT_THROW(Expression::sum(terms, 0.0), Error);
+}
+
 }  // namespace
 }  // namespace mbd::test::test_expression

@@ -13,6 +13,7 @@
 #include "tools/mbd/plot_command.hpp"
 #include "tools/mbd/run_command.hpp"
 #include "tools/mbd/schema_command.hpp"
+#include "tools/mbd/torture_command.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app("Flexible multibody dynamics: an XML model becomes a trajectory.", "mbd");
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
   mbd::add_check_command(app, status);
   mbd::add_explain_command(app, status);
   mbd::add_accuracy_command(app, status);
+  mbd::add_torture_command(app, status);
   mbd::add_plot_command(app, status);
   mbd::add_compare_command(app, status);
   mbd::add_schema_command(app, status);
@@ -31,6 +33,7 @@ int main(int argc, char** argv) {
                     "mbd run models/four_bar.xml\n"
                     "mbd plot results/four_bar C\n"
                     "mbd accuracy models/shaft.xml\n"
+                    "mbd torture models/shaft.xml\n"
                     "mbd run models/chain.xml --set N=100 --out chain_of_100\n"
                     "mbd schema beam\n"
                     "mbd run --help");

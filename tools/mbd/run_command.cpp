@@ -15,9 +15,11 @@
 #include <vector>
 
 #include "libmbd/front/expect.hpp"
+#include "libmbd/front/files.hpp"
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/summary.hpp"
+#include "libmbd/study/certify.hpp"
 #include "libmbd/study/choose.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
@@ -33,6 +35,8 @@ struct RunArguments {
   std::string accuracy;  // empty: the model's own settings
   double choose_within = 600.0;
   TransientOptions transient;
+  bool certify = false;
+  double certify_within = 60.0;
   bool quiet = false;
 };
 
@@ -133,6 +137,22 @@ void choose_settings(const RunArguments& arguments, Scene& scene, RunOptions& op
   scene = with(scene, choice.setting);
 }
 
+// Adds what other runs of the scene say, to the report that has been written too.
+void certify_run(const RunArguments& arguments, const Scene& scene,
+                 const std::filesystem::path& output, RunReport& report) {
+  const bool terminal = !arguments.quiet && isatty(STDERR_FILENO);
+  certify(scene,
+          {.within = arguments.certify_within,
+           .progress =
+               [&](const std::string& what) {
+                 if (terminal) fmt::print(stderr, "\r\033[Kcertificate: {}", what);
+                 std::fflush(stderr);
+               }},
+          report);
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  write_file(output / "report.json", to_json(report));
+}
+
 int run_model(const RunArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   RunOptions options;
@@ -142,6 +162,7 @@ int run_model(const RunArguments& arguments) {
   options.output = arguments.output.empty() ? std::filesystem::path("results") /
                                                   std::filesystem::path(arguments.model).stem()
                                             : std::filesystem::path(arguments.output);
+  options.certify = arguments.certify;
   RunReport report;
   {
     ProgressLine line;
@@ -151,6 +172,8 @@ int run_model(const RunArguments& arguments) {
     options.interrupted = &InterruptHandler::flag();
     report = run(scene, options);
   }
+  if (arguments.certify && report.complete())
+    certify_run(arguments, scene, *options.output, report);
   if (!arguments.quiet) fmt::print("{}", summary(report));
   if (!report.complete()) {
     fmt::print(stderr, "mbd: {}: {}\n", scene.name, report.failure);
@@ -161,6 +184,13 @@ int run_model(const RunArguments& arguments) {
       fmt::print(stderr, "mbd: {}:{}: expected {} = {} +- {}, got {}\n", result.source.file,
                  result.source.line, result.what, result.expected, result.tolerance,
                  result.got ? fmt::format("{}", *result.got) : "nothing");
+  if (arguments.certify && report.certificate.verdict() == Verdict::fail) {
+    const Check& culprit = *report.certificate.culprit();
+    fmt::print(stderr, "mbd: {}: the certificate fails: {} {:.2g} (at most {:.2g}){}{}\n",
+               scene.name, culprit.name, culprit.value, culprit.fail,
+               culprit.where.empty() ? "" : ", ", culprit.where);
+    return 1;
+  }
   const bool inaccurate = report.accuracy && !report.accuracy->met;
   if (inaccurate)
     fmt::print(stderr, "mbd: {}: the accuracy {:g} is not met (believed: {}): {}\n", scene.name,
@@ -211,6 +241,21 @@ void add_run_command(CLI::App& app, int& status) {
           },
           "", "")
       ->type_name("SECONDS");
+  command->add_flag(
+      "--certify", arguments->certify,
+      "all checks of the certificate: also momenta, condition, round-off, and other runs of the "
+      "model, moved, listed in another order and at half the step; status 1 if one fails");
+  command
+      ->add_option("--certify-within", arguments->certify_within,
+                   "with --certify: the CPU time of those runs; default: 60 s")
+      ->check(
+          [](const std::string& text) {
+            return finite_number(text).value_or(0.0) > 0.0
+                       ? std::string()
+                       : text + " is not a positive number of seconds";
+          },
+          "", "")
+      ->type_name("SECONDS");
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"
@@ -219,7 +264,8 @@ void add_run_command(CLI::App& app, int& status) {
                "mbd run models/shaft.xml --method radau --tolerance 1e-8\n"
                "mbd run models/shaft.xml --step \"0.5 ms\" --output 0.01\n"
                "mbd run models/pendulum.xml --method radau --tolerance 1e-10 --output steps\n"
-               "mbd run models/shaft.xml --accuracy 1e-4");
+               "mbd run models/shaft.xml --accuracy 1e-4\n"
+               "mbd run models/four_bar.xml --certify");
   command->callback([arguments, &status] { status = run_model(*arguments); });
 }
 

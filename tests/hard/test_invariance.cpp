@@ -1,0 +1,366 @@
+// Case 8: a model gives the same wherever it stands, in whatever units and order it is written down, and however many
+// runs go on beside it. Bounds come from the runs themselves (study/sameness.hpp): what another tolerance and a
+// change in the twelfth digit make of the motion; where that is more than 1e-3, trajectories are not compared.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "libmbd/study/sameness.hpp"
+#include "libmbd/study/transform.hpp"
+#include "solvers/increments.hpp"
+#include "tests/hard/hard_case.hpp"
+#include "tests/support/dense_solver.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test::test_invariance {
+namespace {
+
+// How much of each model is run; 0: all of it. Shortened so that about ten runs of each take a second or two.
+struct Case {
+  const char* model;
+  double duration;  // [s]
+  bool slow;        // paths over many points
+};
+constexpr Case cases[] = {
+    {"arch", 0, true},
+    {"bend45", 0, false},
+    {"cart_pole", 2.0, false},  // of 10
+    {"chain", 0, false},
+    {"composite", 0, false},
+    {"double_pendulum", 0, false},
+    {"double_pendulum_beams", 1.0, false},  // of 2
+    {"dzhanibekov", 5.0, false},            // of 10
+    {"elastica", 0, false},
+    {"every_joint", 0.5, false},  // of 2
+    {"four_bar", 9.0, false},     // of 36
+    {"four_bar_static", 0, false},
+    {"free_beam", 5.0, false},  // of 15
+    {"heavy_top", 0.5, false},  // of 2
+    {"lee_frame", 0, true},
+    {"pendulum", 0, false},
+    {"portal_frame", 0, false},
+    {"princeton", 0, false},
+    {"right_angle_frame", 0, false},
+    {"roll_up", 0, false},
+    {"shaft", 0, false},
+    {"shallow_arch", 0, false},
+    {"slider_crank", 0.04, false},  // of 0.25
+    {"swept_cantilever", 0, false},
+    {"windows", 2.0, false},  // of 10
+};
+
+TrialOptions limits() {
+  TrialOptions options;
+  options.samples = 50;
+  options.repeats = 1;
+  options.limit = 120.0;
+  return options;
+}
+
+Scene scene_of(const Case& c) {
+  const Scene scene = without_inertial_marks(model_scene(c.model));
+  return c.duration > 0.0 ? shortened(scene, c.duration) : scene;
+}
+
+const Twins& twins_of(const Case& c) {
+  static std::map<std::string, std::unique_ptr<Twins>> all;
+  std::unique_ptr<Twins>& one = all[c.model];
+  if (!one) one = std::make_unique<Twins>(scene_of(c), limits());
+  return *one;
+}
+
+double length_of(const Scene& scene) { return compile(scene).system->length_scale(); }
+
+// The worst of all models, beside its bound.
+struct Worst {
+  double ratio = 0.0, difference = 0.0, bound = 0.0;
+  std::string where;
+  int compared = 0, whole = 0;
+
+  void look(const Case& c, const Sameness& s) {
+    ++compared;
+    whole += s.whole ? 1 : 0;
+    if (s.difference / s.bound < ratio) return;
+    ratio = s.difference / s.bound;
+    difference = s.difference;
+    bound = s.bound;
+    where = fmt::format("{}, {}", c.model, s.quantity);
+  }
+  std::string text() const {
+    return fmt::format("{} at {}; {} models, {} to their end", hard::bounded(difference, bound),
+                       where, compared, whole);
+  }
+};
+
+template <class Change, class Back>
+void expect_same(bool slow, Worst& worst, const Change& change, const Back& back) {
+  for (const Case& c : cases) {
+    if (c.slow != slow) continue;
+    SCOPED_TRACE(c.model);
+    const Twins& twins = twins_of(c);
+    ASSERT_EQ(twins.failure(), "");
+    const Trial run = run_trial(change(twins.scene()), limits());
+    ASSERT_TRUE(run.complete) << run.failure;
+    const Sameness same = twins.compare(back(run.findings, twins.scene()));
+    EXPECT_TRUE(same.comparable);
+    EXPECT_EQ(same.what, "");
+    EXPECT_LE(same.difference, same.bound) << same.quantity << " at " << same.at;
+    worst.look(c, same);
+  }
+}
+
+void expect_same_moved(bool slow, Worst& worst) {
+  const auto motion = [](const Scene& scene) { return random_motion(7, length_of(scene)); };
+  expect_same(
+      slow, worst, [&](const Scene& scene) { return moved(scene, motion(scene)).scene; },
+      [&](const Findings& f, const Scene& scene) {
+        std::vector<std::string> not_compared;
+        const Findings back = moved_back(f, scene, motion(scene), not_compared);
+        EXPECT_TRUE(not_compared.empty());
+        return back;
+      });
+}
+
+void expect_same_units(bool slow, Worst& worst, const UnitChange& units) {
+  expect_same(
+      slow, worst, [&](const Scene& scene) { return rescaled(scene, units).scene; },
+      [&](const Findings& f, const Scene& scene) { return rescaled_back(f, scene, units); });
+}
+
+constexpr UnitChange mm_t_s{1e3, 1e-3, 1.0};
+constexpr UnitChange powers_of_ten[] = {{1e-5, 1e4, 1e2}, {1e6, 1e-6, 1e-3}};
+
+TEST(Invariance, MovedRigidly) {
+  Worst worst;
+  expect_same_moved(false, worst);
+  hard::record({"8a", "every model moved by a random rigid motion", "`mbd torture --trials motion`",
+                "invariance", worst.text(), "8h: a mass 1e-4 heavier"});
+}
+
+TEST(Invariance, InMillimetresAndTonnes) {
+  Worst worst;
+  expect_same_units(false, worst, mm_t_s);
+  hard::record({"8b", "every model in mm, t, s", "`mbd torture --trials units`", "invariance",
+                worst.text(),
+                "a length in m among the tolerances (max(1, L) in the check of open joints)"});
+}
+
+TEST(Invariance, InPowersOfTen) {
+  Worst worst;
+  for (const UnitChange& units : powers_of_ten) expect_same_units(false, worst, units);
+  hard::record({"8c", "every model in units of random powers of ten",
+                "`mbd torture --trials units`", "invariance", worst.text(), "as 8b"});
+}
+
+TEST(Invariance, InAnotherOrder) {
+  Worst worst;
+  expect_same(
+      false, worst, [](const Scene& scene) { return reordered(scene, 3); },
+      [](const Findings& f, const Scene&) { return f; });
+  hard::record({"8d", "parts of every model listed in another order",
+                "`mbd torture --trials order`", "invariance", worst.text(), "8h"});
+}
+
+class Rows : public Observer {
+ public:
+  void accepted(const Sample& sample) override {
+    rows.insert(rows.end(), sample.row.begin(), sample.row.end());
+  }
+  std::vector<double> rows;
+};
+
+TEST(Invariance, TwoRunsAtOnceAreOneToTheLastBit) {
+  std::size_t numbers = 0;
+  for (const Case& c : cases) {
+    if (c.slow) continue;
+    SCOPED_TRACE(c.model);
+    Scene scene = scene_of(c);
+    if (scene.transient) scene = shortened(scene, 0.3 * scene.transient->duration);
+    Rows rows[3];
+    const auto one = [&](std::size_t k) {
+      const RunReport report = run(scene, {.output = {}, .observers = {&rows[k]}});
+      EXPECT_TRUE(report.complete()) << report.failure;
+    };
+    std::thread first(one, 0), second(one, 1);
+    first.join();
+    second.join();
+    one(2);
+    ASSERT_FALSE(rows[0].rows.empty());
+    numbers += rows[0].rows.size();
+    for (const std::size_t k : {1U, 2U}) {
+      ASSERT_EQ(rows[k].rows.size(), rows[0].rows.size());
+      EXPECT_EQ(std::memcmp(rows[k].rows.data(), rows[0].rows.data(),
+                            rows[0].rows.size() * sizeof(double)),
+                0);
+    }
+  }
+  hard::record({"8e", "1 and 2 threads: two runs of every model at once, and one alone",
+                "`mbd torture --trials threads`", "bitwise equality",
+                fmt::format("0 of {} numbers differ", numbers), "any state shared between runs"});
+}
+
+// A state off the reference: nodes moved by about a hundredth of their spacing, multipliers of the size of the forces.
+State random_state(const System& system, double spacing, double force, std::uint64_t seed) {
+  Rng rng(seed);
+  State state = system.reference_state();
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    Vec6 U = random_vector<6>(rng, 0.01);
+    U.head<3>() *= spacing;
+    state.pose[n] = state.pose[n] * exp_se3<double>(U);
+    if (!state.V.empty()) state.V[n] = random_vector<6>(rng, 1.0);
+    if (!state.Vdot.empty()) state.Vdot[n] = random_vector<6>(rng, 1.0);
+  }
+  for (Index i = 0; i < state.lambda.size(); ++i) state.lambda(i) = force * uniform(rng, -1.0, 1.0);
+  return state;
+}
+
+double spacing_of(const Model& model) {
+  double least = model.system->length_scale();
+  for (const Model::Line& line : model.lines)
+    for (std::size_t k = 1; k < line.nodes.size(); ++k)
+      least = std::min(least, (model.system->reference_pose(line.nodes[k]).r -
+                               model.system->reference_pose(line.nodes[k - 1]).r)
+                                  .norm());
+  return least;
+}
+
+// Residual and tangent a million metres away: round-off of positions is eps times the distance, and strains and
+// directions know it over the spacing of nodes.
+TEST(Invariance, ResidualAndTangentFarAway) {
+  const RigidMotion far{Mat3::Identity(), Vec3(6e5, -6e5, 529150)};  // |shift| = 1e6 m
+  const double distance = far.shift.norm();
+  double worst = 0.0;
+  std::string where;
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.model);
+    const Scene scene = scene_of(c);
+    const Model here = compile(scene), there = compile(moved(scene, far).scene);
+    const System &a = *here.system, &b = *there.system;
+    ASSERT_EQ(a.rows(), b.rows());
+    const double L = a.length_scale(), spacing = spacing_of(here);
+    DenseSolver A, B;
+    A.analyze(a.graph());
+    B.analyze(b.graph());
+    VecX ra, rb;
+    const TangentWeights weights{
+        .U = 1.0, .V = scene.transient ? 1.0 : 0.0, .A = scene.transient ? 1.0 : 0.0, .T_inv = {}};
+    State at = a.reference_state();
+    a.linearize(at, weights, ra, A);
+    const double k = std::max(largest_stiffness(a, A), 1e-3);
+    at = random_state(a, spacing, 0.01 * k * spacing, 11);
+    State moved_at = at;
+    for (std::size_t n = 1; n < at.pose.size(); ++n) moved_at.pose[n].r += far.shift;
+    ASSERT_TRUE(a.linearize(at, weights, ra, A));
+    ASSERT_TRUE(b.linearize(moved_at, weights, rb, B));
+    const double unit = eps * distance / spacing;
+    const auto look = [&](double difference, double scale, const char* what) {
+      const double ratio = difference / (unit * scale);
+      if (!(ratio <= worst)) {
+        worst = ratio;
+        where = fmt::format("{}, {}", c.model, what);
+      }
+      EXPECT_LE(ratio, 100.0) << what;
+    };
+    for (Index i = 6; i < ra.size(); ++i) {
+      const bool node = i < 6 * a.nodes();
+      const double scale = !node ? L : k * spacing * (i % 6 < 3 ? 1.0 : L);
+      look(std::abs(ra(i) - rb(i)), scale, node ? "force" : "constraint");
+    }
+    for (std::size_t i = 0; i < a.graph().contributions.size(); ++i) {
+      const auto [row, column] = a.graph().contributions[i];
+      if (row < 0 || column < 0) continue;
+      const auto& R = a.graph().blocks[static_cast<std::size_t>(row)];
+      const auto& C = a.graph().blocks[static_cast<std::size_t>(column)];
+      const bool nodes = R.kind == BlockGraph::Kind::node && C.kind == BlockGraph::Kind::node;
+      const Slot s = A.slots()[i], t = B.slots()[i];
+      for (Index n = 0; n < C.size; ++n)
+        for (Index m = 0; m < R.size; ++m) {
+          const double units = (m < 3 ? 1.0 : L) * (n < 3 ? 1.0 : L);
+          look(std::abs(s.data[n * s.ld + m] - t.data[n * t.ld + m]),
+               nodes ? k * units : std::max(1.0, L), "tangent");
+        }
+    }
+  }
+  hard::record({"8f", "residual and tangent of every model 1e6 m away", "in C++",
+                "those at the origin",
+                fmt::format("{:.2g} ε distance / node spacing (bound 100), {}", worst, where),
+                "positions of nodes from the origin in a strain (nodes relative to each other are "
+                "exact to ε distance)"});
+}
+
+// Every model comes to its end there, and Newton's iterations see the floor: no more of them than at the origin, but
+// for the few that round-off asks for.
+TEST(Invariance, NewtonFindsItsFloorFarAway) {
+  const RigidMotion far{Mat3::Identity(), Vec3(6e5, -6e5, 529150)};
+  double most = 0.0;
+  std::string where;
+  for (const Case& c : cases) {
+    if (c.slow) continue;
+    SCOPED_TRACE(c.model);
+    Scene scene = scene_of(c);
+    if (scene.transient) scene = shortened(scene, 0.2 * scene.transient->duration);
+    const RunReport here = run(scene), there = run(moved(scene, far).scene);
+    ASSERT_TRUE(here.complete()) << here.failure;
+    EXPECT_TRUE(there.complete()) << there.failure;
+    const auto iterations = [](const RunReport& r) {
+      return static_cast<double>(r.static_counters.iterations + r.transient_counters.iterations);
+    };
+    const double ratio = iterations(there) / iterations(here);
+    if (ratio > most) {
+      most = ratio;
+      where = c.model;
+    }
+    EXPECT_LE(ratio, 3.0);
+  }
+  hard::record({"8g", "every model runs 1e6 m away", "`mbd torture --trials far`",
+                "Newton's iterations at the origin",
+                fmt::format("{:.2g} times as many (bound 3), {}", most, where),
+                "IncrementNorm::set_floor without the farthest position"});
+}
+
+// The comparison sees what it should: masses and loads changed in the fourth digit.
+TEST(Invariance, ADifferenceInTheFourthDigitIsSeen) {
+  int seen = 0, all = 0;
+  std::string missed;
+  for (const Case& c : cases) {
+    if (c.slow) continue;
+    SCOPED_TRACE(c.model);
+    const Twins& twins = twins_of(c);
+    const Trial run = run_trial(perturbed(twins.scene(), 1e-4, 5), limits());
+    ++all;
+    if (run.complete && twins.compare(run.findings).same())
+      missed += std::string(missed.empty() ? "" : ", ") + c.model;
+    else
+      ++seen;
+  }
+  EXPECT_EQ(missed, "");
+  hard::record({"8h", "numbers of every model changed in the fourth digit are seen", "in C++",
+                "the bounds of 8a to 8d", fmt::format("{} of {} models", seen, all),
+                "bounds that are too wide"});
+}
+
+// Paths over many points.
+TEST(InvarianceSlow, Paths) {
+  Worst worst;
+  expect_same_moved(true, worst);
+  expect_same_units(true, worst, mm_t_s);
+  expect_same(
+      true, worst, [](const Scene& scene) { return reordered(scene, 3); },
+      [](const Findings& f, const Scene&) { return f; });
+  hard::record({"8i", "arch and lee_frame: moved, in mm, t, s, in another order",
+                "`mbd torture models/arch.xml`", "invariance", worst.text(), "as 8b"});
+}
+
+}  // namespace
+}  // namespace mbd::test::test_invariance
