@@ -267,7 +267,8 @@ TEST_F(BadModels, HoldOneMistakeEach) {
 
 // ---- the program ------------------------------------------------------------------------------
 
-TEST_F(BadModels, AreRefusedByTheProgram) {
+using BadModelsSlow = BadModels;
+TEST_F(BadModelsSlow, AreRefusedByTheProgram) {
   run_each({"run"}, true, [&](const BadModel& model, const Ended& ended) {
     SCOPED_TRACE(ended.err);
     expect_refused(ended);
@@ -582,7 +583,7 @@ std::string repeated(std::string_view text, std::size_t count) {
   return all;
 }
 
-class LargeModels : public BadModels {
+class LargeModelsSlow : public BadModels {
  protected:
   const Ended& run_large(const fs::path& file, const std::string& part) {
     const fs::path output = scratch_ / "results";
@@ -616,7 +617,7 @@ class LargeModels : public BadModels {
 };
 
 // The size of a file is looked at; of a pipe, no more is read than a model may have.
-TEST_F(LargeModels, AttributeOfAGigabyte) {
+TEST_F(LargeModelsSlow, AttributeOfAGigabyte) {
   constexpr std::uintmax_t gigabyte = 1u << 30;
   const fs::path file = scratch_ / "gigabyte.xml", pipe = scratch_ / "pipe.xml";
   make(file, [&](std::ostream& stream) { stream << "<mbd name=\""; });
@@ -638,13 +639,13 @@ TEST_F(LargeModels, AttributeOfAGigabyte) {
   std::signal(SIGPIPE, before);
 }
 
-TEST_F(LargeModels, EndlessFile) {
+TEST_F(LargeModelsSlow, EndlessFile) {
   if (!fs::exists("/dev/zero")) GTEST_SKIP();
   run_large("/dev/zero", "64");
 }
 
 // What is quoted in a message is cut.
-TEST_F(LargeModels, LongTextsAreCutInMessages) {
+TEST_F(LargeModelsSlow, LongTextsAreCutInMessages) {
   const std::string text(10u << 20, 'a');
   run_text("value", in_model + "<gravity acceleration=\"0 0 " + text + "\"/>" + end_model,
            "acceleration");
@@ -671,7 +672,7 @@ TEST_F(LargeModels, LongTextsAreCutInMessages) {
       "balance");
 }
 
-TEST_F(LargeModels, DeepAndWideOnesEnd) {
+TEST_F(LargeModelsSlow, DeepAndWideOnesEnd) {
   constexpr std::size_t million = 1'000'000;
   run_text("repeats",
            in_model + repeated("<repeat count=\"1\">", million) + repeated("</repeat>", million) +
@@ -710,7 +711,7 @@ TEST_F(LargeModels, DeepAndWideOnesEnd) {
 }
 
 // Characters that would move the cursor of a terminal, or break the line, are not passed on.
-TEST_F(LargeModels, ControlCharactersAreNotPassedOn) {
+TEST_F(LargeModelsSlow, ControlCharactersAreNotPassedOn) {
   run_text("escape", in_model + "<body name=\"\x1b[2J\" mas=\"1\"/>" + end_model, "mas");
   run_text("escape_element", in_model + "<a\x1b[2J/>" + end_model, "a");
   run_text("break", in_model + "<body name=\"a\nb\" mas=\"1\"/>" + end_model, "mas");

@@ -489,7 +489,8 @@ Kept kept(const Table& t) {
   Kept k;
   const std::vector<double>& time = t["time"];
   const auto first = static_cast<std::size_t>(
-      std::find_if(time.begin(), time.end(), [](double s) { return s > 7.5 - 1e-9; }) - time.begin());
+      std::find_if(time.begin(), time.end(), [](double s) { return s > 7.5 - 1e-9; }) -
+      time.begin());
   double size = 0.0;
   for (int i = 1; i <= 3; ++i) {
     const std::vector<double>&p = t[fmt::format("all.linear_momentum.{}", i)],

@@ -25,6 +25,8 @@
 namespace mbd::test::test_silence {
 namespace {
 
+using mbd::History;
+
 namespace fs = std::filesystem;
 
 std::string model(const std::string& name) {

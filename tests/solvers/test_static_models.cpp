@@ -340,7 +340,7 @@ TEST(FourBarStatic, IsTheRods) {
     EXPECT_LT(distance(r, rod), 1e-10) << M;
   }
 }
-TEST(FourBarStatic, Converges) {
+TEST(FourBarStaticSlow, Converges) {
   const Scene scene = model_scene("four_bar_static");
   const FourBarRod rod = four_bar_rod(scene, 200);
   const std::vector<int> elements = {2, 4, 8};

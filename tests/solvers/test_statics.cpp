@@ -39,7 +39,7 @@ double distance(const Solved& a, const Solved& b) {
   return largest;
 }
 
-TEST(StaticSolvers, KinsolAndNewtonFindTheSame) {
+TEST(StaticSolversSlow, KinsolAndNewtonFindTheSame) {
   for (const char* name : {"bend45", "portal_frame", "swept_cantilever", "four_bar_static"}) {
     const Scene scene = model_scene(name);
     const Solved newton = solve(scene, {.steps = 4, .newton = {}});
@@ -152,7 +152,7 @@ TEST(StaticStability, IsSaid) {
 }
 
 // The deep arch carries no more than P1 (scenes.md A2): load steps end there, and say why.
-TEST(UnreachableLoad, KeepsTheLastEquilibriumAndNamesTheReason) {
+TEST(UnreachableLoadSlow, KeepsTheLastEquilibriumAndNamesTheReason) {
   Scene scene = model_scene("arch", {{"elements", "6"}});
   scene.path.reset();
   scene.statics = StaticScene{};
