@@ -222,7 +222,7 @@ StepReport OneStep::fixed_step(State& state) {
       }
       last = false;
       good_ = 0;
-      if (halvings_ == settings_.max_halvings || last_usable_) {
+      if (halvings_ == settings_.max_halvings) {
         report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
                                      settings_.max_halvings > 0 && !last_usable_
                                          ? fmt::format(", even with a step of {:.3g} s", h)

@@ -4,8 +4,8 @@
 // A step ends on every breakpoint of the signals inside it, and starts afresh where accelerations jump. A fixed
 // step that fails is tried in halves, down to 2^-max_halvings.
 //
-// Signals that are not finite. A step that meets one is not tried again in parts: the signal is the cause, and is
-// named. Adaptive steps go to the last time before it first, so that results reach as far as the motion is defined.
+// Signals that are not finite. A step that meets one fails before its first iteration: the signal is the cause, and
+// is named. Parts of a fixed step go near the last time before it; adaptive ones go there, and try no smaller ones.
 //
 // Rank-tolerant steps. Near a singular configuration, where all links of a mechanism come into line, B loses
 // rank and Newton's iterations their convergence, though the motion goes smoothly through it. A step that fails
@@ -61,7 +61,7 @@ class OneStep : public Stepper {
           int error_order);
 
   // Whether the signals of a state inside the step can be used; otherwise report.failure says which cannot, and
-  // the step has failed for good: none that reaches that time can be solved.
+  // none that reaches that time can be solved.
   bool usable(const State& state, StepReport& report);
 
   // -eps I onto the multipliers' own blocks, of a rank-tolerant step.

@@ -36,11 +36,12 @@ int Loads::signal(const Expression& e, const std::string& name) {
   return it->second;
 }
 
-load::Signals Loads::signals(const LoadScene& load, std::string_view kind, const Components& force,
-                             const Components& moment) {
+load::Signals Loads::signals(const LoadScene& load, int node, std::string_view kind,
+                             const Components& force, const Components& moment) {
   load::Signals result{-1, -1, -1, -1, -1, -1};
   const auto name = [&](std::string_view of, std::size_t i) {
-    return said(load.source, fmt::format("{}: {}{} {}", label(load), kind, of, i + 1));
+    return said(load.source, fmt::format("{} on {}: {}{} {}", label(load), system_.node_name(node),
+                                         kind, of, i + 1));
   };
   for (std::size_t i = 0; i < 3; ++i) {
     if (force) result[i] = signal((*force)[i], name("force", i));
@@ -66,9 +67,9 @@ void Loads::add(const LoadScene& load, int node) {
   if (node == 0)
     throw Error(load.source,
                 label(load) + ": on the ground it does nothing; give a beam or a body");
-  const load::Signals dead = signals(load, "", load.force, load.moment);
+  const load::Signals dead = signals(load, node, "", load.force, load.moment);
   add_dead(dead, 1.0, node);
-  add_follower(signals(load, "follower_", load.follower_force, load.follower_moment), 1.0,
+  add_follower(signals(load, node, "follower_", load.follower_force, load.follower_moment), 1.0,
                load.offset, node);
   const bool has_force = std::any_of(dead.begin(), dead.begin() + 3, [](int i) { return i >= 0; });
   if (has_force && !load.offset.isZero(0.0))
@@ -96,7 +97,8 @@ void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> node
   const auto signal_at = [&](const Row& row, std::size_t i, double s) {
     const FieldExpression& field = (*row.fields)[i];
     try {
-      std::string name = said(load.source, fmt::format("{}: {} {}", who, row.name, i + 1));
+      std::string name =
+          said(load.source, fmt::format("{} on {}: {} {}", who, load.beam, row.name, i + 1));
       if (field.varies()) name += fmt::format(" at s = {:.6g}", s);
       return signal(field.at(s), name);
     } catch (const Error& e) {

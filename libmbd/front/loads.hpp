@@ -37,8 +37,8 @@ class Loads {
 
   using Components = std::optional<std::array<Expression, 3>>;
   // `kind`: "" or "follower_", before force and moment in messages.
-  load::Signals signals(const LoadScene& load, std::string_view kind, const Components& force,
-                        const Components& moment);
+  load::Signals signals(const LoadScene& load, int node, std::string_view kind,
+                        const Components& force, const Components& moment);
   // `name`: as of System::add_signal, without the expression.
   int signal(const Expression& e, const std::string& name);
   void add_dead(const load::Signals& signals, double weight, int node);

@@ -24,7 +24,7 @@ constexpr double round_off = 1e-13;  // of times, of the duration
 bool is_whole(double ratio) { return std::abs(ratio - std::round(ratio)) <= round_off * ratio; }
 
 // BDF of order 3 and more amplify undamped oscillations, of which beams have many.
-bool has_beams(const System& system) {
+[[maybe_unused]] bool has_beams(const System& system) {
   return std::any_of(system.batches().begin(), system.batches().end(),
                      [](const auto& batch) { return batch->type().starts_with("beam"); });
 }
@@ -86,6 +86,7 @@ Balance balance_of(const TransientScene& transient) {
   return transient.balance.value_or(Balance::acceleration);
 }
 
+#ifndef MBD_FUZZ  // whose program steps nothing, and is built without the integrators
 std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient) {
   const double step = transient.step.value_or(0.0), max_step = transient.max_step.value_or(0.0);
   switch (transient.method) {
@@ -115,6 +116,7 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
   }
   throw Error(transient.source, "transient: unknown method");
 }
+#endif
 
 std::vector<std::string> change_stepping(TransientScene& transient, const SteppingChange& change) {
   std::vector<std::string> notes;

@@ -131,12 +131,16 @@ struct Ends {
 const std::vector<Ends>& that_end() {
   static const std::vector<Ends> all = {
       {"load_ends", 0.305, 0.01,
-       "load_ends.xml:14: load \"push\": force 3 \"-3+0*sqrt(T-t)\" is not a number at t = ", true},
+       "load_ends.xml:14: load \"push\" on body 'lower': force 3 \"-3+0*sqrt(T-t)\" is not a "
+       "number at t = ",
+       true},
       {"load_overflows", std::log(1.7976931348623157e308) / 1000.0, 0.01,
-       "load_overflows.xml:13: load \"push\": force 3 \"-3-1e-308*exp(1000*t)\" is -inf at t = ",
+       "load_overflows.xml:13: load \"push\" on body 'lower': force 3 \"-3-1e-308*exp(1000*t)\" is "
+       "-inf at t = ",
        false},
       {"distributed_ends", 0.0305, 0.001,
-       "distributed_ends.xml:13: distributed \"wind\": force 3 at s = 0 \"-2+0*sqrt(T+s-t)\" is "
+       "distributed_ends.xml:13: distributed \"wind\" on b: force 3 at s = 0 \"-2+0*sqrt(T+s-t)\" "
+       "is "
        "not a number at t = ",
        true},
       {"drive_ends", 0.305, 0.01,
@@ -325,10 +329,10 @@ TEST_F(Silence, TheLastStepCountsToo) {
 TEST_F(Silence, AccuracyHidesNoFailure) {
   Ended ended = mbd({"run", model("load_ends"), "--accuracy", "1e-2"}, "out");
   EXPECT_NE(ended.status, 0);
-  expect_says(ended.err, {"load \"push\": force 3", "is not a number"});
+  expect_says(ended.err, {"load \"push\" on body 'lower': force 3", "is not a number"});
   ended = mbd({"accuracy", model("load_ends"), "--budget", "10"}, "study");
   EXPECT_EQ(ended.status, 1);
-  expect_says(ended.err, {"load \"push\": force 3", "is not a number"});
+  expect_says(ended.err, {"load \"push\" on body 'lower': force 3", "is not a number"});
 }
 
 // ---- writing -----------------------------------------------------------------------------------
