@@ -516,8 +516,9 @@ TEST(InstabilitySlow, AFreeBeamTumblesForHalfAMinute) {
   precise.transient->output = 0.1;
   const Kept radau = kept(complete(precise).table);
   const Kept paper = kept(complete(with(precise, Metric::geodesic, Form::paper)).table);
-  for (const auto& [name, k] : {std::pair{"alpha", alpha}, {"radau", radau}, {"paper", paper}})
-    EXPECT_LT(alpha.momentum, 1e-10);
+  // The paper's form does not balance its own forces: it keeps momenta only as the mesh is refined.
+  EXPECT_GT(paper.momentum, 100 * radau.momentum);
+  EXPECT_LT(alpha.momentum, 1e-10);
   EXPECT_LT(alpha.angular, 1e-10);
   EXPECT_LT(alpha.energy, 0.05);
   EXPECT_LT(radau.momentum, 1e-8);
