@@ -113,6 +113,12 @@ void GeneralizedAlpha::filter_start(double h) {
   x_.tail(gddot_rest_.size()) = -gddot_rest_;
   solver_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
   if (!x_.allFinite()) return;
+  if (!momentum_.empty()) {  // B^T mu of (4), which a sum over the nodes may contain
+    scratch_ = begin_;
+    scratch_.lambda += x_.tail(gddot_rest_.size());
+    system_.residual(scratch_, r_mu_);
+    r_mu_ -= r_;
+  }
   for (std::size_t n = 1; n < A_.size(); ++n) {
     const Vec6 A = x_.segment<6>(6 * static_cast<Index>(n - 1));
     scratch_.V[n] = A - begin_.Vdot[n];
@@ -122,7 +128,8 @@ void GeneralizedAlpha::filter_start(double h) {
   system_.momenta(scratch_, p_);
   Vec6 sum = Vec6::Zero();
   for (std::size_t n = 1; n < momentum_.size(); ++n)
-    sum += inertial_wrench<double>(begin_.pose[n], p_[n]);
+    sum += inertial_wrench<double>(begin_.pose[n],
+                                   p_[n] + r_mu_.segment<6>(6 * static_cast<Index>(n)));
   sum /= static_cast<double>(momentum_.size() - 1);
   for (std::size_t n = 1; n < momentum_.size(); ++n) {
     Momentum& m = momentum_[n];

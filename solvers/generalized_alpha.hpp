@@ -33,7 +33,7 @@
 //   (M + h^2 K) A = M Vdot,   B A = B Vdot,                                                           (4)
 // in place of A = Vdot: the same to order h^2 in what the step resolves, and the static response over h^2 in what
 // it does not. Vdot of the state itself stays what the equations of motion say. With a balance of momenta,
-// f = a takes M (A - Vdot), less what this adds to the sum over the nodes.
+// f = a takes M (A - Vdot), less what h^2 K adds to the sum over the nodes.
 //
 // Where the step changes, A - Vdot, which is proportional to h, is scaled with it. Landings, steps that fail, and
 // rank-tolerant ones, with -eps I in place of the zero block of (2): one_step.hpp.
@@ -130,7 +130,7 @@ class GeneralizedAlpha final : public OneStep {
   State scratch_;                   // its V is what M is applied to
   std::vector<Vec6> error_;
 
-  VecX r_, x_, gdot_, gddot_rest_;
+  VecX r_, r_mu_, x_, gdot_, gddot_rest_;
   // With the block -eps I; made when it is first needed.
   std::unique_ptr<LinearSolver> tolerant_solver_;
   bool factored_ = false;

@@ -385,7 +385,6 @@ TEST(Instability, TheRightAngleFrameBucklesInTime) {
     EXPECT_EQ(history.report.negative_eigenvalues.value_or(-1), share < critical ? 0 : 1);
     EXPECT_EQ(says(history.report, "the equilibrium is unstable, in 1 way"), share > critical);
     EXPECT_EQ(largest(y, 0, y.size()) > 2e-3, share > critical);
-    fmt::print("frame: P {:.6f} w^2 {:.8g}\n", share, square.back());
   }
   EXPECT_GT(square[1], 0.0);
   EXPECT_LT(square[2], 0.0);
@@ -442,7 +441,6 @@ TEST(Instability, ASuddenLoadSnapsATrussWhereItsEnergySays) {
     EXPECT_EQ(history.report.transient_counters.retries, 0);
   }
   EXPECT_LT(energy, 1e-4);
-  fmt::print("truss: load {:.12f} limit {:.12f} energy {:.2e}\n", load, limit, energy);
   hard::record(
       {.id = "6f",
        .what = "Von Mises' truss under a sudden load, 0.1 % below and above its dynamic limit",
@@ -458,8 +456,6 @@ TEST(Instability, AnArchSnapsThroughInTime) {
     const History history = complete(hard_scene("arch_snaps", {{"share", share}}));
     const std::vector<double>& u = history.table["crown.displacement.2"];
     const double lowest = *std::min_element(u.begin(), u.end());
-    fmt::print("arch: {} lowest {:.6f} last {:.6f} retries {} energy {:.2e}\n", share, lowest,
-               u.back(), history.report.transient_counters.retries, energy_error(history.report));
     if (snaps) {
       EXPECT_LT(lowest, -7.0);  // beyond the second limit point at -5.26
     } else {
@@ -520,9 +516,8 @@ TEST(InstabilitySlow, AFreeBeamTumblesForHalfAMinute) {
   precise.transient->output = 0.1;
   const Kept radau = kept(complete(precise).table);
   const Kept paper = kept(complete(with(precise, Metric::geodesic, Form::paper)).table);
-  for (const auto& [name, k] : {std::pair{"alpha", alpha}, {"radau", radau}, {"paper", paper}})
-    fmt::print("free: {} momentum {:.2e} angular {:.2e} energy {:.2e}\n", name, k.momentum,
-               k.angular, k.energy);
+  // The paper's form does not balance its own forces: it keeps momenta only as the mesh is refined.
+  EXPECT_GT(paper.momentum, 100 * radau.momentum);
   EXPECT_LT(alpha.momentum, 1e-10);
   EXPECT_LT(alpha.angular, 1e-10);
   EXPECT_LT(alpha.energy, 0.05);
