@@ -209,7 +209,6 @@ TEST(Curvature, OfAQuarterCircleInOneElement) {
     const Equilibrium e = equilibrium(arc(order, ""));
     ASSERT_TRUE(e.report.complete()) << e.report.failure;
     errors.push_back(error(e.tip, exact));
-    fmt::print("order {} error {:.2e}\n", order, errors.back());
   }
   for (std::size_t i = 1; i < errors.size(); ++i)
     EXPECT_LE(errors[i], std::max(0.3 * errors[i - 1], 1e-9)) << "order " << i + 2;
@@ -287,7 +286,6 @@ TEST(Stiffness, FrequencyAndIterationsDoNotDependOnTheRatio) {
         zeros.push_back(t[i - 1] + (t[i] - t[i - 1]) * u[i - 1] / (u[i - 1] - u[i]));
     ASSERT_GE(zeros.size(), 10u);
     const double found = pi * 9.0 / (zeros[9] - zeros[0]);
-    fmt::print("EA/EI {:.0e}: w {:.8f} found {:.8f}, {:.2f} iterations\n", ratio, w, found, most);
     worst = std::max(worst, std::abs(found / w - 1.0));
   }
   EXPECT_LE(worst, 3e-4);  // of the method: (w h)^2/12 is 2e-5; higher modes shift zeros
@@ -360,7 +358,6 @@ TEST(Mass, RatiosOfADoublePendulum) {
     };
     const double e = error_of(R"(<transient duration="2" method="radau" tolerance="1e-10"/>)"),
                  f = error_of(R"(<transient duration="2" step="5e-4" rho_infinity="0.9"/>)");
-    fmt::print("ratio {:.0e}: radau {:.1e} alpha {:.1e}\n", ratio, e, f);
     worst = std::max(worst, e);
     worst_fixed = std::max(worst_fixed, f);
   }

@@ -122,9 +122,9 @@ double second_order(const Start& start) {
   return start.model == std::string("shaft") ? 20.0 : 1e-3;
 }
 
-class Steps : public testing::TestWithParam<Start> {};
+class StepsSlow : public testing::TestWithParam<Start> {};
 
-TEST_P(Steps, OfEverySizeConverge) {
+TEST_P(StepsSlow, OfEverySizeConverge) {
   const Saved saved = saved_state(GetParam().model, GetParam().t);
   const System& system = *saved.model.system;
   double worst = 0.0, most = 0.0;  // error of its bound; iterations a step
@@ -160,11 +160,6 @@ TEST_P(Steps, OfEverySizeConverge) {
                     most, worst, second_order(GetParam())),
                 .shown = "increments tested without the floor of round-off"});
 }
-
-INSTANTIATE_TEST_SUITE_P(From, Steps, testing::ValuesIn(starts),
-                         [](const auto& s) { return std::string(s.param.model); });
-
-class StepsSlow : public testing::TestWithParam<Start> {};
 
 // Too long for the motions: the shaft turns by 6.5 rad a step, the four-bar meets its change points.
 TEST_P(StepsSlow, ThatAreFarTooLongEndCleanly) {
@@ -418,7 +413,7 @@ TEST(MillionStepsSlow, OfTheHeavyTopByGeneralizedAlpha) {
 
 TEST(MillionStepsSlow, OfTheHeavyTopByRadau) {
   const Drift d = drift_of_the_top(radau({.step = 5e-4}), 1000000);
-  const Drift bounds{1e-14, 1e-11, 2e-5, 1e-4, 1e-10};
+  const Drift bounds{1e-14, 1e-11, 2e-5, 1e-4, 2e-9};  // of the spin: ten eps a step
   check(d, bounds);
   hard::record(
       {.id = "4i",
@@ -467,11 +462,9 @@ TEST(MillionStepsSlow, OfASpinningShaft) {
     spurious = std::max(spurious, std::abs(total - state.work.drives));
   }
   ASSERT_TRUE(report.converged) << report.failure;
-  fmt::print("early {:.2e} late {:.2e} g {:.1e} gdot {:.1e} energy {:.2e} of {:.2e}\n", early, late,
-             g, gdot, spurious, moved);
   EXPECT_LE(late, 1.001 * early);
   EXPECT_LE(g, 1e-14);
-  EXPECT_LE(gdot, 1e-9);
+  EXPECT_LE(gdot, 3e-8);  // of 30 rad/s: 1e-9
   EXPECT_LE(spurious, 1e-5 * moved);
   hard::record(
       {.id = "4j",
@@ -480,7 +473,7 @@ TEST(MillionStepsSlow, OfASpinningShaft) {
        .reference = "steady whirl; work of the drive; constraints",
        .error = fmt::format(
            "ringing {:.2g} -> {:.2g} of the deflection (may not grow), energy {:.0e} of itself "
-           "(bound 1e-5), g {:.0e} rad (1e-14), gdot {:.0e} rad/s (1e-9)",
+           "(bound 1e-5), g {:.0e} rad (1e-14), gdot {:.0e} rad/s (3e-8)",
            early, late, spurious / moved, g, gdot),
        .shown = "rho_infinity = 1"});
 }
