@@ -149,16 +149,18 @@ TEST_P(StepsSlow, OfEverySizeConverge) {
     }
   }
   const bool shaft = GetParam().model == std::string("shaft");
-  hard::record({.id = shaft ? "4b" : "4a",
-                .what = fmt::format("1000 steps each of 1e-7 … 1e-2 s from {} at {} s, two methods",
-                                    GetParam().model, GetParam().t),
-                .run = "in C++",
-                .reference = "Radau in adaptive steps, tolerance 1e-11, 1e-10 (h to 1e-4)",
-                .error = fmt::format(
-                    "all converge, at most {:.1f} iterations a step; positions {:.1g} of the bound "
-                    "1e-10 + {:.0e} h^2",
-                    most, worst, second_order(GetParam())),
-                .shown = "increments tested without the floor of round-off"});
+  hard::record(
+      {.id = shaft ? "4b" : "4a",
+       .what = fmt::format("1000 steps each of 1e-7 … 1e-2 s from {} at {} s, two methods",
+                           GetParam().model, GetParam().t),
+       .run = "in C++",
+       .reference = "Radau in adaptive steps, tolerance 1e-11, 1e-10 (h to 1e-4)",
+       .error = fmt::format(
+           "all converge, at most {:.1f} iterations a step; positions {:.1g} of the bound "
+           "1e-10 + {:.0e} h^2",
+           most, worst, second_order(GetParam())),
+       .shown =
+           "no floor of round-off in the norm of increments (in the engine): not done in 25 s"});
 }
 
 // Too long for the motions: the shaft turns by 6.5 rad a step, the four-bar meets its change points.
@@ -182,7 +184,7 @@ TEST_P(StepsSlow, ThatAreFarTooLongEndCleanly) {
        .run = "in C++",
        .reference = "constraints hold to 1e-8, states stay finite, a failure has a reason",
        .error = how,
-       .shown = "no halving of steps that fail"});
+       .shown = "not made"});
 }
 
 INSTANTIATE_TEST_SUITE_P(From, StepsSlow, testing::ValuesIn(starts),
@@ -289,7 +291,7 @@ TEST(RoundOffOfSteps, IsSaidToTheUser) {
        .reference = "15 kg eps 1 m/(beta h^2)",
        .error = fmt::format("said {:.1e} N, expected {:.1e} N (within 10 times); no note at 0.1 ms",
                             tiny.round_off->force, expected),
-       .shown = "multipliers of the response not divided by beta h^2"});
+       .shown = "not made"});
 }
 
 // 1/(|S| |S^-1|), 1-norms.
@@ -408,7 +410,7 @@ TEST(MillionStepsSlow, OfTheHeavyTopByGeneralizedAlpha) {
        .run = "in C++",
        .reference = "conservation; the symmetric top keeps its spin",
        .error = words(d) + "; bounds " + words(bounds) + " (energy, momentum, spin relative)",
-       .shown = "accelerations balanced in place of momenta: momentum"});
+       .shown = "not made"});
 }
 
 TEST(MillionStepsSlow, OfTheHeavyTopByRadau) {
@@ -475,7 +477,7 @@ TEST(MillionStepsSlow, OfASpinningShaft) {
            "ringing {:.2g} -> {:.2g} of the deflection (may not grow), energy {:.0e} of itself "
            "(bound 1e-5), g {:.0e} rad (1e-14), gdot {:.0e} rad/s (3e-8)",
            early, late, spurious / moved, g, gdot),
-       .shown = "rho_infinity = 1"});
+       .shown = "not made"});
 }
 
 }  // namespace
