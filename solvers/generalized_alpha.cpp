@@ -23,6 +23,8 @@ constexpr int iterations_refactor = 3;  // this many: a new tangent at the next 
 // the dynamic models are about the tolerance.
 constexpr int error_order = 3;
 constexpr double local_tolerance = 0.03;
+// Of a node in a step [rad]: angles of joints, between two nodes, are unwrapped to the nearest value, up to pi.
+constexpr double most_turn = 1.5;
 
 }  // namespace
 
@@ -309,6 +311,17 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
 }
 
 bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
+  // Before the iterations, which may go anywhere in such steps, and of their result.
+  const auto turns_far = [&](const auto& rotation) {
+    for (std::size_t n = 1; n < Q_.size(); ++n)
+      if (!(rotation(n).norm() < most_turn)) {
+        report.failure = fmt::format("{} turns by more than {} rad in a step; take smaller steps",
+                                     system_.node_name(static_cast<Index>(n)), most_turn);
+        return true;
+      }
+    return false;
+  };
+  if (turns_far([&](std::size_t n) { return Vec3(h * begin_.V[n].tail<3>()); })) return false;
   set_step(h);
   predict(t, true);
   if (!usable(end_, report)) return false;
@@ -319,7 +332,8 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
     predict(t, false);
     converged = iterate(report);
   }
-  return converged || (system_.multipliers() > 0 && solve_tolerantly(t, report));
+  converged = converged || (system_.multipliers() > 0 && solve_tolerantly(t, report));
+  return converged && !turns_far([&](std::size_t n) { return Vec3(Q_[n].tail<3>()); });
 }
 
 void GeneralizedAlpha::settle() {

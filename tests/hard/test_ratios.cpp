@@ -191,7 +191,7 @@ TEST(Lengths, OneToTenThousandInOneBeam) {
        .run = "`mbd run models/hard/uneven_elements.xml`",
        .reference = "rod equations by shooting",
        .error = fmt::format("{:.1e}; two even elements: {:.1e} (bound twice that)", uneven, even),
-       .shown = "floor of Newton's increments in place of that of the scene (a loose tolerance)"});
+       .shown = "not made"});
 }
 
 TEST(Curvature, OfAQuarterCircleInOneElement) {
@@ -209,7 +209,6 @@ TEST(Curvature, OfAQuarterCircleInOneElement) {
     const Equilibrium e = equilibrium(arc(order, ""));
     ASSERT_TRUE(e.report.complete()) << e.report.failure;
     errors.push_back(error(e.tip, exact));
-    fmt::print("order {} error {:.2e}\n", order, errors.back());
   }
   for (std::size_t i = 1; i < errors.size(); ++i)
     EXPECT_LE(errors[i], std::max(0.3 * errors[i - 1], 1e-9)) << "order " << i + 2;
@@ -287,7 +286,6 @@ TEST(Stiffness, FrequencyAndIterationsDoNotDependOnTheRatio) {
         zeros.push_back(t[i - 1] + (t[i] - t[i - 1]) * u[i - 1] / (u[i - 1] - u[i]));
     ASSERT_GE(zeros.size(), 10u);
     const double found = pi * 9.0 / (zeros[9] - zeros[0]);
-    fmt::print("EA/EI {:.0e}: w {:.8f} found {:.8f}, {:.2f} iterations\n", ratio, w, found, most);
     worst = std::max(worst, std::abs(found / w - 1.0));
   }
   EXPECT_LE(worst, 3e-4);  // of the method: (w h)^2/12 is 2e-5; higher modes shift zeros
@@ -299,7 +297,7 @@ TEST(Stiffness, FrequencyAndIterationsDoNotDependOnTheRatio) {
        .reference = "Timoshenko's beam, transfer matrices",
        .error =
            hard::bounded(worst, 3e-4) + fmt::format(", {:.1f} iterations a step at most", most),
-       .shown = "shear stiffness left out of the reference (ratio 1e2)"});
+       .shown = "not made: shear changes the frequency by 7 % at 1e2"});
 }
 
 // --- mass ---
@@ -360,7 +358,6 @@ TEST(Mass, RatiosOfADoublePendulum) {
     };
     const double e = error_of(R"(<transient duration="2" method="radau" tolerance="1e-10"/>)"),
                  f = error_of(R"(<transient duration="2" step="5e-4" rho_infinity="0.9"/>)");
-    fmt::print("ratio {:.0e}: radau {:.1e} alpha {:.1e}\n", ratio, e, f);
     worst = std::max(worst, e);
     worst_fixed = std::max(worst_fixed, f);
   }
@@ -372,7 +369,7 @@ TEST(Mass, RatiosOfADoublePendulum) {
                 .reference = "its Lagrangian, Runge-Kutta in long double",
                 .error = "radau " + hard::bounded(worst, 1e-8) + " rad, generalized-alpha " +
                          hard::bounded(worst_fixed, 1e-4) + " rad",
-                .shown = "mass of the second rod + 1 %"});
+                .shown = "not made"});
 }
 
 TEST(Mass, PartsWithoutAny) {
@@ -449,17 +446,14 @@ TEST(Mass, PartsWithoutAny) {
        .reference = "scalar equations of motion, Runge-Kutta; even rotation",
        .error = "radau " + hard::bounded(worst, 1e-8) + ", generalized-alpha " +
                 hard::bounded(worst_fixed, 1e-5) + " (m, rad)",
-       .shown = "point mass + 1 % of its arm"});
+       .shown = "not made"});
 }
 
 TEST(Mass, LightCartPole) {
   const History h = run_to_table(model_scene("cart_pole", {{"M", "1e-9"}, {"tolerance", "1e-6"}}));
   ASSERT_TRUE(h.report.complete()) << h.report.failure;
   const double peak = std::sqrt(2 * 9.81 * (1e-9 + 1) / 1e-9);
-  double energy = 0.0, momentum = 0.0, fastest = 0.0;
-  for (const double x : h.table["all.total_energy"]) energy = std::max(energy, std::abs(x));
-  for (const double x : h.table["all.linear_momentum.1"])
-    momentum = std::max(momentum, std::abs(x));
+  double fastest = 0.0;
   for (const double x : h.table["pole.rate"]) fastest = std::max(fastest, std::abs(x));
   EXPECT_LE(std::abs(h.table["all.total_energy"].back()), 1e-3);
   EXPECT_LE(std::abs(h.table["all.linear_momentum.1"].back()), 1e-5);
@@ -481,8 +475,7 @@ TEST(Mass, LightCartPole) {
            "{:.5g} of {:.5g} rad/s",
            std::abs(h.table["all.total_energy"].back()),
            std::abs(h.table["all.linear_momentum.1"].back()), fastest, peak),
-       .shown = "tolerance 1e-4 (in the model's comment); energy in between reaches " +
-                fmt::format("{:.0e} J", energy)});
+       .shown = "a tolerance of 1e-9 (in the test): ends"});
 }
 
 }  // namespace
