@@ -60,8 +60,7 @@ TEST(Certificate, OfEveryModel) {
   const Known known[] = {
       {"slider_crank", Verdict::warn, "energy balance",
        "its bars ring, which the integrator damps"},
-      {"shaft", Verdict::fail, "energy balance",
-       "steps of 5 ms and rho_infinity = 0, as in the paper"},
+      {"windows", Verdict::warn, "rank-tolerant steps", "its links come into one line"},
   };
   int passed = 0, warned = 0, failed = 0;
   std::string all;
