@@ -361,9 +361,8 @@ void Audit::add_round_off(Certificate& all) const {
          .value = mass * unit / (h * h) / largest_force_,
          .warn = weak_round_off,
          .fail = std::numeric_limits<double>::max(),
-         .why =
-             "that of positions over the mean step squared, times the largest mass of a node, "
-             "over the largest multiplier"});
+         .why = "that of positions over the mean step squared, times the largest mass of a node, "
+                "over the largest multiplier"});
   }
   const double condition = reciprocal_condition(h);
   add({.name = "condition",
