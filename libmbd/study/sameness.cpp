@@ -169,9 +169,16 @@ double Twins::floor_of(const Components& quantity, double scale) const {
   const NewtonOptions newton = newton_options(t);
   if (is_under_multipliers(quantity.unit)) return noise_safety * newton.multiplier_tolerance;
   // An increment of motion is one of velocity over about half a step.
-  const double of_rates = quantity.unit == "m/s"     ? 2.0 * length_ / *t.step / scale
-                          : quantity.unit == "rad/s" ? 2.0 / *t.step / scale
-                                                     : 0.0;
+  const std::string& u = quantity.unit;
+  double of_rates = 0.0;
+  if (u == "rad/s") of_rates = 2.0 / *t.step / scale;
+  if (u == "m/s") of_rates = 2.0 * length_ / *t.step / scale;
+  if (u == "N.s" || u == "N.m.s")  // mass times velocity
+    for (std::size_t q = 0; q < quantities_.size(); ++q)
+      if (quantities_[q].unit == "m/s") {
+        const double one = 2.0 * length_ / *t.step / scales_[q];
+        of_rates = of_rates > 0.0 ? std::min(of_rates, one) : one;
+      }
   return newton.tolerance * std::max(noise_safety, of_rates);
 }
 
