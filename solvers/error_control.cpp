@@ -40,6 +40,11 @@ void ErrorNorm::measure(const State& begin, const State& end) {
       speed = std::max(speed, V.head<3>().norm());
       spin = std::max(spin, V.tail<3>().norm());
     }
+  constexpr double units = 8.0;  // of round-off, as in Newton's iterations (increments.cpp)
+  double farthest = length_;
+  for (const Pose<double>& H : end.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
+  round_off_ = units * std::numeric_limits<double>::epsilon() * farthest;
+  step_ = std::abs(end.t - begin.t);
   measure(speed, spin);
 }
 
@@ -67,8 +72,11 @@ double ErrorNorm::operator()(std::span<const Vec6> eU, std::span<const Vec6> eV,
   worst_row_ = -1;
   double worst = 0.0, sum = 0.0;
   const ErrorTolerances allowed = limits();
-  const double limit[4] = {allowed.position, allowed.rotation, allowed.velocity,
-                           allowed.angular_velocity};
+  const double floor = round_off_ / factor, floor_rate = step_ > 0.0 ? floor / step_ : 0.0;
+  const double limit[4] = {std::max(allowed.position, floor),
+                           std::max(allowed.rotation, floor / length_),
+                           std::max(allowed.velocity, floor_rate),
+                           std::max(allowed.angular_velocity, floor_rate / length_)};
   const auto look = [&](const Vec6& e, std::size_t n, std::size_t kind) {
     for (Index i = 0; i < 6; ++i) {
       const double size = std::abs(e(i)) / limit[kind + (i < 3 ? 0 : 1)];

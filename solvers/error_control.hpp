@@ -27,7 +27,7 @@ class ErrorNorm {
   ErrorNorm(const System& system, const ErrorTolerances& tolerances, double duration);
 
   // The velocities against which errors are measured: the largest of two states, or a speed [m/s] and a spin
-  // [rad/s].
+  // [rad/s]. Of two states also what round-off of positions leaves of a step between them: less is not asked for.
   void measure(const State& begin, const State& end);
   void measure(double speed, double spin);
 
@@ -50,7 +50,8 @@ class ErrorNorm {
  private:
   ErrorTolerances tolerances_;
   double length_, duration_;
-  double speed_ = 0.0, spin_ = 0.0;  // [m/s], [rad/s]
+  double speed_ = 0.0, spin_ = 0.0;      // [m/s], [rad/s]
+  double round_off_ = 0.0, step_ = 0.0;  // of positions [m], [s]
   mutable double position_ = 0.0, rotation_ = 0.0;
   mutable Index worst_row_ = -1;
 };

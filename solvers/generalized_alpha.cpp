@@ -254,6 +254,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
       fresh = true;
       refactor = false;
       previous = 0.0;
+      report.contraction = 0.0;
     } else {
       in_range = residual();
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -174,6 +175,9 @@ class MumpsSolver : public InertiaSolver {
   MUMPS_INT& control(Control which) { return mumps_.icntl[which - 1]; }
 
   MUMPS_INT run(Job job) const {
+    // MUMPS keeps some of its state for the whole program: two calls at once end it.
+    static std::mutex one_at_a_time;
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
     mumps_.job = job;
     dmumps_c(&mumps_);
     return mumps_.infog[0];

@@ -321,6 +321,7 @@ bool Radau::iterate(StepReport& report) {
       linearize(stage_[1]);
       fresh_ = true;
       previous = last = 0.0;
+      report.contraction = 0.0;
       if (!factorize(report)) return false;
     }
   }

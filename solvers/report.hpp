@@ -57,8 +57,8 @@ struct StepReport {
   bool converged = false;
   int iterations = 0;
   double error = 0.0;  // estimate of what is left, in units of the tolerance
-  // Largest ratio of an increment above the tolerance to the next, in the iterations that converged; 0: none
-  // was measured, the first increment was small enough.
+  // Largest ratio of an increment to the one before it, above the tolerance, in the iterations that converged with
+  // their last tangent; 0: none was measured, the first increment was small enough.
   double contraction = 0.0;
   double floor = 0.0;  // round-off of motion in units of its tolerance; above 1 it takes its place
   std::array<double, 32>

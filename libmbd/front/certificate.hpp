@@ -2,7 +2,7 @@
 //
 // Of every run, from what is sampled anyhow: balance of energy, constraints at two levels, how Newton's iterations
 // contracted, round-off. Of a run that is to be certified (RunOptions::certify) also constraints at the level of
-// accelerations, momenta against the impulse of loads and reactions, the condition of the iteration matrix and what
+// accelerations, momenta against the impulse of loads and joints, the condition of the iteration matrix and what
 // round-off leaves of velocities and multipliers; and what study/certify.hpp finds by other runs of the scene.
 //
 // Bounds are of two kinds. What a tolerance says has to hold to ten times of it (warn) and a thousand (fail). Errors of
@@ -75,11 +75,11 @@ class Audit {
     }
   };
   std::string where(const Worst& worst) const;
-  Vec6 wrench(const State& state) const;
+  Vec6 wrench(const State& state, double& forces, double& moments) const;
   double reciprocal_condition(double h) const;
   void add_motion(Certificate& all, const RunReport& report) const;
   void add_equilibrium(Certificate& all, const RunReport& report) const;
-  void add_round_off(Certificate& all, const RunReport& report) const;
+  void add_round_off(Certificate& all) const;
 
   const Scene& scene_;
   const System& system_;
@@ -88,7 +88,7 @@ class Audit {
 
   long steps_ = 0, slow_steps_ = 0, long_steps_ = 0;
   Worst contraction_, floor_;
-  double smallest_step_ = 0.0, last_time_ = 0.0;
+  double last_time_ = 0.0;  // [s]
 
   int samples_ = 0;
   Worst position_, velocity_,
@@ -103,8 +103,8 @@ class Audit {
   double linear_ = 0.0, angular_ = 0.0;  // largest momenta [N.s], [N.m.s]
   Worst linear_drift_, angular_drift_;
   Vec6 impulse_ = Vec6::Zero();
-  double linear_impulse_ = 0.0, angular_impulse_ = 0.0;  // largest
-  State last_;
+  double linear_impulse_ = 0.0, angular_impulse_ = 0.0;  // of the sizes of forces, of moments
+  State last_, piece_;
 
   mutable State scratch_;
   mutable VecX r_, unloaded_, g_, gdot_, rest_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "libmbd/front/time_stepping.hpp"
 #include "libmbd/study/transform.hpp"
@@ -15,7 +16,7 @@ namespace {
 constexpr double noise_safety = 10.0;      // on what was measured, and on tolerances
 constexpr double comparable_bound = 1e-3;  // bounds above say nothing
 constexpr double relative_perturbation = 1e-12;
-constexpr std::uint64_t perturbation_seed = 20240607;
+constexpr std::uint64_t perturbation_seed = 20240607, perturbations = 3;
 constexpr std::size_t most_places = 20;
 constexpr double zero_beside = 1e-6;  // of others of its unit: what is smaller is measured by those
 
@@ -71,6 +72,28 @@ Scene with_probes(const Scene& scene) {
   return s;
 }
 
+double shortest_lever(const Scene& scene) {
+  const Model model = compile(scene);
+  const System& system = *model.system;
+  const double length = system.length_scale();
+  double shortest = length;
+  constexpr std::size_t most_points = 300;
+  std::vector<Vec3> points;
+  for (Index n = 1; n < system.nodes(); ++n) points.push_back(system.reference_pose(n).r);
+  for (const JointScene& j : scene.joints) {
+    for (const std::optional<Vec3>& at : {j.at, j.at_a, j.at_b})
+      if (at) points.push_back(*at);
+    if (j.kind == "screw" && j.parameter)
+      shortest = std::min(shortest, std::abs(*j.parameter) / (2.0 * std::numbers::pi));
+  }
+  if (points.size() > most_points) points.resize(most_points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (const double d = (points[i] - points[k]).norm(); d > 1e-9 * length)
+        shortest = std::min(shortest, d);
+  return shortest;
+}
+
 Scene shortened(const Scene& scene, double duration) {
   Scene s = scene;
   if (!s.transient || !(duration < s.transient->duration)) return s;
@@ -93,43 +116,70 @@ Twins::Twins(const Scene& scene, const TrialOptions& options) : scene_(with_prob
     failure_ = base_.failure;
     return;
   }
+  length_ = compile(scene_).system->length_scale();
   const Findings& a = base_.findings;
   add_components(quantities_, a, {}, "the run");
-  for (const Components& q : quantities_)
-    scales_.push_back(scale_of(q, a, a.at.size(), zero_beside).value);
+  for (const Components& q : quantities_) {
+    const double size = scale_of(q, a, a.at.size(), zero_beside).value;
+    // Of a total energy that is conserved, the number is arbitrary and its changes are errors.
+    scales_.push_back(q.unit == "J" ? std::max(size, a.energy) : size);
+  }
   noise_.assign(quantities_.size(), std::vector<double>(a.at.size(), 0.0));
-  for (const bool tolerance : {true, false}) {
-    const Trial twin =
+  growth_ = noise_;
+  for (std::uint64_t twin = 0; twin <= perturbations; ++twin) {
+    const bool tolerance = twin == 0;
+    const Trial run =
         run_trial(tolerance ? with_other_tolerance(scene_)
-                            : perturbed(scene_, relative_perturbation, perturbation_seed),
+                            : perturbed(scene_, relative_perturbation, perturbation_seed + twin),
                   once);
-    cpu_ += twin.cpu;
-    if (!twin.complete) {
+    cpu_ += run.cpu;
+    if (!run.complete) {
       failure_ = fmt::format(
           "{}: {}",
           tolerance ? "with another tolerance" : "with numbers changed in the twelfth digit",
-          twin.failure);
+          run.failure);
       return;
     }
     // A twin that finds other special points says that they are not well determined.
-    const bool fits = twin.findings.at.size() == a.at.size();
+    const bool fits = run.findings.at.size() == a.at.size();
     for (std::size_t q = 0; q < quantities_.size(); ++q)
-      for (std::size_t k = 0; k < a.at.size(); ++k)
-        noise_[q][k] +=
-            fits ? distance(quantities_[q], a, k, twin.findings, k) / scales_[q] : comparable_bound;
+      for (std::size_t k = 0; k < a.at.size(); ++k) {
+        const double d =
+            fits ? distance(quantities_[q], a, k, run.findings, k) / scales_[q] : comparable_bound;
+        double& to = tolerance ? noise_[q][k] : growth_[q][k];
+        to = std::max(to, d);
+      }
   }
+  for (std::size_t q = 0; q < noise_.size(); ++q)
+    for (std::size_t k = 0; k < noise_[q].size(); ++k) {
+      noise_[q][k] += growth_[q][k];
+      growth_[q][k] /= relative_perturbation;
+    }
+  for (std::vector<double>& growth : growth_)
+    for (std::size_t k = 1; k < growth.size(); ++k) growth[k] = std::max(growth[k], growth[k - 1]);
   for (std::vector<double>& noise : noise_)
     for (std::size_t k = 1; k < noise.size(); ++k) noise[k] = std::max(noise[k], noise[k - 1]);
 }
 
-double Twins::floor_of(const Components& quantity) const {
+double Twins::floor_of(const Components& quantity, double scale) const {
   if (scene_.path) return 1e-6;  // of special points: they are located to that (path.cpp)
   if (!scene_.transient) return 1e3 * scene_.statics->tolerance;
   const TransientScene& t = *scene_.transient;
   if (t.tolerance) return noise_safety * *t.tolerance;
   const NewtonOptions newton = newton_options(t);
-  return noise_safety *
-         (is_under_multipliers(quantity.unit) ? newton.multiplier_tolerance : newton.tolerance);
+  if (is_under_multipliers(quantity.unit)) return noise_safety * newton.multiplier_tolerance;
+  // An increment of motion is one of velocity over about half a step.
+  const std::string& u = quantity.unit;
+  double of_rates = 0.0;
+  if (u == "rad/s") of_rates = 2.0 / *t.step / scale;
+  if (u == "m/s") of_rates = 2.0 * length_ / *t.step / scale;
+  if (u == "N.s" || u == "N.m.s")  // mass times velocity
+    for (std::size_t q = 0; q < quantities_.size(); ++q)
+      if (quantities_[q].unit == "m/s") {
+        const double one = 2.0 * length_ / *t.step / scales_[q];
+        of_rates = of_rates > 0.0 ? std::min(of_rates, one) : one;
+      }
+  return newton.tolerance * std::max(noise_safety, of_rates);
 }
 
 std::optional<double> Twins::far_noise(const Components& quantity, double scale, std::size_t place,
@@ -138,7 +188,7 @@ std::optional<double> Twins::far_noise(const Components& quantity, double scale,
   const double unit = 8.0 * eps * far.distance;  // the floor of Newton's iterations [m]
   const std::string& u = quantity.unit;
   if (is_under_multipliers(u) || u == "N.s" || u == "N.m.s") return std::nullopt;
-  const double length = u.starts_with("rad") ? far.length : 1.0;
+  const double length = u.starts_with("rad") ? far.lever : far.lever / far.length;
   if (!scene_.transient) {
     // Of curvatures, unit/spacing^2 along the whole length.
     const double nodes = static_cast<double>(std::max<Index>(base_.nodes, 2));
@@ -176,13 +226,14 @@ Sameness Twins::compare(const Findings& other, const FarNoise& far,
     const auto found = std::find_if(theirs.begin(), theirs.end(),
                                     [&](const Components& c) { return c.name == mine.name; });
     if (found == theirs.end() || (fixed && mine.unit != "m" && mine.unit != "rad")) continue;
-    const double floor = floor_of(mine);
+    const double floor = floor_of(mine, scales_[q]);
     for (std::size_t k = 0; k < places; ++k) {
       double bound = noise_safety * noise_[q][k] + floor;
       if (far.distance > 0.0) {
         const std::optional<double> noise = far_noise(mine, scales_[q], k, far);
         if (!noise) break;
-        bound += *noise;
+        constexpr double eps = std::numeric_limits<double>::epsilon();
+        bound += *noise + noise_safety * 8.0 * eps * far.distance / far.lever * growth_[q][k];
       }
       if (!(bound <= std::max(comparable_bound, 2.0 * floor))) {
         until = std::min(until, k);

@@ -1,10 +1,11 @@
 // How far two runs of a scene may differ that ought to give the same: by what its own tolerances leave open, and by
-// what its motion makes of round-off. Both are measured, by three runs of the scene: as it is, with another tolerance,
-// and with its numbers changed in the twelfth digit.
+// what its motion makes of round-off. Both are measured, by runs of the scene: as it is, with another tolerance,
+// and, three times, with its numbers changed in the twelfth digit.
 //
 // For a quantity q (norm.hpp) over its scale, at place k,
-//   noise_q(k) = max over j <= k of |A_j - B_j| + |A_j - C_j|,   bound_q(k) = 10 noise_q(k) + floor_q,   (1)
-// A as it is, B of the other tolerance, C perturbed; floor_q is ten times the tolerance of the run that q is under.
+//   noise_q(k) = max over j <= k of |A_j - B_j| + max |A_j - C_j|,   bound_q(k) = 10 noise_q(k) + floor_q,   (1)
+// A as it is, B of the other tolerance, C those perturbed; floor_q is ten times the tolerance of the run that q is under,
+// of velocities what Newton's tolerance is over half a step.
 // Runs are compared as long as the bound is below 1e-3: later, where the motion is chaotic or the run not resolved,
 // a difference says nothing.
 #pragma once
@@ -18,11 +19,17 @@
 
 namespace mbd {
 
-// What the noise of positions far from the origin does besides, `distance` [m] away: per unit of the number.
+// What round-off of positions does besides, `distance` [m] away from the origin. Each step leaves 8 eps distance of
+// the motion (the floor of Newton's iterations), and that over the step of velocities, as in a random walk; `lever`
+// is the shortest over which positions make rotations. The motion amplifies it as it did C.
 struct FarNoise {
   double distance = 0.0;  // 0: none
   double length = 1.0;    // of the scene [m]
+  double lever = 1.0;     // [m]
 };
+
+// The shortest distance between nodes, points of joints and pitches of screws, of those that are not zero [m].
+double shortest_lever(const Scene& scene);
 
 struct Sameness {
   bool comparable = false;  // there was something to compare
@@ -38,7 +45,7 @@ struct Sameness {
 
 class Twins {
  public:
-  // Runs `scene` three times (run_trial), with records of its own besides those of the scene. failure() tells if
+  // Runs `scene` five times (run_trial), with records of its own besides those of the scene. failure() tells if
   // one of them did not come to its end. Throws Error for a scene that cannot be compiled.
   Twins(const Scene& scene, const TrialOptions& options);
 
@@ -47,7 +54,7 @@ class Twins {
     return scene_;
   }  // that was run: with the records, without <expect> and <plot>
   const Trial& base() const { return base_; }
-  double cpu() const { return cpu_; }  // of the three runs [s]
+  double cpu() const { return cpu_; }  // of all of them [s]
 
   // The findings of another run, brought back to the axes and units of scene().
   Sameness compare(const Findings& other, const FarNoise& far = {}) const;
@@ -57,16 +64,18 @@ class Twins {
 
  private:
   Sameness compare(const Findings& other, const FarNoise& far, std::optional<double> fixed) const;
-  double floor_of(const Components& quantity) const;
+  double floor_of(const Components& quantity, double scale) const;
   // Over its scale; nothing: not to be compared there.
   std::optional<double> far_noise(const Components& quantity, double scale, std::size_t place,
                                   const FarNoise& far) const;
 
   Scene scene_;
   Trial base_;
+  double length_ = 1.0;  // of the scene [m]
   std::vector<Components> quantities_;
   std::vector<double> scales_;
-  std::vector<std::vector<double>> noise_;  // by quantity and place
+  // By quantity and place: noise_q(k) of (1), and what a relative change of the numbers becomes.
+  std::vector<std::vector<double>> noise_, growth_;
   std::string failure_;
   double cpu_ = 0.0;
 };
