@@ -275,6 +275,8 @@ class RejectedOnce final : public OneStep {
   double estimated_error(bool again) override { return again ? 0.5 : 2.0; }
   void accept() override {}
   void settle() override { tolerant_ = false; }
+  void forget() override { tolerant_ = false; }
+  const State& solved() const override { return end_; }
 };
 
 TEST(Stepping, ARejectedStepLeavesNoRankTolerantTangent) {
