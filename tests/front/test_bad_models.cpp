@@ -231,7 +231,10 @@ TEST_F(BadModels, AreMadeFromSoundOnes) {
     const RunReport report = run(read_model(entry.path()));
     EXPECT_TRUE(report.complete()) << report.failure;
     EXPECT_TRUE(report.as_expected());
-    EXPECT_TRUE(report.notes.empty());
+    for (const std::string& note : report.notes)  // of a follower load, and of a hinge given twice
+      EXPECT_TRUE(note.find("stability") != std::string::npos ||
+                  note.find("repeat others") != std::string::npos)
+          << note;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/observers.hpp"
 #include "solvers/generalized_alpha.hpp"
+#include "solvers/increments.hpp"
 #include "solvers/initial.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/radau.hpp"
@@ -50,7 +51,8 @@ struct Driven {
   StepSizes sizes;
   StepReport last;
   Table table;
-  double g = 0.0, gdot = 0.0, fastest = 0.0;  // largest of accepted states
+  double g = 0.0, gdot = 0.0,
+         fastest = 0.0;  // largest of accepted states; rates in scene lengths or radians
 };
 
 // From the start to `duration`, or a failure, which the test has to look for. Samples at 0, interval, …;
@@ -84,8 +86,10 @@ inline Driven drive(Scene scene, const MakeStepper& make, double duration, doubl
     d.last = stepper->step(d.state);
     const ConstraintResiduals c = constraint_residuals(system, d.state);
     d.g = std::max(d.g, c.position);
-    d.gdot = std::max(d.gdot, c.velocity);
-    for (const Vec6& V : d.state.V) d.fastest = std::max(d.fastest, V.cwiseAbs().maxCoeff());
+    VecX gdot, rest;
+    system.constraint_rates(d.state, gdot, rest);
+    d.gdot = std::max(d.gdot, largest_violation(system, gdot));
+    d.fastest = std::max(d.fastest, fastest(system, d.state));
     d.counters = stepper->counters();
     d.sizes = stepper->sizes();
     if (seen) seen(d);

@@ -124,14 +124,13 @@ void add_torture_command(CLI::App& app, int& status) {
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors and failures");
-  set_examples(
-      *command,
-      "mbd torture models/four_bar.xml\n"
-      "mbd torture models/*.xml --budget 20 --out torture\n"
-      "mbd torture models/shaft.xml --trials motion units\n"
-      "mbd torture models/chain.xml --set N=20 --trials steps",
-      "Exit status: 0 all went well, warnings included; 1 an error; 2 a trial that fails; 130\n"
-      "interrupted, with what was done written; 100 and more: wrong use of the command.");
+  set_examples(*command,
+               "mbd torture models/four_bar.xml\n"
+               "mbd torture models/*.xml --budget 20 --out torture\n"
+               "mbd torture models/shaft.xml --trials motion units\n"
+               "mbd torture models/chain.xml --set N=20 --trials steps",
+               "Exit status: 0 all went well; 1 an error; 2 a trial that fails; 130\n"
+               "interrupted, with what was done written; 100 and more: wrong use of the command.");
   command->callback([arguments, &status] { status = torture_models(*arguments); });
 }
 
