@@ -185,13 +185,15 @@ TEST(Lengths, OneToTenThousandInOneBeam) {
   const Equilibrium coarse = equilibrium(bent(1e6, R"(elements="2" order="4")"));
   const double even = error(coarse.tip, exact), uneven = error(e.tip, exact);
   EXPECT_LE(uneven, std::max(2 * even, 1e-9));
+  const double stiffer = error(e.tip, PlaneRod{1e6, 1e6 / 2.4, 1.1, 0.0, 5.0}.tip());
+  EXPECT_GT(stiffer, 1e-3);
   hard::record(
       {.id = "5c",
        .what = "elements of lengths 1 : 11 114 in one beam",
        .run = "`mbd run models/hard/uneven_elements.xml`",
        .reference = "rod equations by shooting",
        .error = fmt::format("{:.1e}; two even elements: {:.1e} (bound twice that)", uneven, even),
-       .shown = "not made"});
+       .shown = fmt::format("EI + 10 % in the reference: {:.0e} (in the test)", stiffer)});
 }
 
 TEST(Curvature, OfAQuarterCircleInOneElement) {
@@ -287,6 +289,7 @@ TEST(Stiffness, FrequencyAndIterationsDoNotDependOnTheRatio) {
     ASSERT_GE(zeros.size(), 10u);
     const double found = pi * 9.0 / (zeros[9] - zeros[0]);
     worst = std::max(worst, std::abs(found / w - 1.0));
+    EXPECT_GT(std::abs(found / (std::sqrt(1.1) * w) - 1.0), 0.04);  // EI + 10 %
   }
   EXPECT_LE(worst, 3e-4);  // of the method: (w h)^2/12 is 2e-5; higher modes shift zeros
   EXPECT_LE(most, 2.5);
@@ -297,7 +300,7 @@ TEST(Stiffness, FrequencyAndIterationsDoNotDependOnTheRatio) {
        .reference = "Timoshenko's beam, transfer matrices",
        .error =
            hard::bounded(worst, 3e-4) + fmt::format(", {:.1f} iterations a step at most", most),
-       .shown = "not made: shear changes the frequency by 7 % at 1e2"});
+       .shown = "EI + 10 % in the reference: 5 % (in the test)"});
 }
 
 // --- mass ---
@@ -363,13 +366,18 @@ TEST(Mass, RatiosOfADoublePendulum) {
   }
   EXPECT_LE(worst, 1e-8);
   EXPECT_LE(worst_fixed, 1e-4);
-  hard::record({.id = "5f",
-                .what = "double pendulum, mass ratio 1e-9 … 1e9",
-                .run = "`mbd run models/hard/mass_ratio.xml --set ratio=…`",
-                .reference = "its Lagrangian, Runge-Kutta in long double",
-                .error = "radau " + hard::bounded(worst, 1e-8) + " rad, generalized-alpha " +
-                         hard::bounded(worst_fixed, 1e-4) + " rad",
-                .shown = "not made"});
+  const std::array<double, 2> equal = double_pendulum(1.0, 2.0),
+                              heavier = double_pendulum(1.1, 2.0);
+  const double moved = std::abs(heavier[0] - equal[0]) + std::abs(heavier[1] - equal[1]);
+  EXPECT_GT(moved, 1e-3);
+  hard::record(
+      {.id = "5f",
+       .what = "double pendulum, mass ratio 1e-9 … 1e9",
+       .run = "`mbd run models/hard/mass_ratio.xml --set ratio=…`",
+       .reference = "its Lagrangian, Runge-Kutta in long double",
+       .error = "radau " + hard::bounded(worst, 1e-8) + " rad, generalized-alpha " +
+                hard::bounded(worst_fixed, 1e-4) + " rad",
+       .shown = fmt::format("ratio + 10 % in the reference: {:.0e} rad (in the test)", moved)});
 }
 
 TEST(Mass, PartsWithoutAny) {
@@ -410,8 +418,13 @@ TEST(Mass, PartsWithoutAny) {
       return (m * c * std::sin(q) * v * v - m * g * c) / (0.1L + m * c * c);
     });
   }
-  double worst = 0.0, worst_fixed = 0.0;
+  double worst = 0.0, worst_fixed = 0.0, heavier = 0.0;
   for (const bool adaptive : {true, false}) {
+    Scene other = read(inside + R"(<transient duration="0.4" method="radau" tolerance="1e-10"/>)");
+    for (BodyScene& body : other.bodies)
+      if (body.name == "pole") body.mass *= 1.1;
+    const History m = run_to_table(other);
+    heavier = std::abs(m.table["pole.position.2"].back() - 8.0 - static_cast<double>(std::sin(ph)));
     const History r = run_to_table(
         read(inside + (adaptive ? R"(<transient duration="0.4" method="radau" tolerance="1e-10"/>)"
                                 : R"(<transient duration="0.4" step="1e-4"/>)")));
@@ -426,6 +439,7 @@ TEST(Mass, PartsWithoutAny) {
   }
   EXPECT_LE(worst, 1e-8);
   EXPECT_LE(worst_fixed, 1e-5);
+  EXPECT_GT(heavier, 1e-4);
   // A rod without inertia between two balls may spin as it likes.
   std::string refused = "no error";
   try {
@@ -446,7 +460,7 @@ TEST(Mass, PartsWithoutAny) {
        .reference = "scalar equations of motion, Runge-Kutta; even rotation",
        .error = "radau " + hard::bounded(worst, 1e-8) + ", generalized-alpha " +
                 hard::bounded(worst_fixed, 1e-5) + " (m, rad)",
-       .shown = "not made"});
+       .shown = fmt::format("mass of the pole + 10 %: {:.0e} m (in the test)", heavier)});
 }
 
 TEST(Mass, LightCartPole) {
