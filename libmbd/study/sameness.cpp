@@ -168,6 +168,9 @@ double Twins::floor_of(const Components& quantity, double scale) const {
   if (t.tolerance) return noise_safety * *t.tolerance;
   const NewtonOptions newton = newton_options(t);
   if (is_under_multipliers(quantity.unit)) return noise_safety * newton.multiplier_tolerance;
+  // Each step leaves a tolerance, as in a random walk.
+  const double walk =
+      std::max(noise_safety, std::sqrt(static_cast<double>(base_.counters.substeps)));
   // An increment of motion is one of velocity over about half a step.
   const std::string& u = quantity.unit;
   double of_rates = 0.0;
@@ -179,7 +182,7 @@ double Twins::floor_of(const Components& quantity, double scale) const {
         const double one = 2.0 * length_ / *t.step / scales_[q];
         of_rates = of_rates > 0.0 ? std::min(of_rates, one) : one;
       }
-  return newton.tolerance * std::max(noise_safety, of_rates);
+  return newton.tolerance * std::max(walk, of_rates);
 }
 
 std::optional<double> Twins::far_noise(const Components& quantity, double scale, std::size_t place,

@@ -198,10 +198,15 @@ double UnitChange::factor(std::string_view unit) const {
 
 Scene without_inertial_marks(const Scene& scene) {
   Scene result = bare_scene(scene);
-  if (result.path)
-    std::erase_if(result.path->marks, [&](const PathMarkScene& mark) {
-      return is_inertial(meaning_of(scene, mark.quantity));
-    });
+  if (!result.path) return result;
+  constexpr int points_without_stop = 40;
+  const auto uncarried = [&](const PathMarkScene& mark) {
+    return is_inertial(meaning_of(scene, mark.quantity));
+  };
+  for (const PathMarkScene& mark : result.path->marks)
+    if (mark.stops && uncarried(mark))
+      result.path->points = std::min(result.path->points, points_without_stop);
+  std::erase_if(result.path->marks, uncarried);
   return result;
 }
 
