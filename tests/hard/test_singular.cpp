@@ -100,7 +100,7 @@ void windows_case(const char* id, const char* model, int N, double tolerance, do
   EXPECT_GT(windows_error(table_of(heavier), N), 1e-4);
   hard::record(
       {id, fmt::format("{} windows in a row, all links parallel twice a turn", N),
-       fmt::format("{}{}, N={}, radau, tolerance {:g}", "models/", model, N, tolerance) + ".xml",
+       fmt::format("models/{}.xml, N={}, radau, tolerance {:g}", model, N, tolerance),
        "one pendulum, integrated in the test",
        bounded(error, bound) +
            fmt::format(" m, largest distance of two joints over {:g} s; {} rank-tolerant steps",
