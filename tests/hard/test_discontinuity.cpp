@@ -351,6 +351,10 @@ TEST(Discontinuity, WithoutDampingRigidBodiesStayOfOrderTwo) {
       error.push_back(reaction_error(c, reference, t));
       drift =
           std::max(drift, std::abs(history.report.dissipated()) / history.report.energy_moved());
+      if (c.model == "pendulum" && divide == 4.0) {
+        scene.gravity->acceleration *= 1.1;
+        EXPECT_GT(reaction_error(c, reference, run_to_table(scene).table), 5e-2);
+      }
     }
     EXPECT_NEAR(fitted_order(h, error), 2.0, 0.2) << c.model;
     EXPECT_LT(error.back(), 1e-2) << c.model;
@@ -363,7 +367,7 @@ TEST(Discontinuity, WithoutDampingRigidBodiesStayOfOrderTwo) {
                 .run = "models/pendulum.xml, heavy_top.xml --set rho=1",
                 .reference = "closed equations of motion at round-off",
                 .error = reached,
-                .shown = "order 2 expected within 0.2"});
+                .shown = "gravity + 10 % (in the test)"});
 }
 
 }  // namespace

@@ -270,7 +270,8 @@ TEST(Redundancy, FlexibleFourBarHasUniqueReactions) {
   const Scene rigid = hard_scene("parallelogram");
   EXPECT_FALSE(compile(rigid).redundant.empty());
   hard::record({"1e", "four-bar with parallel axes and flexible bars",
-                "models/four_bar.xml, tilt=0, sections without coupling", "symmetry: no force or moment out of the plane",
+                "models/four_bar.xml, tilt=0, sections without coupling",
+                "symmetry: no force or moment out of the plane",
                 bounded(out / size, 1e-6) + " of the largest reaction in the plane, 0 to 5.4 s",
                 "rigid bars: three rows are redundant"});
 }

@@ -184,7 +184,9 @@ TEST_P(StepsSlow, ThatAreFarTooLongEndCleanly) {
        .run = "in C++",
        .reference = "constraints hold to 1e-8, states stay finite, a failure has a reason",
        .error = how,
-       .shown = "not made"});
+       .shown = GetParam().model == std::string("shaft")
+                    ? "not shown: no step fails"
+                    : "steps that did not converge accepted (in the engine)"});
 }
 
 INSTANTIATE_TEST_SUITE_P(From, StepsSlow, testing::ValuesIn(starts),
@@ -482,7 +484,7 @@ TEST(MillionStepsSlow, OfASpinningShaft) {
            "ringing {:.2g} -> {:.2g} of the deflection (may not grow), energy {:.0e} of itself "
            "(bound 1e-5), g {:.0e} rad (1e-14), gdot {:.0e} rad/s (3e-8)",
            early, late, spurious / moved, g, gdot),
-       .shown = "not made"});
+       .shown = "gamma - 0.05 (in the engine): does not stay on its way"});
 }
 
 }  // namespace
