@@ -141,28 +141,28 @@ void expect_same_units(bool slow, Worst& worst, const UnitChange& units) {
 constexpr UnitChange mm_t_s{1e3, 1e-3, 1.0};
 constexpr UnitChange powers_of_ten[] = {{1e-5, 1e4, 1e2}, {1e6, 1e-6, 1e-3}};
 
-TEST(Invariance, MovedRigidly) {
+TEST(InvarianceSlow, MovedRigidly) {
   Worst worst;
   expect_same_moved(false, worst);
   hard::record({"8a", "every model moved by a random rigid motion", "`mbd torture --trials motion`",
                 "invariance", worst.text(), "8h: a mass 1e-4 heavier"});
 }
 
-TEST(Invariance, InMillimetresAndTonnes) {
+TEST(InvarianceSlow, InMillimetresAndTonnes) {
   Worst worst;
   expect_same_units(false, worst, mm_t_s);
   hard::record({"8b", "every model in mm, t, s", "`mbd torture --trials units`", "invariance",
                 worst.text(), "8h"});
 }
 
-TEST(Invariance, InPowersOfTen) {
+TEST(InvarianceSlow, InPowersOfTen) {
   Worst worst;
   for (const UnitChange& units : powers_of_ten) expect_same_units(false, worst, units);
   hard::record({"8c", "every model in units of random powers of ten",
                 "`mbd torture --trials units`", "invariance", worst.text(), "8h"});
 }
 
-TEST(Invariance, InAnotherOrder) {
+TEST(InvarianceSlow, InAnotherOrder) {
   Worst worst;
   expect_same(
       false, worst, [](const Scene& scene) { return reordered(scene, 3); },
@@ -179,7 +179,7 @@ class Rows : public Observer {
   std::vector<double> rows;
 };
 
-TEST(Invariance, TwoRunsAtOnceAreOneToTheLastBit) {
+TEST(InvarianceSlow, TwoRunsAtOnceAreOneToTheLastBit) {
   std::size_t numbers = 0;
   for (const Case& c : cases) {
     if (c.slow) continue;
@@ -237,7 +237,7 @@ double spacing_of(const Model& model) {
 
 // Residual and tangent a million metres away: round-off of positions is eps times the distance, and strains and
 // directions know it over the spacing of nodes.
-TEST(Invariance, ResidualAndTangentFarAway) {
+TEST(InvarianceSlow, ResidualAndTangentFarAway) {
   const RigidMotion far{Mat3::Identity(), Vec3(6e5, -6e5, 529150)};  // |shift| = 1e6 m
   const double distance = far.shift.norm();
   double worst = 0.0, single = 0.0;
@@ -307,7 +307,7 @@ TEST(Invariance, ResidualAndTangentFarAway) {
 
 // Every model comes to its end there, and Newton's iterations see the floor: no more of them than at the origin, but
 // for the few that round-off asks for.
-TEST(Invariance, NewtonFindsItsFloorFarAway) {
+TEST(InvarianceSlow, NewtonFindsItsFloorFarAway) {
   const RigidMotion far{Mat3::Identity(), Vec3(6e5, -6e5, 529150)};
   double most = 0.0;
   std::string where;
@@ -336,7 +336,7 @@ TEST(Invariance, NewtonFindsItsFloorFarAway) {
 }
 
 // The comparison sees what it should: masses and loads changed in the fourth digit.
-TEST(Invariance, ADifferenceInTheFourthDigitIsSeen) {
+TEST(InvarianceSlow, ADifferenceInTheFourthDigitIsSeen) {
   int seen = 0, all = 0;
   std::string missed;
   for (const Case& c : cases) {
