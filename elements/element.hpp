@@ -26,6 +26,7 @@ struct Environment {
   double load_factor = 1.0;              // on every load
   std::span<const SignalValue> signals;  // values at t
   double momentum_rate = 0.0;            // as in State
+  std::span<const double> angles = {};   // followed angles of the last accepted state [rad]
 };
 
 // Weights of dr/dV and dr/dVdot in the rate tangent D of an element.
@@ -58,6 +59,7 @@ struct ElementOutput {
 //   energies(shared, data, node states, environment)                      where it stores any
 //   scales_with_load        that the residual is linear in the load factor, not constant
 //   load_power(shared, data, node states with V, environment) -> power [W] of a load on its nodes
+//   damping_power(shared, data, node states, environment)    -> power [W] of its forces that depend on rates
 template <class E>
 concept Element = requires(const typename E::Shared& shared, const typename E::Data& data,
                            const NodeState<double>* x, const Environment& env, RateWeights w,

@@ -148,6 +148,21 @@ class ElementBatch : public Base {
     return sum;
   }
 
+  double damping_power(const State& state) const override {
+    double sum = 0.0;
+    if constexpr (requires(const NodeState<double>* x, Environment env) {
+                    E::damping_power(shared_, data_[0], x, env);
+                  }) {
+      const Environment env = environment(state);
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        NodeStates x;
+        gather(state, e, x);
+        sum += E::damping_power(shared_, data_[e], x.data(), env);
+      }
+    }
+    return sum;
+  }
+
   static constexpr int max_nodes = E::template Output<double>::Vector::MaxRowsAtCompileTime / 6;
   using NodeStates = std::array<NodeState<double>, static_cast<std::size_t>(max_nodes)>;
 
@@ -173,7 +188,7 @@ class ElementBatch : public Base {
   int count() const { return E::nodes == Eigen::Dynamic ? n_ : E::nodes; }
 
   static Environment environment(const State& state) {
-    return {state.t, state.load_factor, state.signals, state.momentum_rate};
+    return {state.t, state.load_factor, state.signals, state.momentum_rate, state.angles};
   }
 
   template <Want want>

@@ -89,8 +89,7 @@ void HermiteStep::at(double t, State& out) const {
     const auto w = lagrange<3>({times_[0], times_[1], end_->t}, t);
     out.lambda = w[0] * *inner_[0] + w[1] * *inner_[1] + w[2] * end_->lambda;
   }
-  out.work.loads = (1.0 - s) * begin_->work.loads + s * end_->work.loads;
-  out.work.drives = (1.0 - s) * begin_->work.drives + s * end_->work.drives;
+  out.work = (1.0 - s) * begin_->work + s * end_->work;
   out.angles = begin_->angles;
   system_.follow_angles(out);
 }

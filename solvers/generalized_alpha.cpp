@@ -90,8 +90,7 @@ void GeneralizedAlpha::begin_at(State& state) {
   Vdot_old_ = state.Vdot;
   lambda_old_ = state.lambda;
   lambda_older_ = state.lambda;
-  power_ = system_.load_power(state);
-  drive_power_ = system_.drive_power(state);
+  power_ = system_.power(state);
   history_ = 0;
   h_ = 0.0;
   starting_ = true;
@@ -423,11 +422,9 @@ void GeneralizedAlpha::accept() {
     end_.momentum_rate = 0.0;
   }
   system_.follow_angles(end_);
-  const double power = system_.load_power(end_), drive_power = system_.drive_power(end_);
-  end_.work.loads += 0.5 * h_ * (power_ + power);
-  end_.work.drives += 0.5 * h_ * (drive_power_ + drive_power);
+  const Work power = system_.power(end_);
+  end_.work += 0.5 * h_ * (power_ + power);
   power_ = power;
-  drive_power_ = drive_power;
   if (observer_) {
     dense_.set(begin_, end_, Q_);
     observer_(dense_);

@@ -118,7 +118,7 @@ class GeneralizedAlpha final : public OneStep {
   double t_old_ = 0.0, t_older_ = 0.0;
   std::vector<Vec6> Vdot_old_;
   VecX lambda_old_, lambda_older_;
-  double power_ = 0.0, drive_power_ = 0.0;  // of loads and of drives at the last accepted state [W]
+  Work power_;  // at the last accepted state [W]
 
   // Equation (3), by node, inertial axes about the origin: mu, f, a at the last accepted time, and p.
   struct Momentum {

@@ -163,8 +163,7 @@ class Ida::Integrator final : public DenseStep {
     }
     system_.set_time(out, t, t < end_->t ? Side::right : Side::left);
     const double s = t < end_->t ? (t - begin_->t) / (end_->t - begin_->t) : 1.0;
-    out.work.loads = (1.0 - s) * begin_->work.loads + s * end_->work.loads;
-    out.work.drives = (1.0 - s) * begin_->work.drives + s * end_->work.drives;
+    out.work = (1.0 - s) * begin_->work + s * end_->work;
     out.angles = begin_->angles;
     system_.follow_angles(out);
   }
@@ -411,10 +410,7 @@ StepReport Ida::step(State& state) {
   Work work = begin_.work;
   for (const double s : {0.5 - outer, 0.5, 0.5 + outer}) {
     integrator_->at(begin_.t + s * h, scratch_);
-    const Power power = power_of(system_, scratch_);
-    const double weight = h * (s == 0.5 ? 8.0 : 5.0) / 18.0;
-    work.loads += weight * power.loads;
-    work.drives += weight * power.drives;
+    work += h * (s == 0.5 ? 8.0 : 5.0) / 18.0 * system_.power(scratch_);
   }
   state.work = work;
   if (observer_) observer_(*integrator_);

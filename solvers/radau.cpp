@@ -531,12 +531,9 @@ void Radau::accept() {
     carry_[n] = change - (end_.V[n] - begin_.V[n]);
   }
   system_.follow_angles(end_);
-  for (std::size_t j = 0; j < stages; ++j) {
-    const Power power = power_of(system_, j + 1 == stages ? end_ : stage_[j]);
-    const double weight = h_ * t.b(static_cast<Index>(j));
-    end_.work.loads += weight * power.loads;
-    end_.work.drives += weight * power.drives;
-  }
+  for (std::size_t j = 0; j < stages; ++j)
+    end_.work +=
+        h_ * t.b(static_cast<Index>(j)) * system_.power(j + 1 == stages ? end_ : stage_[j]);
   if (observer_) {
     for (std::size_t n = 1; n < Q_.size(); ++n)
       Q_[n] = log_se3<double>(relative(begin_.pose[n], end_.pose[n]));

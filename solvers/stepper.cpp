@@ -120,8 +120,4 @@ std::string initial_accelerations(const System& system, LinearSolver& solver, St
   return {};
 }
 
-Power power_of(const System& system, const State& state) {
-  return {system.load_power(state), system.drive_power(state)};
-}
-
 }  // namespace mbd

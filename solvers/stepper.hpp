@@ -105,11 +105,4 @@ std::string singular_failure(const std::string& unknown);
 std::string initial_accelerations(const System& system, LinearSolver& solver, State& state,
                                   double& mass, Counters& counters);
 
-// What loads and drives do to a state in motion [W].
-struct Power {
-  double loads = 0.0;
-  double drives = 0.0;
-};
-Power power_of(const System& system, const State& state);
-
 }  // namespace mbd

@@ -79,6 +79,9 @@ class Batch {
   // Power that drives and prescribed motions give to the mechanism [W].
   virtual double drive_power(const State& /*state*/) const { return 0.0; }
 
+  // Power of forces that depend on rates, on the bodies [W]: negative where they take energy out.
+  virtual double damping_power(const State& /*state*/) const { return 0.0; }
+
   // Adds to each node's p the momentum M V of what moves with it, node frame [N.s, N.m.s].
   virtual void add_momenta(const State& /*state*/, std::span<Vec6> /*p*/) const {}
 };

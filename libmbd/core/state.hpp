@@ -9,10 +9,23 @@
 
 namespace mbd {
 
-// Work done since the state's start, by the trapezoidal rule over the steps taken [J].
+// Work done on the bodies since the state's start, by a quadrature rule over the steps taken [J]; or its rate [W].
 struct Work {
-  double loads = 0.0;   // by external loads, gravity excepted
-  double drives = 0.0;  // by drives and prescribed motions
+  double loads = 0.0;    // by external loads, gravity excepted
+  double drives = 0.0;   // by drives and prescribed motions
+  double damping = 0.0;  // by damping, dampers and drag; negative where they take energy out
+
+  double total() const { return loads + drives + damping; }
+  Work& operator+=(const Work& other) {
+    loads += other.loads;
+    drives += other.drives;
+    damping += other.damping;
+    return *this;
+  }
+  friend Work operator*(double factor, const Work& w) {
+    return {factor * w.loads, factor * w.drives, factor * w.damping};
+  }
+  friend Work operator+(Work a, const Work& b) { return a += b; }
 };
 
 // Arrays by node; node 0 is the ground, whose pose is the identity and never changes.

@@ -207,15 +207,10 @@ Energies System::energies(const State& state) const {
   return sum;
 }
 
-double System::load_power(const State& state) const {
-  double sum = 0.0;
-  for (const auto& batch : batches_) sum += batch->load_power(state);
-  return sum;
-}
-
-double System::drive_power(const State& state) const {
-  double sum = 0.0;
-  for (const auto& batch : batches_) sum += batch->drive_power(state);
+Work System::power(const State& state) const {
+  Work sum;
+  for (const auto& batch : batches_)
+    sum += {batch->load_power(state), batch->drive_power(state), batch->damping_power(state)};
   return sum;
 }
 

@@ -73,6 +73,7 @@ class System {
   // follow from it. Empty if there is none.
   std::string unusable_signal(const State& state, bool accelerations = false) const;
   // Both return false if an element is outside the range of its formulation; out_of_range() names it.
+  // Idle rows of the state are 0 in residuals, gaps and rates; in the tangent -1 on the diagonal, else 0.
   bool residual(const State& state, VecX& r) const;
   bool linearize(const State& state, const TangentWeights& weights, VecX& r, LinearSolver& S) const;
   bool linearize(const State& state, const TangentWeights& weights, VecX& r,
@@ -83,15 +84,13 @@ class System {
   // dr/d(load factor): the loads, with the sign of the residual, and how constraints move with
   // prescribed motions. Exact for loads; of motions to 1e-12 of themselves.
   void load_rate(const State& state, VecX& r) const;
-  // Idle rows of a state: 0 in residuals, gaps and rates; in the tangent -1 on the diagonal, else 0.
   std::string out_of_range(const State& state) const;
   // All of size multipliers().
   void constraints(const State& state, VecX& g, VecX& gdot) const;
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const;
   void follow_angles(State& state) const;  // on accepted states only
   Energies energies(const State& state) const;
-  double load_power(const State& state) const;   // of external loads, gravity excepted [W]
-  double drive_power(const State& state) const;  // of drives and prescribed motions [W]
+  Work power(const State& state) const;  // of loads, drives and damping [W]
   // Momentum of what moves with each node, node frame; `p` has one entry a node [N.s, N.m.s].
   void momenta(const State& state, std::span<Vec6> p) const;
   // Linear momentum, and angular momentum about the inertial origin, inertial axes [N.s, N.m.s].

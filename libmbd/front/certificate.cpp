@@ -129,7 +129,7 @@ void Audit::sample(const State& state) {
     velocity_.look(rate, t, row);
 
     const Energies energies = system_.energies(state);
-    const double now = energies.total() - state.work.loads - state.work.drives;
+    const double now = energies.total() - state.work.total();
     if (samples_ == 0) {
       energy_begin_ = now;
       least_ = most_ = energies.total();
@@ -137,8 +137,9 @@ void Audit::sample(const State& state) {
     energy_end_ = now;
     least_ = std::min(least_, energies.total());
     most_ = std::max(most_, energies.total());
-    energy_moved_ = std::max({energy_moved_, energies.kinetic, most_ - least_,
-                              std::abs(state.work.loads), std::abs(state.work.drives)});
+    energy_moved_ =
+        std::max({energy_moved_, energies.kinetic, most_ - least_, std::abs(state.work.loads),
+                  std::abs(state.work.drives), std::abs(state.work.damping)});
     put_in_.look(now - energy_begin_, t);
 
     const Vec6 p = system_.momentum(state);

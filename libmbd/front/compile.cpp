@@ -550,6 +550,8 @@ class Compiler {
       return [](const State& s, std::span<double> out) { out[0] = s.work.loads; };
     if (name == "work_of_drives")
       return [](const State& s, std::span<double> out) { out[0] = s.work.drives; };
+    if (name == "work_of_damping")
+      return [](const State& s, std::span<double> out) { out[0] = s.work.damping; };
     return [system, name](const State& s, std::span<double> out) {
       const Energies e = system->energies(s);
       out[0] = name == "kinetic_energy"     ? e.kinetic

@@ -145,8 +145,8 @@ std::string_view version() { return MBD_VERSION; }
 bool ExpectResult::pass() const { return got && std::abs(*got - expected) <= tolerance; }
 
 double RunReport::energy_moved() const {
-  return std::max(
-      {kinetic_most, energy_most - energy_least, std::abs(work.loads), std::abs(work.drives)});
+  return std::max({kinetic_most, energy_most - energy_least, std::abs(work.loads),
+                   std::abs(work.drives), std::abs(work.damping)});
 }
 
 bool RunReport::as_expected() const {
@@ -240,6 +240,7 @@ std::string to_json(const RunReport& report) {
   if (report.transient) {
     all["energy"]["work_of_loads"] = report.work.loads;
     all["energy"]["work_of_drives"] = report.work.drives;
+    all["energy"]["work_of_damping"] = report.work.damping;
     all["energy"]["dissipated_by_integrator"] = report.dissipated();
     all["momentum"] = {{"start", json(report.momentum_start)}, {"end", json(report.momentum_end)}};
   }

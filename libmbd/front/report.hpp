@@ -124,9 +124,7 @@ struct RunReport {
   Work work;                                     // up to the last of them
   Vec6 momentum_start = Vec6::Zero(), momentum_end = Vec6::Zero();  // System::momentum
   // What the integrator took out (or, if negative, put in): zero to the order of its errors [J].
-  double dissipated() const {
-    return energy_start.total() + work.loads + work.drives - energy_end.total();
-  }
+  double dissipated() const { return energy_start.total() + work.total() - energy_end.total(); }
   double energy_moved() const;  // largest of kinetic energy, change of the total and works [J]
 
   Seconds compile, equilibrium, integration, output;  // of the parts; output is in no other

@@ -455,8 +455,7 @@ class Run {
 
   bool monitor_finite(const State& state) {
     monitor(state);
-    if (std::isfinite(report_.energy_end.total() + report_.work.loads + report_.work.drives))
-      return true;
+    if (std::isfinite(report_.energy_end.total() + report_.work.total())) return true;
     report_.failure = fmt::format("the energy is not finite at {}; look at the loads and drives",
                                   place_of(state));
     return false;

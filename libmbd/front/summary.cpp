@@ -157,6 +157,8 @@ void energy(std::string& text, const RunReport& report) {
     add("", report.energy_start.total(), "at the start");
     if (work.loads != 0.0) add("+", work.loads, "work of loads");
     if (work.drives != 0.0) add("+", work.drives, "work of drives");
+    if (work.damping < 0.0) add("-", -work.damping, "taken out by damping");
+    if (work.damping > 0.0) add("+", work.damping, "put in by dampers");
     const double out = report.dissipated(), moved = report.energy_moved();
     const std::string part = moved > 0.0 ? fmt::format(", {:.2g} % of the energy that moved",
                                                        100.0 * std::abs(out) / moved)

@@ -55,8 +55,8 @@ Scene with_probes(const Scene& scene) {
   RecordScene all{{}, "certify", {}, {}, {"strain_energy", "potential_energy", "total_energy"}};
   if (moves)
     all.quantities.insert(all.quantities.end(),
-                          {"kinetic_energy", "work_of_loads", "work_of_drives", "linear_momentum",
-                           "angular_momentum"});
+                          {"kinetic_energy", "work_of_loads", "work_of_drives", "work_of_damping",
+                           "linear_momentum", "angular_momentum"});
   s.records.push_back(all);
   std::size_t count = 0;
   const auto add = [&](const Place& place) {

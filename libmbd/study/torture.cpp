@@ -297,17 +297,18 @@ class TortureSession {
     const std::size_t total = column("certify.total_energy"),
                       loads = column("certify.work_of_loads"),
                       drives = column("certify.work_of_drives"),
+                      damping = column("certify.work_of_damping"),
                       kinetic = column("certify.kinetic_energy");
-    if (drives >= f.columns.size() || f.rows.empty()) return 0.0;
+    if (damping >= f.columns.size() || f.rows.empty()) return 0.0;
     double most = 0.0, moved = 0.0;
     const std::vector<double>& first = f.rows.front();
     const auto balance = [&](const std::vector<double>& row) {
-      return row[total] - row[loads] - row[drives];
+      return row[total] - row[loads] - row[drives] - row[damping];
     };
     for (const std::vector<double>& row : f.rows) {
       most = std::max(most, balance(row) - balance(first));
       moved = std::max({moved, row[kinetic], std::abs(row[total] - first[total]),
-                        std::abs(row[loads]), std::abs(row[drives])});
+                        std::abs(row[loads]), std::abs(row[drives]), std::abs(row[damping])});
     }
     return moved > 0.0 ? most / moved : 0.0;
   }

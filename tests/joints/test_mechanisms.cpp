@@ -276,7 +276,7 @@ TEST(Mechanisms, PrescribedRotationAlone) {
 class WorkMeter : public Observer {
  public:
   void accepted(const Sample& s) override {
-    const double power = s.model.system->drive_power(s.state),
+    const double power = s.model.system->power(s.state).drives,
                  energy = s.model.system->energies(s.state).total();
     if (count_++ > 0) work_ += 0.5 * (power + power_) * (s.state.t - t_);
     if (count_ == 1) first_ = energy;

@@ -424,11 +424,11 @@ TEST(Loads, WorkIsTheGainInEnergy) {
                              {.step = step, .rho_infinity = 0.9, .newton = {}});
     State state = model.initial;
     stepper.start(state);
-    double work = 0.0, before = model.system->load_power(state);
+    double work = 0.0, before = model.system->power(state).loads;
     const double start = model.system->energies(state).total();
     while (state.t < 1.0 - 0.5 * step) {
       ASSERT_TRUE(stepper.step(state).converged);
-      const double now = model.system->load_power(state);
+      const double now = model.system->power(state).loads;
       work += 0.5 * step * (before + now);
       before = now;
     }
