@@ -1,6 +1,11 @@
 #include "libmbd/front/build_facts.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <fstream>
+#include <thread>
 
 #include <mbd_build.hpp>   // written when the build is configured: tools/cmake/mbd_build.hpp.in
 #include <mbd_commit.hpp>  // written when it is built: tools/cmake/write_commit.cmake
@@ -75,6 +80,24 @@ std::vector<std::pair<std::string, std::string>> to_lines(const BuildFacts& fact
           {"build", joined(build)},
           {"libraries", joined(libraries)},
           {"model format", std::to_string(facts.model_format)}};
+}
+
+double used_cpu() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+std::string machine() {
+  std::ifstream file("/proc/cpuinfo");
+  std::string name = "processor not known";
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) {
+      name = line.substr(std::min(line.find(':') + 2, line.size()));
+      break;
+    }
+  return fmt::format("{}, {} cores", name, std::thread::hardware_concurrency());
 }
 
 }  // namespace mbd

@@ -23,4 +23,11 @@ const BuildFacts& build_facts();
 // The same as lines "name: value", in order: commit, compiler, build, libraries, model format.
 std::vector<std::pair<std::string, std::string>> to_lines(const BuildFacts& facts);
 
+// The processor this runs on and its number of cores: "Intel Xeon …, 2 cores".
+std::string machine();
+
+// CPU time that this process has used [s]. By getrusage: the kernel updates std::clock() at its ticks alone in a process
+// whose CPU time is limited.
+double used_cpu();
+
 }  // namespace mbd

@@ -284,6 +284,30 @@ void check(const PointMassScene& mass) {
   item.vector("offset", mass.offset);
 }
 
+// `members`: of the rigid ones before, each with the name of its own.
+void check(const RigidScene& rigid, const Scene& scene,
+           std::map<std::string, std::string>& members) {
+  const Checked item("rigid", rigid.name, rigid.source);
+  item.fail_if(rigid.of.empty(), "of is empty; name beams and free bodies that are to be one");
+  std::vector<std::string_view> known;
+  for (const BeamScene& b : scene.beams) known.push_back(b.name);
+  for (const BodyScene& b : scene.bodies) {
+    known.push_back(b.name);
+    item.fail_if(
+        b.attached_to && std::find(rigid.of.begin(), rigid.of.end(), b.name) != rigid.of.end(),
+        "of: body " + in_quotes(excerpt(b.name)) +
+            " is attached to something and moves with that; leave it out");
+  }
+  for (const std::string& name : rigid.of) {
+    item.fail_if(std::find(known.begin(), known.end(), name) == known.end(),
+                 "of: there is no beam or body " + in_quotes(excerpt(name)) +
+                     suggest(name, known, "beams and bodies"));
+    const auto [first, is_new] = members.try_emplace(name, rigid.name);
+    item.fail_if(!is_new, "of: " + in_quotes(name) + " is part of rigid " +
+                              in_quotes(first->second) + " already; name it once");
+  }
+}
+
 void check(const StaticScene& statics) {
   const Checked item("static", {}, statics.source);
   item.number("steps", statics.steps);
@@ -418,6 +442,8 @@ void check_names(const Scene& scene) {
     place(Checked(element_of(b), b.name, b.source), b.name, b.source);
   for (const BodyScene& b : scene.bodies)
     place(Checked("body", b.name, b.source), b.name, b.source);
+  for (const RigidScene& r : scene.rigids)
+    place(Checked("rigid", r.name, r.source), r.name, r.source);
   for (const JointScene& j : scene.joints)
     parts.add(Checked(j.kind, j.name, j.source), j.name, j.source);
   for (const MotionScene& m : scene.motions)
@@ -457,6 +483,8 @@ void check_scene(const Scene& scene) {
   for (const BeamScene& b : scene.beams) check(b);
   check_size(scene);
   for (const BodyScene& b : scene.bodies) check(b);
+  std::map<std::string, std::string> members;
+  for (const RigidScene& r : scene.rigids) check(r, scene, members);
   for (const JointScene& j : scene.joints) check(j);
   for (const DriveScene& d : scene.drives) check(d);
   for (const MotionScene& m : scene.motions) check(m);

@@ -36,8 +36,8 @@ struct ElementEnd {
 struct CompiledBeam {
   const BeamScene* scene;
   std::vector<double> boundaries;             // parameters, with 0 and 1
-  std::vector<int> boundary_nodes;            // node at each
-  std::vector<std::vector<ElementEnd>> ends;  // elements that meet at each
+  std::vector<Attachment> boundary_nodes;     // node at each
+  std::vector<std::vector<ElementEnd>> ends;  // elements that meet at each; none of a rigid beam
   std::vector<BeamNode> nodes;  // those of each element in turn; ends of elements twice
 };
 
@@ -53,6 +53,7 @@ class Compiler {
           label("mbd", scene_.name) +
               ": there is nothing to do; give <static/>, <transient …/> or both, or <path/>");
     for (const BeamScene& beam : scene_.beams) find_boundaries(beam);
+    for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
     for (const BodyScene& body : scene_.bodies) add_body(body);
     for (CompiledBeam& beam : beams_) add_beam(beam);
     for (const BodyScene& body : scene_.bodies) attach_body(body);
@@ -102,8 +103,9 @@ class Compiler {
 
   void find_boundaries(const BeamScene& beam) {
     CompiledBeam compiled{&beam, {}, {}, {}, {}};
-    for (int e = 0; e <= beam.elements; ++e)
-      compiled.boundaries.push_back(static_cast<double>(e) / beam.elements);
+    const int elements = rigid_of(beam.name) != nullptr ? 1 : beam.elements;
+    for (int e = 0; e <= elements; ++e)
+      compiled.boundaries.push_back(static_cast<double>(e) / elements);
     const auto add = [&](const Place& place) {
       if (place.kind != Place::Kind::beam || place.name != beam.name) return;
       for (const double s : compiled.boundaries)
@@ -155,6 +157,10 @@ class Compiler {
                       "<mass per_length=… inertia=…/>",
                       label(scene_section), beam.name));
     const ReferenceLine line = make_reference_line(beam);
+    if (const RigidScene* const rigid = rigid_of(beam.name)) {
+      add_rigid_beam(compiled, section, line, *rigid);
+      return;
+    }
     if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
     BeamElasticBatch& batch = elastic_batch(beam);
     int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
@@ -169,12 +175,15 @@ class Compiler {
           system_->add_node(fmt::format("beam '{}' node {}", beam.name, ++count), H));
     };
 
-    compiled.boundary_nodes.push_back(add_node(0.0));
+    const auto add_boundary = [&](int node) {
+      compiled.boundary_nodes.push_back({node, true, reference(node), nullptr});
+    };
+    add_boundary(add_node(0.0));
     compiled.ends.resize(compiled.boundaries.size());
     for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
       const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
       const auto at = [&](double xi) { return s0 + 0.5 * (s1 - s0) * (1.0 + xi); };
-      std::vector<int> nodes{compiled.boundary_nodes.back()};
+      std::vector<int> nodes{compiled.boundary_nodes.back().node};
       std::vector<Pose<double>> poses{line.at(s0)};
       std::vector<double> places{s0};
       for (std::size_t k = 1; k <= order; ++k) {
@@ -193,7 +202,7 @@ class Compiler {
       const Index element =
           batch.add_element(Js, poses, nodes, stiffness, section.is_uniform() ? 0 : 1,
                             fmt::format("beam '{}' element {}", beam.name, e + 1));
-      compiled.boundary_nodes.push_back(nodes.back());
+      add_boundary(nodes.back());
       compiled.ends[e].push_back({&batch, element, -1.0});
       compiled.ends[e + 1].push_back({&batch, element, 1.0});
       for (std::size_t k = 0; k <= order; ++k) {
@@ -201,6 +210,50 @@ class Compiler {
         compiled.nodes.push_back({nodes[k], places[k], weight});
         if (section.has_mass())
           masses_[static_cast<std::size_t>(nodes[k])] += weight * section.mass(places[k]);
+      }
+    }
+  }
+
+  // --- what is rigid ---
+
+  const RigidScene* rigid_of(const std::string& name) const { return rigid_with(scene_, name); }
+
+  void add_rigid(const RigidScene& rigid) {
+    const auto frame = [&]() -> Pose<double> {
+      for (const BodyScene& body : scene_.bodies)
+        if (body.name == rigid.of.front()) return make_pose(body.orientation, body.at);
+      return make_reference_line(*find_beam(rigid.of.front())->scene).at(0.0);
+    };
+    masses_.push_back(Mat6::Zero());
+    rigid_nodes_[&rigid] =
+        static_cast<int>(system_->add_node(fmt::format("rigid '{}'", rigid.name), frame()));
+  }
+
+  void add_mass(int node, const Mat6& M, const Pose<double>& frame) {
+    masses_[static_cast<std::size_t>(node)] += transformed_mass(M, frame);
+  }
+
+  // Its mass and its loads are integrated between the boundaries by the finest rule there is, exactly where they vary
+  // as polynomials of degree 15 do.
+  void add_rigid_beam(CompiledBeam& compiled, const SectionTable& section,
+                      const ReferenceLine& line, const RigidScene& rigid) {
+    const SpectralTable table = spectral_table(beam::max_order, Rule::gauss);
+    const int node = rigid_nodes_.at(&rigid);
+    for (const double s : compiled.boundaries)
+      compiled.boundary_nodes.push_back({node, true, line.at(s), &rigid});
+    compiled.ends.resize(compiled.boundaries.size());
+    for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
+      const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+      for (std::size_t k = 0; k < table.nodes.points.size(); ++k) {
+        const double s = k + 1 == table.nodes.points.size()
+                             ? s1
+                             : s0 + 0.5 * (s1 - s0) * (1.0 + table.nodes.points[k]);
+        const double weight = 0.5 * (s1 - s0) * line.length * table.nodes.weights[k];
+        const Pose<double> H = line.at(s);
+        include(H.r);
+        compiled.nodes.push_back({node, s, weight, relative(reference(node), H)});
+        if (section.has_mass())
+          add_mass(node, weight * section.mass(s), compiled.nodes.back().frame);
       }
     }
   }
@@ -253,14 +306,14 @@ class Compiler {
   Attachment find(const Place& place, const Source& source, std::string_view who) const {
     switch (place.kind) {
       case Place::Kind::ground:
-        return {0, false};
+        return {};
       case Place::Kind::body:
         if (const auto it = body_nodes_.find(place.name); it != body_nodes_.end())
-          return {it->second, false};
+          return it->second;
         break;
       case Place::Kind::beam:
         if (const CompiledBeam* beam = find_beam(place.name))
-          return {beam->boundary_nodes[boundary_at(*beam, place.parameter)], true};
+          return beam->boundary_nodes[boundary_at(*beam, place.parameter)];
         break;
     }
     std::vector<std::string_view> names;
@@ -282,6 +335,11 @@ class Compiler {
   }
 
   Pose<double> reference(int node) const { return system_->reference_pose(node); }
+
+  // The place in the frame of its node: the identity, but in something rigid.
+  Pose<double> frame_of(const Attachment& at) const {
+    return at.rigid != nullptr ? relative(reference(at.node), at.pose) : Pose<double>{};
+  }
 
   // --- bodies ---
 
@@ -310,9 +368,18 @@ class Compiler {
     if (body.attached_to) return;
     include(body.at);
     include(body.at + body.orientation * body.center);
-    masses_.push_back(rigid_mass(body.mass, body.center, body.inertia));
-    body_nodes_[body.name] = static_cast<int>(system_->add_node(
-        fmt::format("body '{}'", body.name), make_pose(body.orientation, body.at)));
+    const Pose<double> pose = make_pose(body.orientation, body.at);
+    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+    if (const RigidScene* const rigid = rigid_of(body.name)) {
+      const int node = rigid_nodes_.at(rigid);
+      add_mass(node, M, relative(reference(node), pose));
+      body_nodes_[body.name] = {node, false, pose, rigid};
+      return;
+    }
+    masses_.push_back(M);
+    const auto node =
+        static_cast<int>(system_->add_node(fmt::format("body '{}'", body.name), pose));
+    body_nodes_[body.name] = {node, false, pose, nullptr};
   }
 
   // What a body is attached to may itself be an attached body, before or after it in the scene.
@@ -334,9 +401,11 @@ class Compiler {
       throw Error(body.source, label(body) +
                                    ": attached_to: on the ground it does nothing; leave "
                                    "the body out");
-    include(reference(at.node) * body.center);
-    masses_[static_cast<std::size_t>(at.node)] += rigid_mass(body.mass, body.center, body.inertia);
-    body_nodes_[body.name] = at.node;
+    include(at.pose * body.center);
+    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+    masses_[static_cast<std::size_t>(at.node)] +=
+        at.rigid != nullptr ? transformed_mass(M, frame_of(at)) : M;
+    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid};
   }
 
   void add_point_mass(const PointMassScene& point) {
@@ -345,9 +414,9 @@ class Compiler {
       throw Error(
           point.source,
           label(point) + ": on the ground it does nothing; give another place, or leave it out");
-    include(reference(at.node) * point.offset);
+    include(at.pose * point.offset);
     masses_[static_cast<std::size_t>(at.node)] +=
-        rigid_mass(point.mass, point.offset, Mat3::Zero());
+        rigid_mass(point.mass, frame_of(at) * point.offset, Mat3::Zero());
   }
 
   void set_velocities(State& state) const {
@@ -357,8 +426,17 @@ class Compiler {
         throw Error(body.source, label(body) +
                                      ": velocity: there is no motion in statics; leave it "
                                      "out or give <transient …/>");
-      const auto n = static_cast<std::size_t>(body_nodes_.at(body.name));
-      state.V[n] = six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
+      const Attachment& at = body_nodes_.at(body.name);
+      Vec6& V = state.V[static_cast<std::size_t>(at.node)];
+      const Vec6 own =
+          six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
+      const Vec6 of_node = at.rigid != nullptr ? Vec6(adjoint(frame_of(at)).matrix() * own) : own;
+      if (at.rigid != nullptr && !V.isZero(0.0) && !V.isApprox(of_node, 1e-9))
+        throw Error(body.source,
+                    fmt::format("{}: velocity: {} moves otherwise by that of another of its "
+                                "bodies; leave one of them out",
+                                label(body), label(*at.rigid)));
+      V = of_node;
     }
   }
 
@@ -401,7 +479,7 @@ class Compiler {
       batch->add({masses_[static_cast<std::size_t>(n)]}, std::array{n}, system_->node_name(n));
     system_->add_batch(std::move(batch));
     for (const BodyScene& body : scene_.bodies) {
-      if (body.attached_to) continue;
+      if (body.attached_to || body_nodes_.at(body.name).rigid != nullptr) continue;
       const auto is_body = [&body](const Place& place) {
         return place.kind == Place::Kind::body && place.name == body.name;
       };
@@ -410,8 +488,9 @@ class Compiler {
                       [&](const JointScene& j) { return is_body(j.a) || is_body(j.b); }) ||
           std::any_of(scene_.motions.begin(), scene_.motions.end(),
                       [&](const MotionScene& m) { return is_body(m.of); });
-      if (!held && !(scaled_definiteness(
-                         masses_[static_cast<std::size_t>(body_nodes_.at(body.name))]) > definite))
+      if (!held &&
+          !(scaled_definiteness(masses_[static_cast<std::size_t>(body_nodes_.at(body.name).node)]) >
+            definite))
         throw Error(body.source,
                     label(body) +
                         ": it is free and lacks mass or inertia, so that nothing determines its "
@@ -438,8 +517,8 @@ class Compiler {
   void add_loads() {
     Loads loads(*system_);
     for (const LoadScene& load : scene_.loads) {
-      const int node = find(load.at, load.source, label(load)).node;
-      loads.add(load, node);
+      const Attachment at = find(load.at, load.source, label(load));
+      loads.add(load, at.node, frame_of(at));
     }
     for (const DistributedLoadScene& load : scene_.distributed_loads) {
       // Checks the beam's name; its ends are places like any other.
@@ -488,13 +567,19 @@ class Compiler {
 
   void add_lines(Model& model) const {
     for (const CompiledBeam& beam : beams_) {
+      if (rigid_of(beam.scene->name) != nullptr) {
+        std::vector<Model::RigidPoint>& line = model.rigid_lines.emplace_back();
+        for (const BeamNode& node : beam.nodes) line.push_back({node.node, node.frame.r});
+        continue;
+      }
       Model::Line line{beam.scene->name, {}};
       for (const BeamNode& node : beam.nodes)
         if (line.nodes.empty() || line.nodes.back() != node.node) line.nodes.push_back(node.node);
       model.lines.push_back(std::move(line));
     }
     for (const BodyScene& body : scene_.bodies)
-      if (!body.attached_to) model.bodies.push_back(body_nodes_.at(body.name));
+      if (const Attachment& at = body_nodes_.at(body.name); !body.attached_to)
+        model.bodies.push_back({at.node, frame_of(at).r});
   }
 
   void add_path_channel(Model& model) const {
@@ -565,44 +650,42 @@ class Compiler {
     const std::string who = label(record);
     if (!record.at)
       throw Error(record.source, fmt::format("{} needs a place (at=) or a joint", who));
-    const auto n = static_cast<std::size_t>(find(*record.at, record.source, who).node);
-    const Vec3 r0 = reference(static_cast<int>(n)).r;
-    if (name == "position") return vector([n](const State& s) { return s.pose[n].r; });
-    if (name == "displacement")
-      return vector([n, r0](const State& s) { return Vec3(s.pose[n].r - r0); });
-    if (name == "displacement_local")
-      return vector([n, r0](const State& s) {
-        return Vec3(s.pose[n].p.conjugate() * Vec3(s.pose[n].r - r0));
-      });
-    if (name == "rotation") {
-      const Quaternion<double> p0 = reference(static_cast<int>(n)).p;
-      return vector(
-          [n, p0](const State& s) { return log_so3<double>(s.pose[n].p * p0.conjugate()); });
-    }
     if (name == "force" || name == "moment")
       return resultant_sample(record, name == "force" ? 0 : 3);
+    const Attachment at = find(*record.at, record.source, who);
+    const auto n = static_cast<std::size_t>(at.node);
+    const Pose<double> frame = frame_of(at), start = at.pose;
+    const auto pose = [n, frame](const State& s) { return s.pose[n] * frame; };
+    if (name == "position") return vector([pose](const State& s) { return pose(s).r; });
+    if (name == "displacement")
+      return vector([pose, start](const State& s) { return Vec3(pose(s).r - start.r); });
+    if (name == "displacement_local")
+      return vector([pose, start](const State& s) {
+        const Pose<double> H = pose(s);
+        return Vec3(H.p.conjugate() * Vec3(H.r - start.r));
+      });
+    if (name == "rotation")
+      return vector([pose, start](const State& s) {
+        return log_so3<double>(pose(s).p * start.p.conjugate());
+      });
     // Rates are zero in a scene without a transient.
     const bool rates = scene_.transient.has_value();
+    const auto V = [n, rates, Ad = adjoint_inverse(frame).matrix()](const State& s) {
+      return rates ? Vec6(Ad * s.V[n]) : Vec6(Vec6::Zero());
+    };
     if (name == "velocity")
-      return vector([n, rates](const State& s) {
-        return rates ? Vec3(s.pose[n].p * linear(s.V[n])) : Vec3(Vec3::Zero());
-      });
-    if (name == "velocity_local")
-      return vector(
-          [n, rates](const State& s) { return rates ? linear(s.V[n]) : Vec3(Vec3::Zero()); });
+      return vector([pose, V](const State& s) { return Vec3(pose(s).p * linear(V(s))); });
+    if (name == "velocity_local") return vector([V](const State& s) { return linear(V(s)); });
     if (name == "angular_velocity")
-      return vector([n, rates](const State& s) {
-        return rates ? Vec3(s.pose[n].p * angular(s.V[n])) : Vec3(Vec3::Zero());
-      });
+      return vector([pose, V](const State& s) { return Vec3(pose(s).p * angular(V(s))); });
     if (name == "angular_velocity_local")
-      return vector(
-          [n, rates](const State& s) { return rates ? angular(s.V[n]) : Vec3(Vec3::Zero()); });
-    if (name == "acceleration") {
-      return vector([n, rates](const State& s) {
+      return vector([V](const State& s) { return angular(V(s)); });
+    if (name == "acceleration")
+      return vector([n, pose, V, rates, Ad = adjoint_inverse(frame).matrix()](const State& s) {
         if (!rates) return Vec3(Vec3::Zero());
-        return Vec3(s.pose[n].p * Vec3(linear(s.Vdot[n]) + angular(s.V[n]).cross(linear(s.V[n]))));
+        const Vec6 twist = V(s), change = Ad * s.Vdot[n];
+        return Vec3(pose(s).p * Vec3(linear(change) + angular(twist).cross(linear(twist))));
       });
-    }
     throw Error(record.source, fmt::format("{}: \"{}\" is not available at a place", who, name));
   }
 
@@ -614,6 +697,11 @@ class Compiler {
       throw Error(record.source, label(record) +
                                      ": only beams have sectional forces and moments; give "
                                      "a place of one (beam@0.5)");
+    if (const RigidScene* const rigid = rigid_of(beam->scene->name))
+      throw Error(record.source,
+                  fmt::format("{}: {} is rigid (part of {}), so that its sectional forces and "
+                              "moments are not determined; leave them out",
+                              label(record), label(*beam->scene), label(*rigid)));
     const auto ends = beam->ends[boundary_at(*beam, record.at->parameter)];
     return vector([ends, first](const State& s) {
       Vec3 sum = Vec3::Zero();
@@ -628,7 +716,8 @@ class Compiler {
   std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
       elastic_;
   std::vector<CompiledBeam> beams_;
-  std::map<std::string, int> body_nodes_;
+  std::map<std::string, Attachment> body_nodes_;
+  std::map<const RigidScene*, int> rigid_nodes_;
   std::vector<std::string> attaching_;  // each to the next
   std::optional<JointCompiler> joints_;
   std::vector<Mat6> masses_{Mat6::Zero()};  // by node
@@ -639,9 +728,15 @@ class Compiler {
 
 }  // namespace
 
+const RigidScene* rigid_with(const Scene& scene, std::string_view name) {
+  for (const RigidScene& rigid : scene.rigids)
+    if (std::find(rigid.of.begin(), rigid.of.end(), name) != rigid.of.end()) return &rigid;
+  return nullptr;
+}
+
 std::string without_potential(const Scene& scene) {
   for (const BeamScene& beam : scene.beams)
-    if (beam.form == Form::paper)
+    if (beam.form == Form::paper && rigid_with(scene, beam.name) == nullptr)
       return label(beam) + " has the paper's form, which is not the gradient of an energy";
   const auto fault = [](const auto& load) -> std::string {
     if (load.moment) return label(load) + " has a dead moment, whose work depends on the way";

@@ -118,7 +118,7 @@ Vec3 JointCompiler::own_point(const Place& place, const Attachment& at, const Jo
   if (place.kind == Place::Kind::ground)
     throw Error(j.source, fmt::format("{}: the ground has no point of its own; give {}", label(j),
                                       attribute));
-  return reference(at.node).r;
+  return at.pose.r;
 }
 
 void JointCompiler::add_joint(const JointScene& j) {
@@ -127,6 +127,17 @@ void JointCompiler::add_joint(const JointScene& j) {
   const joint::Traits& traits = kind->traits;
   const bool two_points = traits.points == joint::Points::two;
   const Attachment A = find_(j.a, j.source, who), B = find_(j.b, j.source, who);
+  if (A.node == B.node && A.rigid != nullptr) {
+    // It keeps what it joins from moving apart, which nothing can.
+    readings_[j.name].why_none = fmt::format(
+        "lies within {}, which transmits no forces that could be told apart", label(*A.rigid));
+    for (const DriveScene& d : scene_.drives)
+      if (d.joint == j.name)
+        throw Error(d.source, fmt::format("drive: {} lies within {}, where nothing moves; leave "
+                                          "the drive out",
+                                          who, label(*A.rigid)));
+    return;
+  }
   if (A.node == B.node)
     throw Error(j.source,
                 fmt::format("{}: it joins a thing to itself{}; give two places that move apart",
@@ -155,12 +166,12 @@ void JointCompiler::add_joint(const JointScene& j) {
     const bool at_b = traits.points == joint::Points::one_away
                           ? B.node != 0
                           : B.is_point || (!A.is_point && B.node != 0);
-    point_a = point_b = reference(at_b ? B.node : A.node).r;
+    point_a = point_b = (at_b ? B : A).pose.r;
   }
   if (traits.points != joint::Points::one_away) {
     for (const auto& [end, point] : {std::pair{A, point_a}, std::pair{B, point_b}}) {
       if (!end.is_point) continue;
-      const double gap = (reference(end.node).r - point).norm();
+      const double gap = (end.pose.r - point).norm();
       if (!(gap <= open_tolerance * length_))
         throw Error(j.source, fmt::format("{}: it is open: {} is {:.6g} m from the joint's point "
                                           "({:.9g}, {:.9g}, {:.9g}); mend the "
@@ -302,7 +313,7 @@ void JointCompiler::add_motion(const MotionScene& m) {
                             "rotation, or an axis and an angle or a rate",
                             who));
 
-  const Vec3 point = reference(at.node).r;
+  const Vec3 point = at.pose.r;
   const auto prescribe = [&](std::string_view type, const Mat3& R, std::array<int, 3> signals) {
     const Pose<double> H = make_pose(R, point);
     joint::Definition f;
@@ -352,6 +363,9 @@ const JointCompiler::Reading& JointCompiler::reading(const std::string& name, co
 std::function<void(const State&, std::span<double>)> JointCompiler::sample(
     const RecordScene& record, const std::string& quantity) const {
   const Reading& r = reading(*record.joint, record.source, label(record));
+  if (!r.why_none.empty())
+    throw Error(record.source, fmt::format("{}: joint \"{}\" {}; leave the record out",
+                                           label(record), excerpt(*record.joint), r.why_none));
   const bool rates = scene_.transient.has_value();
   const bool turning = quantity == "angle" || quantity == "rate";
   const bool sliding = quantity == "displacement" || quantity == "speed";

@@ -15,10 +15,12 @@
 
 namespace mbd {
 
-// A node something is attached to.
+// What a place of a scene is attached to.
 struct Attachment {
   int node = 0;
-  bool is_point = false;  // a beam node: joints act at the node itself
+  bool is_point = false;              // of a beam: joints act at the place itself
+  Pose<double> pose{};                // reference pose of the place, inertial
+  const RigidScene* rigid = nullptr;  // which the place is part of
 };
 
 // Axes of a joint: a rotation whose third column is `third`; the first is `first`, or one perpendicular to it that
@@ -45,6 +47,7 @@ class JointCompiler {
  private:
   struct Reading {  // how output reads a joint
     std::string what;
+    std::string why_none;  // why there is nothing to read; empty if there is
     std::function<double(const State&)> angle, displacement;
     std::function<Vec6(const State&)> relative_velocity, reaction;
   };

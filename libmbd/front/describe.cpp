@@ -96,6 +96,7 @@ std::vector<Count> stated_counts(const Scene& scene) {
           {"elements", elements},
           {"bodies", size(scene.bodies)},
           {"point masses", size(scene.point_masses)},
+          {"rigid groups", size(scene.rigids)},
           {"joints", size(scene.joints)},
           {"drives", size(scene.drives)},
           {"motions", size(scene.motions)},
@@ -298,6 +299,7 @@ class Explainer {
     return std::any_of(scene_.beams.begin(), scene_.beams.end(),
                        [&](const BeamScene& beam) { return beam.section == section.name; });
   }
+  bool is_flexible(const BeamScene& beam) const { return rigid_with(scene_, beam.name) == nullptr; }
 
   static bool is_coupled(const Section& section) {
     const auto off_diagonal = [](const Mat6& D) { return !D.isDiagonal(0.0); };
@@ -307,14 +309,20 @@ class Explainer {
   }
 
   void beams() {
-    if (scene_.beams.empty()) {
-      absent("elastic deformation", "no <beam>, <arc> or <curve>: every body is rigid");
+    if (!scene_.rigids.empty())
+      present("beams and bodies that are one rigid body", from(scene_.rigids));
+    const Names flexible =
+        from(scene_.beams, [this](const BeamScene& beam) { return is_flexible(beam); });
+    if (flexible.empty()) {
+      absent("elastic deformation", scene_.beams.empty()
+                                        ? "no <beam>, <arc> or <curve>: every body is rigid"
+                                        : "every beam is part of a <rigid>");
       return;
     }
     present("stretching, shearing, bending and twisting of beams, of any size of rotation",
-            from(scene_.beams));
-    const Names classical = from(scene_.beams, [](const BeamScene& beam) {
-      return beam.kinematics == Kinematics::classical;
+            flexible);
+    const Names classical = from(scene_.beams, [this](const BeamScene& beam) {
+      return beam.kinematics == Kinematics::classical && is_flexible(beam);
     });
     if (!classical.empty())
       present("classical beams, displacement and rotation interpolated apart", classical);

@@ -20,6 +20,7 @@ std::string_view element_of(const BeamScene& beam);  // "beam", "arc" or "curve"
 inline std::string label(const Section& s) { return label("section", s.name); }
 inline std::string label(const BeamScene& b) { return label(element_of(b), b.name); }
 inline std::string label(const BodyScene& b) { return label("body", b.name); }
+inline std::string label(const RigidScene& r) { return label("rigid", r.name); }
 inline std::string label(const JointScene& j) { return label(j.kind, j.name); }
 inline std::string label(const MotionScene& m) { return label("motion", m.name); }
 inline std::string label(const LoadScene& l) { return label("load", l.name); }

@@ -13,19 +13,25 @@
 
 namespace mbd {
 
-// A node of a beam as its element sees it.
+// A point of a beam that stands for a piece of it: a node as its element sees it, or of a rigid beam a point of
+// quadrature, which many have the node of.
 struct BeamNode {
   int node;
-  double s;       // fraction of the beam's reference length
-  double weight;  // w_a J: reference length the node stands for in its element [m]
+  double s;              // fraction of the beam's reference length
+  double weight;         // reference length it stands for in its element: w_a J [m]
+  Pose<double> frame{};  // of the section, in the node's
 };
+
+// R (laws), component by component.
+std::array<Expression, 3> turned_law(const std::array<Expression, 3>& laws, const Mat3& R);
 
 class Loads {
  public:
   explicit Loads(System& system) : system_(system) {}
 
   // Both throw Error for a load that does nothing or cannot be evaluated.
-  void add(const LoadScene& load, int node);
+  // `frame`: the place in the node's.
+  void add(const LoadScene& load, int node, const Pose<double>& frame = {});
   // `nodes`: those of each element in turn, with `from` and `to` among the ends of elements.
   void add(const DistributedLoadScene& load, std::span<const BeamNode> nodes);
 
@@ -41,8 +47,14 @@ class Loads {
                         const Components& force, const Components& moment);
   // `name`: as of System::add_signal, without the expression.
   int signal(const Expression& e, const std::string& name);
-  void add_dead(const load::Signals& signals, double weight, int node);
+  void add_dead(const load::Signals& signals, double weight, const Vec3& offset, int node);
   void add_follower(const load::Signals& signals, double weight, const Vec3& offset, int node);
+  // Of a rigid beam: all points with the same signals are one load at their centre.
+  struct Sum {
+    double weight = 0.0;
+    Vec3 moment = Vec3::Zero();  // sum of weight x offset [m2]
+  };
+  using Sums = std::map<load::Signals, Sum>;
 
   System& system_;
   std::map<double, int> constants_;  // signals of constants, shared

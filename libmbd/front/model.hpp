@@ -38,13 +38,19 @@ struct Model {
   std::unique_ptr<const System> system;
   State initial;  // reference configuration, initial velocities; not yet in equilibrium
   std::vector<Channel> channels;  // in the order of the scene's records
-  // For pictures: the nodes of each beam from its start to its end, and those of free bodies.
+  // For pictures: the nodes of each flexible beam from its start to its end, points of each rigid one, and those of
+  // free bodies.
   struct Line {
     std::string name;
     std::vector<int> nodes;
   };
+  struct RigidPoint {
+    int node;
+    Vec3 point;  // node frame [m]
+  };
   std::vector<Line> lines;
-  std::vector<int> bodies;
+  std::vector<std::vector<RigidPoint>> rigid_lines;
+  std::vector<RigidPoint> bodies;
   std::shared_ptr<PathPlace> path;  // of a scene with <path>: its first channel reads it
   // Who made each row of State::lambda: a joint, a drive or a motion, as messages call it.
   struct Maker {
@@ -60,6 +66,9 @@ struct Model {
 // or duplicate names, open joints (with the gap), sections that are not positive definite, free massless
 // nodes in a transient, relative angles beyond the metric's range.
 Model compile(const Scene& scene);
+
+// What makes the beam or body of that name rigid; nullptr if nothing does.
+const RigidScene* rigid_with(const Scene& scene, std::string_view name);
 
 // Why the forces of a scene have no potential; empty if they have one. Where they have, equilibria are
 // stable or not by the inertia of their tangent (stability.hpp).

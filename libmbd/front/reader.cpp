@@ -88,27 +88,17 @@ class Reader {
 
   void read_children(const Item& parent) {
     static const std::map<std::string_view, Read> readers = {
-        {"parameter", &Reader::parameter},
-        {"include", &Reader::include},
-        {"defaults", &Reader::defaults},
-        {"section", &Reader::section},
-        {"beam", &Reader::beam},
-        {"arc", &Reader::beam},
-        {"curve", &Reader::beam},
-        {"distributed", &Reader::distributed},
-        {"point_mass", &Reader::point_mass},
-        {"body", &Reader::body},
-        {"drive", &Reader::drive},
-        {"motion", &Reader::motion},
-        {"load", &Reader::load},
-        {"gravity", &Reader::gravity},
-        {"static", &Reader::statics},
-        {"path", &Reader::path},
-        {"transient", &Reader::transient},
-        {"record", &Reader::record},
-        {"plot", &Reader::plot},
-        {"expect", &Reader::expect},
-        {"repeat", &Reader::repeat},
+        {"parameter", &Reader::parameter}, {"include", &Reader::include},
+        {"defaults", &Reader::defaults},   {"section", &Reader::section},
+        {"beam", &Reader::beam},           {"arc", &Reader::beam},
+        {"curve", &Reader::beam},          {"distributed", &Reader::distributed},
+        {"rigid", &Reader::rigid},         {"point_mass", &Reader::point_mass},
+        {"body", &Reader::body},           {"drive", &Reader::drive},
+        {"motion", &Reader::motion},       {"load", &Reader::load},
+        {"gravity", &Reader::gravity},     {"static", &Reader::statics},
+        {"path", &Reader::path},           {"transient", &Reader::transient},
+        {"record", &Reader::record},       {"plot", &Reader::plot},
+        {"expect", &Reader::expect},       {"repeat", &Reader::repeat},
     };
     for (const xml::Element& child : parent.xml().children) {
       const Item item(child, parent);
@@ -472,6 +462,10 @@ class Reader {
     fields("follower_force", load.follower_force);
     fields("follower_moment", load.follower_moment);
     scene_.distributed_loads.push_back(std::move(load));
+  }
+
+  void rigid(const Item& item) {
+    scene_.rigids.push_back({item.source(), item.name(), item.names("of")});
   }
 
   void point_mass(const Item& item) {

@@ -9,6 +9,7 @@
 #include <ctime>
 #include <memory>
 
+#include "libmbd/front/build_facts.hpp"
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/plot.hpp"
@@ -35,9 +36,8 @@ class Stopwatch {
   // Since the last call, or the construction.
   Seconds lap() {
     const auto wall = std::chrono::steady_clock::now();
-    const std::clock_t cpu = std::clock();
-    const Seconds result{std::chrono::duration<double>(wall - wall_).count(),
-                         static_cast<double>(cpu - cpu_) / CLOCKS_PER_SEC};
+    const double cpu = used_cpu();
+    const Seconds result{std::chrono::duration<double>(wall - wall_).count(), cpu - cpu_};
     wall_ = wall;
     cpu_ = cpu;
     return result;
@@ -45,7 +45,7 @@ class Stopwatch {
 
  private:
   std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
-  std::clock_t cpu_ = std::clock();
+  double cpu_ = used_cpu();
 };
 
 Seconds& operator+=(Seconds& sum, const Seconds& more) {

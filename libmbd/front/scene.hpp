@@ -109,6 +109,14 @@ struct BodyScene {
   Vec3 angular_velocity = Vec3::Zero();  // initial, body axes [rad/s]; free bodies only
 };
 
+// Beams and free bodies that together are one rigid body: one node, with the mass of them all. Its frame is that of the
+// first: of a body, or of a beam's start. What joins two of them among themselves does nothing.
+struct RigidScene {
+  Source source;
+  std::string name;
+  std::vector<std::string> of;  // at least one; none of them in another
+};
+
 struct JointScene {
   Source source;
   std::string kind;  // a name of joints/joint_list.hpp
@@ -280,6 +288,7 @@ struct Scene {
   std::vector<Section> sections;
   std::vector<BeamScene> beams;
   std::vector<BodyScene> bodies;
+  std::vector<RigidScene> rigids;
   std::vector<JointScene> joints;
   std::vector<DriveScene> drives;
   std::vector<MotionScene> motions;

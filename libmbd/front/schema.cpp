@@ -191,6 +191,12 @@ constexpr Attribute body_attributes[] = {
      "of a free body at the start, body axes (default 0 0 0)"},
 };
 
+constexpr Attribute rigid_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among beams, bodies and rigid ones"},
+    {"of", Kind::names, "", required,
+     "names of beams and free bodies; its frame is the first one's"},
+};
+
 constexpr Attribute joint_attributes[] = {
     {"name", Kind::name, "", required, "name, unique among joints"},
     {"between", Kind::places, "", required, "the two places a and b it joins"},
@@ -543,6 +549,11 @@ const std::vector<Element>& table() {
          "fraction "
          "of that length, and t.",
          of(distributed_attributes)},
+        {"rigid", anywhere,
+         "Makes one rigid body of beams and free bodies: one node with the mass of them all. "
+         "Places of "
+         "its beams stay places; joints between two of them do nothing.",
+         of(rigid_attributes)},
         {"point_mass", anywhere, "A mass without inertia of its own that moves with a place.",
          of(point_mass_attributes)},
         {"gravity", once, "Uniform gravity on everything that has mass.", of(gravity_attributes)},

@@ -61,7 +61,12 @@ ShapesPlot::Shape ShapesPlot::shape_of(const Sample& sample, std::string label) 
     }
     shape.lines.push_back(std::move(points));
   }
-  for (const int body : sample.model.bodies) shape.bodies.push_back(pose(body).r);
+  for (const auto& line : sample.model.rigid_lines) {
+    std::vector<Vec3>& points = shape.lines.emplace_back();
+    for (const Model::RigidPoint& p : line) points.push_back(pose(p.node) * p.point);
+  }
+  for (const Model::RigidPoint& body : sample.model.bodies)
+    shape.bodies.push_back(pose(body.node) * body.point);
   return shape;
 }
 

@@ -10,7 +10,6 @@
 #include <map>
 #include <numeric>
 #include <sstream>
-#include <thread>
 
 #include "libmbd/front/build_facts.hpp"
 #include "libmbd/front/files.hpp"
@@ -38,17 +37,6 @@ constexpr double not_known = std::numeric_limits<double>::infinity();
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-std::string machine() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string name = "processor not known";
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name")) {
-      name = line.substr(std::min(line.find(':') + 2, line.size()));
-      break;
-    }
-  return fmt::format("{}, {} cores", name, std::thread::hardware_concurrency());
 }
 
 std::uint64_t hash(const std::string& text) {  // FNV-1a

@@ -9,24 +9,12 @@
 
 #include "libmbd/front/text.hpp"
 #include "libmbd/study/accuracy_words.hpp"
+#include "libmbd/study/tables.hpp"
 
 namespace mbd::study_report {
 namespace {
 
 using namespace study;
-
-std::string capital(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
-    text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
-}
-
-std::string one_line(std::string_view text) {
-  std::string line(text);
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-  return line;
-}
 
 std::string sentence_of(const AccuracyStudy& study, const Advice& advice) {
   const TrialPoint& point = study.points[advice.point];
@@ -37,31 +25,6 @@ std::string sentence_of(const AccuracyStudy& study, const Advice& advice) {
 }
 
 // --- text ---
-
-void paragraph(std::string& text, std::string_view name, std::string_view words) {
-  constexpr std::size_t indent = 11;
-  std::string head(name);
-  if (letters(name) < indent) head.append(indent - letters(name), ' ');
-  text += wrapped(std::move(head), words, indent);
-}
-
-// Columns of numbers right-aligned, the last column to the left and broken into lines.
-void table(std::string& text, const std::vector<std::vector<std::string>>& rows) {
-  constexpr std::size_t indent = 2, gap = 2;
-  std::vector<std::size_t> size;
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i + 1 < row.size(); ++i) {
-      if (size.size() <= i) size.push_back(0);
-      size[i] = std::max(size[i], letters(row[i]));
-    }
-  for (const auto& row : rows) {
-    std::string head(indent, ' ');
-    for (std::size_t i = 0; i + 1 < row.size(); ++i)
-      head.append(size[i] - letters(row[i]), ' ').append(row[i]).append(gap, ' ');
-    const std::size_t width = letters(head);
-    text += wrapped(std::move(head), row.back(), width);
-  }
-}
 
 void front_text(std::string& text, const AccuracyStudy& study, std::size_t quantity) {
   if (quantity >= study.fronts.size() || study.fronts[quantity].empty()) {
@@ -132,13 +95,6 @@ std::string text_of(const AccuracyStudy& study, const Scene* scene) {
 }
 
 // --- CSV ---
-
-std::string cell(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
@@ -232,19 +188,19 @@ std::string csv_of(const AccuracyStudy& study) {
       "rejected,tolerant,restarts,iterations,residuals,tangents,factorizations";
   for (const Quantity& q : study.quantities)
     for (const char* what : {"rms", "largest", "at", "below_reference", "front"})
-      header += "," + cell(q.name + "." + what);
+      header += "," + csv_cell(q.name + "." + what);
   text += header + "\n";
   for (std::size_t i = 0; i < study.points.size(); ++i) {
     const TrialPoint& point = study.points[i];
     const Trial& trial = point.trial;
     const Counters& c = trial.counters;
     std::string line = std::to_string(i + 1);
-    for (const Knob knob : knobs) line += "," + cell(value_of(point.setting, knob));
-    line += "," + cell(point.text) + "," +
+    for (const Knob knob : knobs) line += "," + csv_cell(value_of(point.setting, knob));
+    line += "," + csv_cell(point.text) + "," +
             (trial.complete  ? "complete"
              : trial.stopped ? "stopped"
                              : "failed") +
-            "," + cell(trial.failure);
+            "," + csv_cell(trial.failure);
     line +=
         fmt::format(",{},{},{},{:.0f},{},{},{}", number(trial.cpu), number(trial.cpu_stepping),
                     trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers);
@@ -324,15 +280,7 @@ std::string json_of(const AccuracyStudy& study) {
 }
 
 std::string markdown_of(const AccuracyStudy& study) {
-  // Names and messages hold what they like: what Markdown or HTML would read as its own is escaped.
-  const auto plain = [](std::string_view words) {
-    std::string text;
-    for (const char c : xml_escaped(one_line(words))) {
-      if (std::string_view("\\`*_[]|#~").find(c) != std::string_view::npos) text += '\\';
-      text += c;
-    }
-    return text;
-  };
+  const auto plain = [](std::string_view words) { return markdown_escaped(words); };
   std::string text;
   for (std::size_t q = 0; q < study.quantities.size(); ++q) {
     const Quantity& quantity = study.quantities[q];

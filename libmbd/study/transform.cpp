@@ -12,6 +12,7 @@
 
 #include "libmbd/front/compile_joints.hpp"
 #include "libmbd/front/history.hpp"
+#include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/schema.hpp"
 
@@ -29,15 +30,6 @@ Expression scaled_law(const Expression& e, double factor, double stretch = 1.0) 
 LawVector scaled_law(const LawVector& laws, double factor, double stretch = 1.0) {
   return {scaled_law(laws[0], factor, stretch), scaled_law(laws[1], factor, stretch),
           scaled_law(laws[2], factor, stretch)};
-}
-
-LawVector turned_law(const LawVector& laws, const Mat3& R) {
-  const auto row = [&](Index i) {
-    const Expression::Term terms[] = {
-        {R(i, 0), &laws[0]}, {R(i, 1), &laws[1]}, {R(i, 2), &laws[2]}};
-    return Expression::sum(terms);
-  };
-  return {row(0), row(1), row(2)};
 }
 
 // The text with numbers in place of parameters, and t/stretch in place of t.
@@ -388,6 +380,7 @@ Scene reordered(const Scene& scene, std::uint64_t seed) {
   random.shuffle(s.sections);
   random.shuffle(s.beams);
   random.shuffle(s.bodies);
+  random.shuffle(s.rigids);
   random.shuffle(s.joints);
   random.shuffle(s.drives);
   random.shuffle(s.motions);

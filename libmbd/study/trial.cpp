@@ -18,6 +18,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "libmbd/front/build_facts.hpp"
 #include "libmbd/front/observers.hpp"
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/text.hpp"
@@ -26,13 +27,6 @@ namespace mbd {
 namespace {
 
 constexpr double grace = 2.0;  // [s] that a process may go on after its limit before it is killed
-
-double used_cpu() {  // [s] of this process
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 double resident() {  // size of this process in memory [bytes]
   std::ifstream file("/proc/self/statm");

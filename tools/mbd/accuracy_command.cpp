@@ -24,8 +24,6 @@
 namespace mbd {
 namespace {
 
-constexpr int interrupted_status = 130;  // as a shell says it of a program that Ctrl-C ended
-
 struct AccuracyArguments {
   std::string model, output, reference = "auto";
   std::vector<std::string> set, quantities, vary;

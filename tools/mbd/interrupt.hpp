@@ -7,6 +7,8 @@
 
 namespace mbd {
 
+inline constexpr int interrupted_status = 130;  // as a shell says it of a program that Ctrl-C ended
+
 // While it lives, the first signal sets the flag; a second one of the same kind ends the program. What the
 // caller of the program ignores (nohup) stays ignored. One at a time.
 class InterruptHandler {

@@ -9,6 +9,7 @@
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/compare_command.hpp"
 #include "tools/mbd/completion_command.hpp"
+#include "tools/mbd/effects_command.hpp"
 #include "tools/mbd/explain_command.hpp"
 #include "tools/mbd/plot_command.hpp"
 #include "tools/mbd/run_command.hpp"
@@ -23,6 +24,7 @@ int main(int argc, char** argv) {
   mbd::add_check_command(app, status);
   mbd::add_explain_command(app, status);
   mbd::add_accuracy_command(app, status);
+  mbd::add_effects_command(app, status);
   mbd::add_torture_command(app, status);
   mbd::add_plot_command(app, status);
   mbd::add_compare_command(app, status);

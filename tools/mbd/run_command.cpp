@@ -19,6 +19,7 @@
 #include "libmbd/front/reader.hpp"
 #include "libmbd/front/run.hpp"
 #include "libmbd/front/summary.hpp"
+#include "libmbd/study/ablation.hpp"
 #include "libmbd/study/certify.hpp"
 #include "libmbd/study/choose.hpp"
 #include "tools/mbd/command_line.hpp"
@@ -32,7 +33,8 @@ struct RunArguments {
   std::string model;
   std::string output;
   std::vector<std::string> set;
-  std::string accuracy;  // empty: the model's own settings
+  std::vector<std::string> without;  // effects
+  std::string accuracy;              // empty: the model's own settings
   double choose_within = 600.0;
   TransientOptions transient;
   bool certify = false;
@@ -155,6 +157,7 @@ void certify_run(const RunArguments& arguments, const Scene& scene,
 
 int run_model(const RunArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  if (!arguments.without.empty()) scene = without(scene, arguments.without);
   RunOptions options;
   if (!arguments.accuracy.empty()) refuse_both(arguments.transient);
   options.notes = apply(arguments.transient, scene);
@@ -241,6 +244,11 @@ void add_run_command(CLI::App& app, int& status) {
           },
           "", "")
       ->type_name("SECONDS");
+  command
+      ->add_option("--without", arguments->without,
+                   "leave out an effect, as `mbd effects` calls it: gravity, rigid:bar1 (makes it "
+                   "rigid), shear, …; may be given more than once")
+      ->type_name("EFFECT");
   command->add_flag(
       "--certify", arguments->certify,
       "all checks of the certificate: also momenta, condition, round-off, and other runs of the "

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,15 +13,13 @@
 #include "libmbd/front/reader.hpp"
 #include "libmbd/study/torture.hpp"
 #include "tools/mbd/command_line.hpp"
+#include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
 
 namespace mbd {
 namespace {
 
-constexpr int interrupted_status = 130;  // as a shell says it of a program that Ctrl-C ended
 constexpr int some_fail = 2;
-
-std::atomic<bool> interrupted = false;
 
 struct TortureArguments {
   std::vector<std::string> models, set, trials;
@@ -31,20 +27,6 @@ struct TortureArguments {
   double budget = 60.0;
   std::uint64_t seed = 1;
   bool quiet = false;
-};
-
-class InterruptHandler {
- public:
-  InterruptHandler() {
-    interrupted = false;
-    before_ = std::signal(SIGINT, [](int) { interrupted = true; });
-  }
-  ~InterruptHandler() { std::signal(SIGINT, before_); }
-  InterruptHandler(const InterruptHandler&) = delete;
-  InterruptHandler& operator=(const InterruptHandler&) = delete;
-
- private:
-  void (*before_)(int);
 };
 
 int torture_models(const TortureArguments& arguments) {
@@ -63,7 +45,7 @@ int torture_models(const TortureArguments& arguments) {
       fmt::print(stderr, "\r\033[K{}", what);
       std::fflush(stderr);
     };
-  options.interrupted = &interrupted;
+  options.interrupted = &InterruptHandler::flag();
   const InterruptHandler handler;
   std::vector<Torture> all;
   int status = 0;
