@@ -45,10 +45,11 @@ struct EffectRun {
   Trial trial;                  // the last of its runs
   std::vector<Change> changes;  // by quantity
   Paired cpu;
-  // Of the processor, in user mode, over those of the whole model; none where the machine does not count them.
-  std::optional<double> instructions;
+  std::optional<double>
+      instructions;  // executed, over those of the whole model; if they were counted
 
   bool complete() const { return trial.complete; }
+  bool saves_time() const;      // in every pair of runs, and by more than noise
   bool keeps_all() const;       // every quantity still exists
   double worst() const;         // largest rms of the known changes
   std::size_t culprit() const;  // of which quantity
@@ -69,6 +70,7 @@ struct EffectsStudy {
   double end = 0.0;        // up to which the effects were compared: time [s], or load factor
   double whole_end = 0.0;  // of the model
   Trial whole;
+  std::optional<double> instructions;  // of a run of it
   std::vector<EffectQuantity> quantities;
   std::vector<EffectRun> runs;  // in the order of ablations_of()
   CheapestModel cheapest;
@@ -82,6 +84,8 @@ struct EffectsOptions {
   double tolerance = 1e-2;                   // of Change::rms, of every quantity
   double budget = 120.0;  // CPU time of all runs [s]; of a long transient a part is compared for it
   std::string command = {};
+  // Instructions that a run of the whole model executes without the effects of these keys; none: they are not counted.
+  std::function<double(const std::vector<std::string>& keys)> instructions = {};
   std::function<void(const std::string& what, std::size_t done, std::size_t all)> progress = {};
   const std::atomic<bool>* interrupted = nullptr;  // becomes true: finish with what is there
 };

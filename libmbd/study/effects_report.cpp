@@ -30,11 +30,15 @@ std::string share_text(const Paired& cpu) {
                                               percent(cpu.most()), percent(cpu.least()));
 }
 
-// "2e-6"; "< 3e-7" below what the whole model's own steps contribute.
+std::string instructions_text(const EffectRun& run) {
+  return run.instructions ? fmt::format("{:.1f} %", 100.0 * (1.0 - *run.instructions)) : "-";
+}
+
+// "2e-6"; "3e-7*" below what the whole model's own steps contribute.
 std::string change_text(const EffectsStudy& study, std::size_t quantity, const Change& change) {
   if (!change.known) return "gone";
   const double own = study.quantities[quantity].own;
-  return change.rms < own ? "< " + bound_text(own) : number_text(change.rms);
+  return number_text(change.rms) + (change.rms < own ? "*" : "");
 }
 
 std::string worst_text(const EffectsStudy& study, const EffectRun& run) {
@@ -72,7 +76,7 @@ std::string own_text(const EffectsStudy& study) {
   for (const EffectQuantity& q : study.quantities) most = std::max(most, q.own);
   return most > 0.0 ? fmt::format(
                           "the whole model's own steps contribute up to {} (half the step or a "
-                          "tenth of the tolerance); less is not told apart",
+                          "tenth of the tolerance); *: a change below that of its quantity",
                           bound_text(most))
                     : std::string();
 }
@@ -119,16 +123,20 @@ std::string text_of(const EffectsStudy& study) {
   paragraph(text, "norm", norm_text(study));
   if (const std::string own = own_text(study); !own.empty()) paragraph(text, "own", own);
   for (const std::string& note : study.notes) paragraph(text, "note", note);
-  std::vector<std::vector<std::string>> rows = {{"change", "of", "time", "without"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"change", "of", "time", "instructions", "without"}};
   for (const EffectRun& run : study.runs) {
     if (!run.complete()) {
-      rows.push_back(
-          {"-", "-", "-", run.ablation.effect + ": does not run: " + excerpt(run.trial.failure)});
+      rows.push_back({"-", "-", "-", "-",
+                      run.ablation.effect + ": does not run: " + excerpt(run.trial.failure)});
       continue;
     }
     rows.push_back({worst_text(study, run), study.quantities[run.culprit()].name,
-                    share_text(run.cpu), run.ablation.effect + gone_text(study, run)});
+                    share_text(run.cpu), instructions_text(run),
+                    run.ablation.effect + gone_text(study, run)});
   }
+  if (!study.instructions)
+    for (auto& row : rows) row.erase(row.begin() + 3);
   text += "\n";
   table(text, rows);
   text += "\n";
@@ -247,15 +255,19 @@ std::string json_of(const EffectsStudy& study) {
 
 std::string markdown_of(const EffectsStudy& study) {
   const auto plain = [](std::string_view words) { return markdown_escaped(words); };
-  std::string text = "| without | largest change | of | time |\n|---|--:|---|--:|\n";
+  const bool counted = study.instructions.has_value();
+  std::string text = counted ? "| without | largest change | of | time | instructions |\n"
+                               "|---|--:|---|--:|--:|\n"
+                             : "| without | largest change | of | time |\n|---|--:|---|--:|\n";
   for (const EffectRun& run : study.runs)
-    text += run.complete()
-                ? fmt::format("| {} | {} | {} | {} |\n",
-                              plain(run.ablation.effect + gone_text(study, run)),
-                              worst_text(study, run), plain(study.quantities[run.culprit()].name),
-                              share_text(run.cpu))
-                : fmt::format("| {} | does not run: {} | | |\n", plain(run.ablation.effect),
-                              plain(excerpt(run.trial.failure)));
+    text +=
+        run.complete()
+            ? fmt::format("| {} | {} | {} | {} |{}\n",
+                          plain(run.ablation.effect + gone_text(study, run)),
+                          worst_text(study, run), plain(study.quantities[run.culprit()].name),
+                          share_text(run.cpu), counted ? " " + instructions_text(run) + " |" : "")
+            : fmt::format("| {} | does not run: {} | | |{}\n", plain(run.ablation.effect),
+                          plain(excerpt(run.trial.failure)), counted ? " |" : "");
   text += "\n" + plain(capital(cheapest_text(study))) + ".\n";
   if (!study.cheapest.left_out.empty())
     text += "\n```\n" + snippet_of(study) + command_of_cheapest(study) + "\n```\n";

@@ -41,6 +41,13 @@ TEST(Trial, FindsWhatARunFinds) {
   EXPECT_GE(trial.cpu, trial.cpu_stepping);
 }
 
+// With a limit the kernel updates some clocks at its ticks alone: what stepping takes is still told.
+TEST(Trial, KnowsWhatSteppingTakesWithALimit) {
+  const Trial trial = run_trial(model_scene("shaft"), {.limit = 100.0, .repeats = 1});
+  ASSERT_TRUE(trial.complete) << trial.failure;
+  EXPECT_GT(trial.cpu_stepping, 0.4 * trial.cpu);
+}
+
 TEST(Trial, OfLoadStepsFindsTheLastAndOfAPathItsSpecialPoints) {
   const Trial bend = run_trial(model_scene("bend45"), {.repeats = 1});
   ASSERT_TRUE(bend.complete) << bend.failure;

@@ -14,6 +14,7 @@
 #include "libmbd/front/reader.hpp"
 #include "libmbd/study/effects.hpp"
 #include "libmbd/study/effects_report.hpp"
+#include "libmbd/study/instructions.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
@@ -25,7 +26,7 @@ struct EffectsArguments {
   std::string model, output;
   std::vector<std::string> set, quantities;
   double tolerance = 1e-2, budget = 120.0;
-  bool quiet = false;
+  bool instructions = false, quiet = false;
 };
 
 std::string command_of(const EffectsArguments& arguments) {
@@ -59,6 +60,21 @@ int study_model(const EffectsArguments& arguments) {
       const std::string count = all > 0 ? fmt::format("{} of {}: ", done + 1, all) : "";
       fmt::print(stderr, "\r\033[K{}{}", count, what);
       std::fflush(stderr);
+    };
+  if (arguments.instructions)
+    options.instructions = [&](const std::vector<std::string>& keys) {
+      const std::filesystem::path scratch = output / "counted";
+      std::vector<std::string> command = {std::filesystem::read_symlink("/proc/self/exe").string(),
+                                          "run",
+                                          arguments.model,
+                                          "--quiet",
+                                          "--out",
+                                          scratch.string()};
+      for (const std::string& one : arguments.set) command.insert(command.end(), {"--set", one});
+      for (const std::string& key : keys) command.insert(command.end(), {"--without", key});
+      const double count = count_instructions(command);
+      std::filesystem::remove_all(scratch);
+      return count;
     };
   options.interrupted = &InterruptHandler::flag();
   EffectsStudy study;
@@ -108,6 +124,9 @@ void add_effects_command(CLI::App& app, int& status) {
       ->add_option("-o,--out", arguments->output,
                    "directory of the page, picture and data; default: results/MODEL/effects")
       ->type_name("DIR");
+  command->add_flag(
+      "-i,--instructions", arguments->instructions,
+      "count the instructions of each run, by valgrind: no noise, but 50 times slower");
   add_set_option(*command, arguments->set);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
