@@ -276,8 +276,12 @@ part before it, in section axes: a beam along i1 with `normal` i3 that sags has 
           source="equilibrium: the leg is pressed"/>
 </mbd>
 )xml"},
-    {"Bodies", "body point_mass",
+    {"Bodies", "body point_mass rigid",
      R"md(A free body has a frame of its own. One that is `attached_to` a place adds its mass there.
+
+`<rigid>` makes one body of beams and free bodies: one node in the frame of the first of them, with the mass of them all.
+Places of its beams stay places, for joints, loads, masses and records; sectional forces are not determined in it. Which
+beams may be rigid without changing a result: `mbd effects`.
 )md",
      R"xml(<mbd name="top_and_rotor">
   <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
@@ -289,6 +293,9 @@ part before it, in section axes: a beam along i1 with `normal` i3 that sags has 
   <fixed name="wall" between="ground shaft.start"/>
   <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
   <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+  <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+  <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+  <rigid name="boom" of="arm fist"/>
   <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
         velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
   <transient duration="0.1" step="1e-3"/>

@@ -409,6 +409,16 @@ const std::vector<BadModel>& bad_models() {
         R"(body "rod"|revolute "hinge")", {"inertia|mass"},
        [](Scene& s) { s.bodies[0].mass = 0.0; s.bodies[0].center.setZero();
          s.bodies[0].inertia.setZero(); s.point_masses[0].offset.setZero(); }},
+      {"rigid_of_nothing", "machine", {13}, R"(rigid "group")", {"tabel", "table"},
+       [](Scene& s) { s.rigids.push_back({{}, "group", {"wheel", "tabel"}}); }},
+      {"rigid_of_an_attached_body", "machine", {13}, R"(rigid "group")", {"peg", "attached"},
+       [](Scene& s) { s.rigids.push_back({{}, "group", {"wheel", "peg"}}); }},
+      {"rigid_twice", "machine", {14}, R"(rigid "two")", {"wheel", "\"one\"", "once"},
+       [](Scene& s) { s.rigids = {{{}, "one", {"wheel"}}, {{}, "two", {"slide", "wheel"}}}; }},
+      {"rigid_named_as_a_body", "machine", {13}, R"(rigid "table")", {R"("table")", "taken"},
+       [](Scene& s) { s.rigids.push_back({{}, "table", {"table"}}); }},
+      {"force_of_a_rigid_beam", "cantilever", {13}, R"(record "tip")", {"rigid", "stiff", "leave"},
+       [](Scene& s) { s.rigids.push_back({{}, "stiff", {"b"}}); }},
 
       // --- joints, drives and motions ---
       {"joint_open", "cantilever", {9}, R"(fixed "clamp")", {"0.001", "open|gap"},

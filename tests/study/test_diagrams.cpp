@@ -48,6 +48,34 @@ class Diagrams : public testing::Test {
   TemporaryDirectory directory_;
 };
 
+TEST_F(Diagrams, WithEffectsKeepWhatIsThereAndAreKept) {
+  ASSERT_EQ(run("arm").status, 0);
+  write_text(at("accuracy"), read_text(at("fake")));
+  write_text(at("fake"),
+             "#!/bin/sh\n[ \"$1\" = effects ] || exec sh ./accuracy \"$@\"\nmkdir -p \"$6\"\n"
+             "echo \"<svg>$1 $2</svg>\" > \"$6/effects.svg\"\n"
+             "echo \"| without | of $2 |\" > \"$6/effects.md\"\n");
+  fs::permissions(at("fake"), fs::perms::owner_all);
+  Output output = run("--effects arm");
+  ASSERT_EQ(output.status, 0) << output.text;
+  const auto check = [&] {
+    const std::string text = readme();
+    const std::size_t advice = text.find("- advice of models/arm.xml\n"),
+                      effects = text.find("\n### Effects\n"),
+                      table = text.find("| without | of models/arm.xml |\n");
+    EXPECT_LT(advice, effects) << text;
+    EXPECT_LT(effects, table) << text;
+    EXPECT_LT(table, text.size()) << text;
+    EXPECT_EQ(text.find("### Effects", effects + 5), std::string::npos) << text;
+  };
+  check();
+  EXPECT_EQ(read_text(at("models/pictures/arm_effects.svg")), "<svg>effects models/arm.xml</svg>\n");
+  EXPECT_EQ(run("arm").status, 0);  // a new study of accuracy
+  check();
+  EXPECT_EQ(run("--effects arm").status, 0);
+  check();
+}
+
 TEST_F(Diagrams, OfAllModels) {
   const Output output = run("");
   ASSERT_EQ(output.status, 0) << output.text;
