@@ -69,7 +69,8 @@ TEST_F(Diagrams, WithEffectsKeepWhatIsThereAndAreKept) {
     EXPECT_EQ(text.find("### Effects", effects + 5), std::string::npos) << text;
   };
   check();
-  EXPECT_EQ(read_text(at("models/pictures/arm_effects.svg")), "<svg>effects models/arm.xml</svg>\n");
+  EXPECT_EQ(read_text(at("models/pictures/arm_effects.svg")),
+            "<svg>effects models/arm.xml</svg>\n");
   EXPECT_EQ(run("arm").status, 0);  // a new study of accuracy
   check();
   EXPECT_EQ(run("--effects arm").status, 0);

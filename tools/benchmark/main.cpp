@@ -3,6 +3,7 @@
 //   Classical/<N>/<want>                 the same of the classical beam
 //   Linear/<model>/factor|solve          one factorisation (refactor) or solve of the scaled tangent
 //   Run/<model>                          stepping of a whole model, CPU seconds
+//   Ladder/<rung>                        a chain with one effect more on each rung (ladder.cpp)
 // Times on a shared machine are noisy: compare ratios within one run.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -18,29 +19,12 @@
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/statics.hpp"
+#include "tools/benchmark/ladder.hpp"
+#include "tools/benchmark/sink.hpp"
 
 namespace {
 
 using namespace mbd;
-
-// Throws away what is added: the cost of the kernel and of handing over, not of a solver.
-class Sink : public LinearSolver {
- public:
-  void analyze(const BlockGraph& graph) override {
-    slots_.assign(graph.contributions.size(), {block_, 6});
-  }
-  std::span<const Slot> slots() const override { return slots_; }
-  void set_zero() override {}
-  FactorStatus factor() override { return FactorStatus::ok; }
-  Index singular_row() const override { return -1; }
-  void solve(std::span<double>) const override {}
-  double reciprocal_condition() const override { return 1.0; }
-  Index nonzeros() const override { return 0; }
-
- private:
-  double block_[36] = {};
-  std::vector<Slot> slots_;
-};
 
 using MakeBatch = std::function<std::unique_ptr<BeamElasticBatch>()>;
 
@@ -198,6 +182,7 @@ void register_all() {
 
 int main(int argc, char** argv) {
   register_all();
+  mbd::register_ladder();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();
