@@ -8,9 +8,11 @@
 #include <numbers>
 
 #include "elements/beam_classical.hpp"
+#include "elements/beam_damping_batch.hpp"
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
+#include "elements/mass_damping.hpp"
 #include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/compile_joints.hpp"
 #include "libmbd/front/label.hpp"
@@ -31,6 +33,8 @@ struct ElementEnd {
   const BeamElasticBatch* batch;
   Index element;
   double xi;
+  const BeamDampingBatch* damping;  // null without damping
+  Index damping_element;
 };
 
 struct CompiledBeam {
@@ -59,6 +63,7 @@ class Compiler {
     for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
     measure();
     if (scene_.transient) add_inertia();
+    add_mass_damping();
     if (scene_.gravity) add_gravity();
     add_loads();
     joints_.emplace(scene_, *system_, length_,
@@ -68,6 +73,7 @@ class Compiler {
     joints_->add_all();
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
+    for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
     system_->finish(scene_.transient.has_value(), length_);
 
     Model model;
@@ -144,6 +150,22 @@ class Compiler {
     return *batch;
   }
 
+  // Of rates of strain; null where there is none of it, and in statics.
+  BeamDampingBatch* damping_batch(const BeamScene& beam, const Section& section) {
+    if (!scene_.transient || !section.damping) return nullptr;
+    const SectionDamping& damping = *section.damping;
+    if (damping.stiffness_proportional == 0.0 && damping.viscous.isZero(0.0)) return nullptr;
+    if (beam.kinematics == Kinematics::classical)
+      throw Error(beam.source,
+                  fmt::format("{}: kinematics=\"classical\" has no viscous forces, which the "
+                              "damping of {} (line {}) asks for; leave kinematics out, or give "
+                              "that damping mass_proportional only",
+                              label(beam), label(section), damping.source.line));
+    auto& batch = damping_[std::tuple(beam.metric, beam.rule, beam.order)];
+    if (!batch) batch = make_beam_damping(beam.metric, beam.rule, beam.order);
+    return batch.get();
+  }
+
   void add_beam(CompiledBeam& compiled) {
     const BeamScene& beam = *compiled.scene;
     const Section& scene_section = section_of(beam);
@@ -158,6 +180,12 @@ class Compiler {
     if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
     BeamElasticBatch& batch = elastic_batch(beam);
     int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
+    BeamDampingBatch* const damping = damping_batch(beam, scene_section);
+    int viscosity =
+        damping && section.is_uniform() ? damping->add_viscosity(section.viscosity(0.0)) : -1;
+    const double alpha = scene_.transient && scene_section.damping
+                             ? scene_section.damping->mass_proportional
+                             : 0.0;
     const SpectralTable& table = batch.table();
     const auto order = static_cast<std::size_t>(beam.order);
     int count = 0;
@@ -188,19 +216,28 @@ class Compiler {
         for (std::size_t i = 0; i < table.rule.points.size(); ++i) {
           const int one = batch.add_stiffness(section.stiffness(at(table.rule.points[i])));
           if (i == 0) stiffness = one;
+          if (!damping) continue;
+          const int viscous = damping->add_viscosity(section.viscosity(at(table.rule.points[i])));
+          if (i == 0) viscosity = viscous;
         }
       }
-      const Index element =
-          batch.add_element(Js, poses, nodes, stiffness, section.is_uniform() ? 0 : 1,
-                            fmt::format("beam '{}' element {}", beam.name, e + 1));
+      const std::string name = fmt::format("beam '{}' element {}", beam.name, e + 1);
+      const int stride = section.is_uniform() ? 0 : 1;
+      const Index element = batch.add_element(Js, poses, nodes, stiffness, stride, name);
+      const Index damped =
+          damping ? damping->add_element(Js, poses, nodes, viscosity, stride, name) : -1;
       compiled.boundary_nodes.push_back(nodes.back());
-      compiled.ends[e].push_back({&batch, element, -1.0});
-      compiled.ends[e + 1].push_back({&batch, element, 1.0});
+      compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
+      compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
       for (std::size_t k = 0; k <= order; ++k) {
         const double weight = table.nodes.weights[k] * J;
         compiled.nodes.push_back({nodes[k], places[k], weight});
         if (section.has_mass())
           masses_[static_cast<std::size_t>(nodes[k])] += weight * section.mass(places[k]);
+        if (alpha > 0.0) {
+          Mat6& sum = mass_damping_.try_emplace(nodes[k], Mat6::Zero()).first->second;
+          sum += alpha * weight * section.mass(places[k]);
+        }
       }
     }
   }
@@ -419,6 +456,15 @@ class Compiler {
     }
   }
 
+  void add_mass_damping() {
+    if (mass_damping_.empty()) return;
+    auto batch =
+        std::make_unique<ElementBatch<MassDamping>>(MassDamping::name, MassDamping::Shared{});
+    for (const auto& [node, P] : mass_damping_)
+      batch->add({P}, std::array{node}, system_->node_name(node));
+    system_->add_batch(std::move(batch));
+  }
+
   void add_gravity() {
     if (std::all_of(masses_.begin(), masses_.end(), [](const Mat6& M) { return M(0, 0) == 0.0; }))
       throw Error(scene_.gravity->source,
@@ -617,8 +663,11 @@ class Compiler {
     const auto ends = beam->ends[boundary_at(*beam, record.at->parameter)];
     return vector([ends, first](const State& s) {
       Vec3 sum = Vec3::Zero();
-      for (const ElementEnd& end : ends)
+      for (const ElementEnd& end : ends) {
         sum += end.batch->resultants(s, end.element, end.xi).segment<3>(first);
+        if (end.damping)
+          sum += end.damping->resultants(s, end.damping_element, end.xi).segment<3>(first);
+      }
       return Vec3(sum / static_cast<double>(ends.size()));
     });
   }
@@ -627,6 +676,8 @@ class Compiler {
   std::unique_ptr<System> system_;
   std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
       elastic_;
+  std::map<std::tuple<Metric, Rule, int>, std::unique_ptr<BeamDampingBatch>> damping_;
+  std::map<int, Mat6> mass_damping_;  // by node, of those that have any [kg/s, kg.m/s, kg.m2/s]
   std::vector<CompiledBeam> beams_;
   std::map<std::string, int> body_nodes_;
   std::vector<std::string> attaching_;  // each to the next
