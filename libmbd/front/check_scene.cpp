@@ -107,6 +107,14 @@ void check(const Section& section) {
     Checked("station", {}, station.source).number("at", station.at);
   item.fail_if(section.stations.empty() && section.interpolation != Section::Interpolation::linear,
                "interpolation is between stations; leave it out or give <station>s");
+  if (const auto& damping = section.damping) {
+    const Checked of("damping", {}, damping->source);
+    of.number("stiffness_proportional", damping->stiffness_proportional);
+    of.number("mass_proportional", damping->mass_proportional);
+    constexpr std::string_view diagonal[] = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
+    for (Index i = 0; i < 6; ++i)
+      of.number(diagonal[static_cast<std::size_t>(i)], damping->viscous(i, i));
+  }
   check_section(section);
 }
 

@@ -8,9 +8,11 @@
 #include <numbers>
 
 #include "elements/beam_classical.hpp"
+#include "elements/beam_damping_batch.hpp"
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
+#include "elements/mass_damping.hpp"
 #include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/compile_joints.hpp"
 #include "libmbd/front/label.hpp"
@@ -31,6 +33,8 @@ struct ElementEnd {
   const BeamElasticBatch* batch;
   Index element;
   double xi;
+  const BeamDampingBatch* damping;  // null without damping
+  Index damping_element;
 };
 
 struct CompiledBeam {
@@ -60,6 +64,7 @@ class Compiler {
     for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
     measure();
     if (scene_.transient) add_inertia();
+    add_mass_damping();
     if (scene_.gravity) add_gravity();
     add_loads();
     joints_.emplace(scene_, *system_, length_,
@@ -69,6 +74,7 @@ class Compiler {
     joints_->add_all();
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
+    for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
     system_->finish(scene_.transient.has_value(), length_);
 
     Model model;
@@ -146,6 +152,30 @@ class Compiler {
     return *batch;
   }
 
+  // Of rates of strain; null where there is none of it, and in statics.
+  BeamDampingBatch* damping_batch(const BeamScene& beam, const Section& section) {
+    if (!scene_.transient || !section.damping) return nullptr;
+    const SectionDamping& damping = *section.damping;
+    if (damping.stiffness_proportional == 0.0 && damping.viscous.isZero(0.0)) return nullptr;
+    if (beam.kinematics == Kinematics::classical)
+      throw Error(beam.source,
+                  fmt::format("{}: kinematics=\"classical\" has no viscous forces, which the "
+                              "damping of {} (line {}) asks for; leave kinematics out, or give "
+                              "that damping mass_proportional only",
+                              label(beam), label(section), damping.source.line));
+    auto& batch = damping_[std::tuple(beam.metric, beam.rule, beam.order)];
+    if (!batch) batch = make_beam_damping(beam.metric, beam.rule, beam.order);
+    return batch.get();
+  }
+
+  double mass_proportional(const Section& section) const {
+    return scene_.transient && section.damping ? section.damping->mass_proportional : 0.0;
+  }
+
+  void add_mass_damping(int node, const Mat6& P) {
+    mass_damping_.try_emplace(node, Mat6::Zero()).first->second += P;
+  }
+
   void add_beam(CompiledBeam& compiled) {
     const BeamScene& beam = *compiled.scene;
     const Section& scene_section = section_of(beam);
@@ -158,12 +188,16 @@ class Compiler {
                       label(scene_section), beam.name));
     const ReferenceLine line = make_reference_line(beam);
     if (const RigidScene* const rigid = rigid_of(beam.name)) {
-      add_rigid_beam(compiled, section, line, *rigid);
+      add_rigid_beam(compiled, section, mass_proportional(scene_section), line, *rigid);
       return;
     }
     if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
     BeamElasticBatch& batch = elastic_batch(beam);
     int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
+    BeamDampingBatch* const damping = damping_batch(beam, scene_section);
+    int viscosity =
+        damping && section.is_uniform() ? damping->add_viscosity(section.viscosity(0.0)) : -1;
+    const double alpha = mass_proportional(scene_section);
     const SpectralTable& table = batch.table();
     const auto order = static_cast<std::size_t>(beam.order);
     int count = 0;
@@ -197,19 +231,25 @@ class Compiler {
         for (std::size_t i = 0; i < table.rule.points.size(); ++i) {
           const int one = batch.add_stiffness(section.stiffness(at(table.rule.points[i])));
           if (i == 0) stiffness = one;
+          if (!damping) continue;
+          const int viscous = damping->add_viscosity(section.viscosity(at(table.rule.points[i])));
+          if (i == 0) viscosity = viscous;
         }
       }
-      const Index element =
-          batch.add_element(Js, poses, nodes, stiffness, section.is_uniform() ? 0 : 1,
-                            fmt::format("beam '{}' element {}", beam.name, e + 1));
+      const std::string name = fmt::format("beam '{}' element {}", beam.name, e + 1);
+      const int stride = section.is_uniform() ? 0 : 1;
+      const Index element = batch.add_element(Js, poses, nodes, stiffness, stride, name);
+      const Index damped =
+          damping ? damping->add_element(Js, poses, nodes, viscosity, stride, name) : -1;
       add_boundary(nodes.back());
-      compiled.ends[e].push_back({&batch, element, -1.0});
-      compiled.ends[e + 1].push_back({&batch, element, 1.0});
+      compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
+      compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
       for (std::size_t k = 0; k <= order; ++k) {
         const double weight = table.nodes.weights[k] * J;
         compiled.nodes.push_back({nodes[k], places[k], weight});
         if (section.has_mass())
           masses_[static_cast<std::size_t>(nodes[k])] += weight * section.mass(places[k]);
+        if (alpha > 0.0) add_mass_damping(nodes[k], alpha * weight * section.mass(places[k]));
       }
     }
   }
@@ -229,13 +269,9 @@ class Compiler {
         static_cast<int>(system_->add_node(fmt::format("rigid '{}'", rigid.name), frame()));
   }
 
-  void add_mass(int node, const Mat6& M, const Pose<double>& frame) {
-    masses_[static_cast<std::size_t>(node)] += transformed_mass(M, frame);
-  }
-
   // Its mass and its loads are integrated between the boundaries by the finest rule there is, exactly where they vary
   // as polynomials of degree 15 do.
-  void add_rigid_beam(CompiledBeam& compiled, const SectionTable& section,
+  void add_rigid_beam(CompiledBeam& compiled, const SectionTable& section, double alpha,
                       const ReferenceLine& line, const RigidScene& rigid) {
     const SpectralTable table = spectral_table(beam::max_order, Rule::gauss);
     const int node = rigid_nodes_.at(&rigid);
@@ -252,8 +288,10 @@ class Compiler {
         const Pose<double> H = line.at(s);
         include(H.r);
         compiled.nodes.push_back({node, s, weight, relative(reference(node), H)});
-        if (section.has_mass())
-          add_mass(node, weight * section.mass(s), compiled.nodes.back().frame);
+        if (!section.has_mass()) continue;
+        const Mat6 M = transformed_mass(weight * section.mass(s), compiled.nodes.back().frame);
+        masses_[static_cast<std::size_t>(node)] += M;
+        if (alpha > 0.0) add_mass_damping(node, alpha * M);
       }
     }
   }
@@ -372,7 +410,8 @@ class Compiler {
     const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
     if (const RigidScene* const rigid = rigid_of(body.name)) {
       const int node = rigid_nodes_.at(rigid);
-      add_mass(node, M, relative(reference(node), pose));
+      masses_[static_cast<std::size_t>(node)] +=
+          transformed_mass(M, relative(reference(node), pose));
       body_nodes_[body.name] = {node, false, pose, rigid};
       return;
     }
@@ -496,6 +535,15 @@ class Compiler {
                         ": it is free and lacks mass or inertia, so that nothing determines its "
                         "motion; give it both, or a joint that holds it");
     }
+  }
+
+  void add_mass_damping() {
+    if (mass_damping_.empty()) return;
+    auto batch =
+        std::make_unique<ElementBatch<MassDamping>>(MassDamping::name, MassDamping::Shared{});
+    for (const auto& [node, P] : mass_damping_)
+      batch->add({P}, std::array{node}, system_->node_name(node));
+    system_->add_batch(std::move(batch));
   }
 
   void add_gravity() {
@@ -705,8 +753,11 @@ class Compiler {
     const auto ends = beam->ends[boundary_at(*beam, record.at->parameter)];
     return vector([ends, first](const State& s) {
       Vec3 sum = Vec3::Zero();
-      for (const ElementEnd& end : ends)
+      for (const ElementEnd& end : ends) {
         sum += end.batch->resultants(s, end.element, end.xi).segment<3>(first);
+        if (end.damping)
+          sum += end.damping->resultants(s, end.damping_element, end.xi).segment<3>(first);
+      }
       return Vec3(sum / static_cast<double>(ends.size()));
     });
   }
@@ -715,6 +766,8 @@ class Compiler {
   std::unique_ptr<System> system_;
   std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
       elastic_;
+  std::map<std::tuple<Metric, Rule, int>, std::unique_ptr<BeamDampingBatch>> damping_;
+  std::map<int, Mat6> mass_damping_;  // by node, of those that have any [kg/s, kg.m/s, kg.m2/s]
   std::vector<CompiledBeam> beams_;
   std::map<std::string, Attachment> body_nodes_;
   std::map<const RigidScene*, int> rigid_nodes_;

@@ -91,20 +91,17 @@ std::vector<Count> stated_counts(const Scene& scene) {
   const auto size = [](const auto& list) { return static_cast<Index>(list.size()); };
   Index elements = 0;
   for (const BeamScene& beam : scene.beams) elements += beam.elements;
-  return {{"sections", size(scene.sections)},
-          {"beams", size(scene.beams)},
-          {"elements", elements},
-          {"bodies", size(scene.bodies)},
-          {"point masses", size(scene.point_masses)},
-          {"rigid groups", size(scene.rigids)},
-          {"joints", size(scene.joints)},
-          {"drives", size(scene.drives)},
-          {"motions", size(scene.motions)},
-          {"loads", size(scene.loads)},
-          {"distributed loads", size(scene.distributed_loads)},
-          {"records", size(scene.records)},
-          {"plots", size(scene.plots)},
-          {"expectations", size(scene.expects)}};
+  const auto damped = std::count_if(scene.sections.begin(), scene.sections.end(),
+                                    [](const Section& s) { return s.damping.has_value(); });
+  return {
+      {"sections", size(scene.sections)},   {"damped sections", damped},
+      {"beams", size(scene.beams)},         {"elements", elements},
+      {"bodies", size(scene.bodies)},       {"point masses", size(scene.point_masses)},
+      {"rigid groups", size(scene.rigids)}, {"joints", size(scene.joints)},
+      {"drives", size(scene.drives)},       {"motions", size(scene.motions)},
+      {"loads", size(scene.loads)},         {"distributed loads", size(scene.distributed_loads)},
+      {"records", size(scene.records)},     {"plots", size(scene.plots)},
+      {"expectations", size(scene.expects)}};
 }
 
 Index stated(const CheckReport& report, std::string_view what) {
@@ -249,6 +246,7 @@ class Explainer {
   void explain() {
     beams();
     inertia();
+    damping();
     gravity();
     loads();
     joints();
@@ -373,6 +371,41 @@ class Explainer {
            "no <body> states any");
   }
 
+  // Of beams; that of the integrator is named with it.
+  void damping() {
+    const auto damped = [this](auto of_kind) {
+      return from(scene_.sections, [this, of_kind](const Section& s) {
+        return is_used(s) && s.damping && of_kind(*s.damping);
+      });
+    };
+    const Names viscous = damped([](const SectionDamping& d) {
+      return d.stiffness_proportional > 0.0 || !d.viscous.isZero(0.0);
+    });
+    const Names massive = damped([](const SectionDamping& d) { return d.mass_proportional > 0.0; });
+    const std::string what = "structural damping: viscous sectional forces",
+                      drag = "damping proportional to mass, of rigid motion too";
+    if (!scene_.transient && !(viscous.empty() && massive.empty())) {
+      absent("structural damping", "no <transient>, and so no rates: " +
+                                       joined(some(viscous.empty() ? massive : viscous)));
+      return;
+    }
+    if (!viscous.empty()) present(what, viscous);
+    if (!massive.empty()) present(drag, massive);
+    if (viscous.empty() && massive.empty()) {
+      const Names zero = damped([](const SectionDamping&) { return true; });
+      std::string why = zero.empty() ? "no <damping> in a <section> used"
+                                     : "what is stated is zero: " + joined(some(zero));
+      if (scene_.transient && scene_.transient->method != TimeMethod::generalized_alpha)
+        why += fmt::format("; {} damps numerically", name_of(scene_.transient->method));
+      else if (scene_.transient)
+        why += rho_infinity_of(*scene_.transient) < 1.0
+                   ? fmt::format("; rho_infinity = {} damps numerically",
+                                 shortest(rho_infinity_of(*scene_.transient)))
+                   : "; with rho_infinity = 1 nothing is damped";
+      absent("structural damping", why);
+    }
+  }
+
   void gravity() {
     if (!scene_.gravity) {
       absent("gravity", "no <gravity>");
@@ -487,15 +520,6 @@ class Explainer {
 
   // What no model of this version can have. Said each time, as its absence is easily overlooked.
   void limits() {
-    std::string damping = "this version has none";
-    if (scene_.transient && scene_.transient->method != TimeMethod::generalized_alpha)
-      damping += fmt::format("; {} damps numerically", name_of(scene_.transient->method));
-    else if (scene_.transient)
-      damping += rho_infinity_of(*scene_.transient) < 1.0
-                     ? fmt::format("; rho_infinity = {} damps numerically",
-                                   shortest(rho_infinity_of(*scene_.transient)))
-                     : "; with rho_infinity = 1 nothing is damped";
-    absent("structural damping", damping);
     absent("springs, friction, clearance and contact", "this version has none");
     if (!scene_.beams.empty())
       absent("plastic or nonlinear material, warping as a freedom",

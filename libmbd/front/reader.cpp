@@ -249,6 +249,8 @@ class Reader {
     each(item, [&](const Item& part) {
       if (part.element().name == "station")
         section.stations.push_back(station(part));
+      else if (part.element().name == "damping")
+        set_once(section.damping, part, damping(part));
       else
         matrix(item, part, section, stiff);
     });
@@ -315,6 +317,26 @@ class Reader {
       for (int j = i + 1; j < 6; ++j)
         if (std::abs(D(i, j) - D(j, i)) <= round_off) D(j, i) = D(i, j);
     return D;
+  }
+
+  static SectionDamping damping(const Item& item) {
+    if (std::none_of(item.element().attributes.begin(), item.element().attributes.end(),
+                     [&item](const schema::Attribute& a) { return item.has(a.name); }))
+      item.fail(
+          "give stiffness_proportional, mass_proportional, or viscous entries EA, GA2, GA3, "
+          "GJ, EI2, EI3, D12 …; or leave it out");
+    SectionDamping damping;
+    damping.source = item.source();
+    damping.stiffness_proportional = item.number("stiffness_proportional");
+    damping.mass_proportional = item.number("mass_proportional");
+    constexpr std::array<std::string_view, 6> diagonal = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
+    for (int i = 0; i < 6; ++i) {
+      damping.viscous(i, i) = item.number(diagonal[static_cast<std::size_t>(i)]);
+      for (int j = i + 1; j < 6; ++j)
+        damping.viscous(i, j) = damping.viscous(j, i) =
+            item.any_number("D" + std::to_string(i + 1) + std::to_string(j + 1));
+    }
+    return damping;
   }
 
   // M of [v; w] about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).

@@ -38,6 +38,16 @@ struct Station {
   std::optional<Mat6> mass;
 };
 
+// Of a section: what resists rates of strain and velocities. Viscous sectional forces are
+// (stiffness_proportional D + viscous) times the rates of strain, D where the section varies being that of
+// the place; on all masses of the beam act -mass_proportional times their momenta, as in a medium at rest.
+struct SectionDamping {
+  Source source;
+  double stiffness_proportional = 0.0;  // beta [s]
+  double mass_proportional = 0.0;       // alpha [1/s]
+  Mat6 viscous = Mat6::Zero();          // rows and columns as D, not negative [N.s, N.m.s, N.m2.s]
+};
+
 struct Section {
   Source source;
   std::string name;
@@ -49,6 +59,8 @@ struct Section {
   // of the linear table is best placed where two elements meet: within one it costs the element its order.
   std::vector<Station> stations;  // at least two, rising from 0 to 1; all with mass, or none
   enum class Interpolation { linear, smooth } interpolation = Interpolation::linear;
+
+  std::optional<SectionDamping> damping;
 };
 
 // A straight reference line.

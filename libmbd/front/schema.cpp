@@ -107,6 +107,38 @@ constexpr Attribute mass_attributes[] = {
     {"center", Kind::numbers, "m", "0 0", "mass centre in the section: x2 x3", any, {2, 2}},
 };
 
+constexpr Attribute damping_attributes[] = {
+    {"stiffness_proportional", Kind::number, "s", "0",
+     "beta: viscous forces are beta D times rates of strain; damping ratio beta omega/2",
+     not_negative},
+    {"mass_proportional", Kind::number, "1/s", "0",
+     "alpha: -alpha times the momentum of all masses of the beam, rigid motion too; damping ratio "
+     "alpha/(2 omega)",
+     not_negative},
+    {"EA", Kind::number, "N.s", "0", "D11, axial: viscous, besides beta D; and so below",
+     not_negative},
+    {"GA2", Kind::number, "N.s", "0", "D22, shear along b2", not_negative},
+    {"GA3", Kind::number, "N.s", "0", "D33, shear along b3", not_negative},
+    {"GJ", Kind::number, "N.m2.s", "0", "D44, torsion", not_negative},
+    {"EI2", Kind::number, "N.m2.s", "0", "D55, bending about b2", not_negative},
+    {"EI3", Kind::number, "N.m2.s", "0", "D66, bending about b3", not_negative},
+    {"D12", Kind::number, "N.s", "0", "coupling of extension and shear along b2"},
+    {"D13", Kind::number, "N.s", "0", "coupling of extension and shear along b3"},
+    {"D14", Kind::number, "N.m.s", "0", "coupling of extension and twist"},
+    {"D15", Kind::number, "N.m.s", "0", "coupling of extension and bending about b2"},
+    {"D16", Kind::number, "N.m.s", "0", "coupling of extension and bending about b3"},
+    {"D23", Kind::number, "N.s", "0", "coupling of shear along b2 and shear along b3"},
+    {"D24", Kind::number, "N.m.s", "0", "coupling of shear along b2 and twist"},
+    {"D25", Kind::number, "N.m.s", "0", "coupling of shear along b2 and bending about b2"},
+    {"D26", Kind::number, "N.m.s", "0", "coupling of shear along b2 and bending about b3"},
+    {"D34", Kind::number, "N.m.s", "0", "coupling of shear along b3 and twist"},
+    {"D35", Kind::number, "N.m.s", "0", "coupling of shear along b3 and bending about b2"},
+    {"D36", Kind::number, "N.m.s", "0", "coupling of shear along b3 and bending about b3"},
+    {"D45", Kind::number, "N.m2.s", "0", "coupling of twist and bending about b2"},
+    {"D46", Kind::number, "N.m2.s", "0", "coupling of twist and bending about b3"},
+    {"D56", Kind::number, "N.m2.s", "0", "coupling of bending about b2 and bending about b3"},
+};
+
 // Of every beam, after its reference line.
 constexpr Attribute mesh_attributes[] = {
     {"normal", Kind::numbers, "", required,
@@ -532,6 +564,10 @@ const std::vector<Element>& table() {
         {"mass", "section station defaults",
          "M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).",
          of(mass_attributes)},
+        {"damping", "section defaults",
+         "Resistance to rates of strain and to velocities, at least one kind, in a <transient>; "
+         "without it a beam is elastic.",
+         of(damping_attributes)},
         {"beam", anywhere, "A straight beam.", of(beam_attributes, mesh_attributes)},
         {"arc", anywhere, "A beam along a circular arc: `from`, turned about the centre.",
          of(arc_attributes, mesh_attributes)},

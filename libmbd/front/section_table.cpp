@@ -14,6 +14,15 @@
 namespace mbd {
 namespace {
 
+// As scaled_definiteness, of a matrix whose rows may be zero.
+double definiteness_of_some(Mat6 M) {
+  for (Index i = 0; i < 6; ++i)
+    if (M.row(i).isZero(0.0)) M(i, i) = 1.0;
+  for (Index i = 0; i < 6; ++i)
+    if (!(M(i, i) > 0.0)) return -1.0;  // couplings without a diagonal entry, or a negative one
+  return scaled_definiteness(M);
+}
+
 // The first pair of entries that should be equal and are not.
 std::optional<std::array<Index, 2>> unsymmetric(const Mat6& M) {
   const Vec6 d = M.diagonal().cwiseAbs().cwiseSqrt();
@@ -85,6 +94,31 @@ void check_mass(const Source& source, const std::string& who, const Mat6& M) {
                     who));
 }
 
+// The viscous stiffness where the elastic one is D.
+void check_viscosity(const SectionDamping& damping, const std::string& who, const Mat6& D) {
+  const Mat6 C = viscosity(damping, D);
+  if (definiteness_of_some(C) >= -definite) return;
+  for (Index i = 0; i < 6; ++i)
+    for (Index j = i + 1; j < 6; ++j)
+      if (!(C(i, j) * C(i, j) <= C(i, i) * C(j, j) * (1.0 + definite)))
+        throw Error(
+            damping.source,
+            fmt::format("{}: damping: C = beta D + viscous entries must not be negative: row {}, "
+                        "column {} is {}, larger than {:.6g}, the root of the product of its "
+                        "diagonal entries; check the coupling D{}{}",
+                        who, i + 1, j + 1, C(i, j), std::sqrt(C(i, i) * C(j, j)), i + 1, j + 1));
+  throw Error(damping.source,
+              fmt::format("{}: damping: C = beta D + viscous entries must not be negative: some "
+                          "rate of strain would set power free; check signs and sizes of the "
+                          "couplings",
+                          who));
+}
+
+void check_damping(const SectionDamping& damping, const std::string& who) {
+  check_finite(damping.source, who, "damping", damping.viscous);
+  check_symmetric(damping.source, who, "damping", damping.viscous);
+}
+
 void check_matrices(const Source& source, const std::string& who, const Mat6& D,
                     const std::optional<Mat6>& M) {
   check_stiffness(source, who, D);
@@ -105,6 +139,10 @@ Spline spline(const std::vector<Station>& stations, bool of_mass) {
 
 }  // namespace
 
+Mat6 viscosity(const SectionDamping& damping, const Mat6& D) {
+  return damping.stiffness_proportional * D + damping.viscous;
+}
+
 double scaled_definiteness(const Mat6& M) {
   const Vec6 d = M.diagonal();
   if (!(d.minCoeff() > 0.0)) return d.minCoeff() < 0.0 ? -1.0 : 0.0;
@@ -116,8 +154,10 @@ double scaled_definiteness(const Mat6& M) {
 
 void check_section(const Section& section) {
   const std::string who = label(section);
+  if (section.damping) check_damping(*section.damping, who);
   if (section.stations.empty()) {
     check_matrices(section.source, who, section.stiffness, section.mass);
+    if (section.damping) check_viscosity(*section.damping, who, section.stiffness);
     return;
   }
   const std::vector<Station>& stations = section.stations;
@@ -139,6 +179,7 @@ void check_section(const Section& section) {
           fmt::format("{}: {} a mass, unlike the first; give one to all stations or to none", here,
                       station.mass ? "has" : "lacks"));
     check_matrices(station.source, here, station.stiffness, station.mass);
+    if (section.damping) check_viscosity(*section.damping, here, station.stiffness);
   }
   if (stations.size() < 2 || stations.front().at != 0.0 || stations.back().at != 1.0)
     throw Error(section.source,
@@ -173,6 +214,17 @@ Mat6 SectionTable::stiffness(double s) const {
                             "interpolation=\"linear\"",
                             label(section_), s));
   return D;
+}
+
+Mat6 SectionTable::viscosity(double s) const {
+  const Mat6 C = mbd::viscosity(*section_.damping, stiffness(s));
+  if (definiteness_of_some(C) < -definite)
+    throw Error(section_.damping->source,
+                fmt::format("{}: damping: C = beta D + viscous entries is negative at {:.3g}, "
+                            "where the smooth table of the stiffness makes it so; check the "
+                            "couplings",
+                            label(section_), s));
+  return C;
 }
 
 Mat6 SectionTable::mass(double s) const {

@@ -13,8 +13,11 @@ inline constexpr double definite = 1e-12;
 // Smallest eigenvalue of a symmetric matrix scaled to a unit diagonal: independent of units.
 double scaled_definiteness(const Mat6& M);
 
-// Throws Error for a section that is not symmetric, positive definite (its mass: semidefinite), or whose
-// stations do not rise from 0 to 1.
+// C = beta D + viscous entries, where the elastic stiffness is D [N.s, N.m.s, N.m2.s].
+Mat6 viscosity(const SectionDamping& damping, const Mat6& D);
+
+// Throws Error for a section that is not symmetric, positive definite (its mass and its damping:
+// semidefinite), or whose stations do not rise from 0 to 1.
 void check_section(const Section& section);
 
 class SectionTable {
@@ -28,6 +31,7 @@ class SectionTable {
   // positive definite (mass: semidefinite).
   Mat6 stiffness(double s) const;
   Mat6 mass(double s) const;
+  Mat6 viscosity(double s) const;  // of a section with damping
 
  private:
   struct Smooth;  // splines of the entries

@@ -293,6 +293,12 @@ Transformed rescaled(const Scene& scene, const UnitChange& units) {
   for (Section& section : s.sections) {
     stiffness(section.stiffness);
     mass(section.mass);
+    if (section.damping) {
+      section.damping->stiffness_proportional *= time;
+      section.damping->mass_proportional /= time;
+      stiffness(section.damping->viscous);
+      section.damping->viscous *= time;
+    }
     for (Station& station : section.stations) {
       stiffness(station.stiffness);
       mass(station.mass);
@@ -400,6 +406,7 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
   for (Section& section : s.sections) {
     const double D = factor(), M = factor();
     section.stiffness *= D;
+    if (section.damping) section.damping->viscous *= D;
     if (section.mass) *section.mass *= M;
     for (Station& station : section.stations) {
       station.stiffness *= D;
