@@ -96,12 +96,6 @@ Vector3<S> direction_in_b(const Row& row, const Matrix3<S>& R, const S& s) {
   return (cos(s) * R.row(1) - sin(s) * R.row(0)).transpose();
 }
 
-inline double value_of(double x) { return x; }
-template <class T>
-double value_of(const Dual<T>& x) {
-  return value_of(x.v);
-}
-
 // The angle about e3 nearest to `near`.
 template <class S>
 S unwrapped_angle(const Matrix3<S>& R, double near) {

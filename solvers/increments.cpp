@@ -133,10 +133,17 @@ Index worst_row(const System& system, const VecX& residual) {
 }
 
 std::string range_failure(const std::string& name) {
-  // Elements of beams are the only ones with a range; the others are joints (joint.hpp, on_branch).
-  return name + (name.starts_with("beam ")
-                     ? " is bent beyond the range of its metric; give the beam more elements"
-                     : " has turned to the wrong side, half a turn away; take smaller steps");
+  if (name.starts_with("beam "))
+    return name + " is bent beyond the range of its metric; give the beam more elements";
+  if (name.starts_with("spring "))
+    return name +
+           " has no length left, and so no direction; keep its points apart, or give a "
+           "bushing";
+  if (name.starts_with("bushing "))
+    return name +
+           " is turned beyond its range, 0.9 of half a turn; make it stiffer, or give a joint";
+  // The others are joints (joint.hpp, on_branch).
+  return name + " has turned to the wrong side, half a turn away; take smaller steps";
 }
 
 }  // namespace mbd

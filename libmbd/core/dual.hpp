@@ -71,6 +71,13 @@ Dual<T> abs(const Dual<T>& a) {
   return a.v < T(0) ? -a : a;
 }
 
+// The plain number in a scalar.
+inline double value_of(double x) { return x; }
+template <class T>
+double value_of(const Dual<T>& x) {
+  return value_of(x.v);
+}
+
 }  // namespace mbd
 
 template <class T>

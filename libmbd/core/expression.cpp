@@ -103,6 +103,10 @@ constexpr std::array kConstants{
 
 constexpr std::string_view kTime = "t";
 
+std::string_view name_of(Variables allowed) {
+  return allowed == Variables::x ? "x" : allowed == Variables::v ? "v" : kTime;
+}
+
 template <class Table>
 auto find_name(const Table& table, std::string_view name) {
   const auto* found =
@@ -290,7 +294,7 @@ std::string_view remedy_for_symbol(std::string_view symbol) {
 class Expression::Parser {
  public:
   Parser(std::string_view text, const Parameters& parameters, Variables allowed)
-      : text_(text), parameters_(parameters), allowed_(allowed) {}
+      : text_(text), parameters_(parameters), allowed_(allowed), variable_(name_of(allowed)) {}
 
   Expression run() {
     if (text_.size() > kMaxLength) {
@@ -557,7 +561,8 @@ class Expression::Parser {
 
   const Operand& condition(const Operand& x) const {
     if (x.is_number()) {
-      fail(x.position, "a number", "a condition", "compare it with something, as in t < 1");
+      fail(x.position, "a number", "a condition",
+           "compare it with something, as in " + variable_ + " < 1");
     }
     return x;
   }
@@ -696,7 +701,7 @@ class Expression::Parser {
     const Operand result = compare(left, number(sum()), op);
     if (is_comparison()) {
       fail(token_.position, "a second comparison", "the end of the condition",
-           "join comparisons by &&, as in 0 < t && t < 1");
+           "join comparisons by &&, as in 0 < " + variable_ + " && " + variable_ + " < 1");
     }
     return result;
   }
@@ -715,14 +720,16 @@ class Expression::Parser {
     }
     if (is_equality) {
       fail(
-          op.position, quoted(op.text) + " in t", "<, <=, > or >=",
+          op.position, quoted(op.text) + " in " + variable_, "<, <=, > or >=",
           "equality holds at an instant only and has no effect on the motion; compare with < or >");
     }
     const bool is_less = op.text.front() == '<';
     if (left.kind == Operand::general || right.kind == Operand::general) {
-      fail(op.position, "a comparison of a general function of t", "terms of the form a*t + b",
-           "solve for the switching time and compare t with it; write abs(x) < a as -a < x && x < "
-           "a");
+      fail(op.position, "a comparison of a general function of " + variable_,
+           "terms of the form a*" + variable_ + " + b",
+           "solve for the switching " +
+               std::string(allowed_ == Variables::time ? "time" : "point") + " and compare " +
+               variable_ + " with it; write abs(x) < a as -a < x && x < a");
     }
     const double slope = left.slope - right.slope;
     if (slope == 0.0) {
@@ -867,7 +874,8 @@ class Expression::Parser {
   Operand named(const Token& name) {
     const auto parameter = parameters_.find(name.text);
     const bool is_parameter = parameter != parameters_.end();
-    if (is_parameter && is_reserved(name.text)) {
+    const bool is_variable = allowed_ != Variables::none && name.text == variable_;
+    if (is_parameter && (is_variable || is_reserved(name.text))) {
       fail(name.position, "a parameter named " + quoted(name.text),
            "the built-in meaning of this name", "rename the parameter");
     }
@@ -878,11 +886,15 @@ class Expression::Parser {
     if (const auto* known = find_name(kConstants, name.text)) {
       return constant(program_.size(), name.position, known->value);
     }
-    if (name.text == kTime) {
-      if (allowed_ != Variables::time) {
-        fail(name.position, "the time t", "a constant",
-             "this value cannot vary; use numbers and parameters");
-      }
+    if (name.text == kTime && allowed_ == Variables::none) {
+      fail(name.position, "the time t", "a constant",
+           "this value cannot vary; use numbers and parameters");
+    }
+    if (name.text == kTime && allowed_ != Variables::time) {
+      fail(name.position, "the time t", "a function of " + variable_,
+           "a law does not vary in time; use " + variable_ + ", numbers and parameters");
+    }
+    if (is_variable) {
       const std::size_t begin = emit(Opcode::time);
       return {Operand::affine, begin, name.position, 1.0, 0.0, kSound};
     }
@@ -936,8 +948,10 @@ class Expression::Parser {
       case Opcode::floor:
       case Opcode::ceil:
       case Opcode::round:
-        fail(x.position, std::string(function.name) + " of a function of t", "a constant argument",
-             "it jumps at many times; write the steps as t < t1 ? v1 : t < t2 ? v2 : v3");
+        fail(x.position, std::string(function.name) + " of a function of " + variable_,
+             "a constant argument",
+             "it jumps at many times; write the steps as " + variable_ + " < " + variable_ +
+                 "1 ? v1 : " + variable_ + " < " + variable_ + "2 ? v2 : v3");
       default:
         emit(function.op);
         return general(x);
@@ -973,9 +987,10 @@ class Expression::Parser {
   }
 
   [[noreturn]] void fail_kink(const Function& function, const Operand& x) const {
-    fail(x.position, std::string(function.name) + " of a general function of t",
-         "arguments that are constant or of the form a*t + b",
-         "the times of its kinks are not known; write them as t < t1 ? value : value");
+    fail(x.position, std::string(function.name) + " of a general function of " + variable_,
+         "arguments that are constant or of the form a*" + variable_ + " + b",
+         "the times of its kinks are not known; write them as " + variable_ + " < " + variable_ +
+             "1 ? value : value");
   }
 
   [[noreturn]] void fail_unknown(const Token& name) const {
@@ -995,9 +1010,9 @@ class Expression::Parser {
     add("parameters ", parameters_, [](const auto& row) { return std::string_view(row.first); });
     if (list.empty()) list = "no parameters";
     add("; constants ", kConstants, by_name);
-    if (allowed_ == Variables::time) {
-      names.push_back(kTime);
-      list += "; the time t";
+    if (allowed_ != Variables::none) {
+      names.push_back(variable_);
+      list += (allowed_ == Variables::time ? "; the time " : "; the variable ") + variable_;
     }
     add("; functions ", kFunctions, by_name);
     const auto distance = [&](std::string_view other) { return edit_distance(name.text, other); };
@@ -1013,9 +1028,10 @@ class Expression::Parser {
   std::string_view text_;
   const Parameters& parameters_;
   Variables allowed_;
-  std::size_t at_ = 0;  // where the next token is looked for
-  Token token_;         // the current token
-  int depth_ = -1;      // levels of recursion; the whole is level 0
+  std::string variable_;  // its name, for messages
+  std::size_t at_ = 0;    // where the next token is looked for
+  Token token_;           // the current token
+  int depth_ = -1;        // levels of recursion; the whole is level 0
   std::vector<Instruction> program_;
   std::vector<Fault> faults_;
 };

@@ -14,7 +14,8 @@
 //   primary     = number | name | function '(' choice {',' choice} ')' | '(' choice ')'
 //
 // Names: the parameters given; the constants pi and deg (= pi/180: 5*deg is an angle in rad);
-// the variable t (time, s) where the caller allows it. Functions: sin cos tan asin acos atan
+// the variable t (time, s) where the caller allows it, or in its place x or v (law.hpp), for which all that
+// is said of t here holds as well. Functions: sin cos tan asin acos atan
 // atan2(y,x) sinh cosh tanh exp log ln (both natural) log10 sqrt pow(x,p) abs min(x,y) max(x,y),
 // and, of constants only, floor ceil round. Numbers and conditions are different types.
 //
@@ -45,8 +46,8 @@ namespace mbd {
 // Named constants of a model.
 using Parameters = std::map<std::string, double, std::less<>>;
 
-// What an expression may depend on besides parameters.
-enum class Variables { none, time };
+// What an expression may depend on besides parameters: t, or in laws (law.hpp) a displacement x or a rate v.
+enum class Variables { none, time, x, v };
 
 // The limit taken at a breakpoint: from earlier or from later times.
 enum class Side { left, right };
@@ -78,7 +79,8 @@ class Expression {
   };
   static Expression sum(std::span<const Term> terms, double stretch = 1.0);
 
-  // Whether `name` is t, a constant or a function, and so cannot name a parameter.
+  // Whether `name` is t, a constant or a function, and so cannot name a parameter. (x and v can, but not where
+  // they are the variable of a law.)
   static bool is_reserved(std::string_view name);
 
   bool is_constant() const;

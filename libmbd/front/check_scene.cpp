@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "libmbd/front/label.hpp"
+#include "libmbd/front/laws.hpp"
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/section_table.hpp"
 #include "libmbd/front/spelling.hpp"
@@ -316,6 +317,114 @@ void check(const RigidScene& rigid, const Scene& scene,
   }
 }
 
+void check(const SpringScene& spring) {
+  const Checked item("spring", spring.name, spring.source);
+  item.place("between", spring.a);
+  item.place("between", spring.b);
+  item.vector("at_a", spring.at_a);
+  item.vector("at_b", spring.at_b);
+  item.number("stiffness", spring.stiffness);
+  item.number("damping", spring.damping);
+  item.number("length", spring.length);
+  const bool elastic = spring.stiffness > 0.0 || spring.force;
+  item.fail_if(!elastic && !(spring.damping > 0.0) && !spring.damping_force,
+               "it does nothing; give a stiffness, a damping, a force or a damping_force");
+  item.fail_if(!elastic && spring.length.has_value(),
+               "length is where a spring exerts nothing, and it is a damper only; leave it out");
+  if (spring.force)
+    check_law(*spring.force, LawOf::displacement, spring.source, label(spring), "force");
+  if (spring.damping_force)
+    check_law(*spring.damping_force, LawOf::rate, spring.source, label(spring), "damping_force");
+}
+
+// Of a potential, or of a power that is never positive: symmetric and without a negative eigenvalue.
+void check_semidefinite(const Checked& item, std::string_view what, const Mat6& M) {
+  const std::string name(what);
+  for (Index i = 0; i < 6; ++i)
+    for (Index j = 0; j < 6; ++j)
+      item.fail_if(!std::isfinite(M(i, j)),
+                   name + ": row " + std::to_string(i + 1) + ", column " + std::to_string(j + 1) +
+                       " is " + schema::shortest(M(i, j)) + ", must be a finite number");
+  constexpr double round_off = 1e-10;
+  for (Index i = 0; i < 6; ++i) {
+    item.fail_if(M(i, i) < 0.0, name + ": component " + std::to_string(i + 1) + " is " +
+                                    schema::shortest(M(i, i)) + ", must not be negative");
+    for (Index j = i + 1; j < 6; ++j)
+      item.fail_if(
+          !(std::abs(M(i, j) - M(j, i)) <= round_off * (std::abs(M(i, j)) + std::abs(M(j, i)))),
+          name + ": row " + std::to_string(i + 1) + ", column " + std::to_string(j + 1) + " is " +
+              schema::shortest(M(i, j)) + " but row " + std::to_string(j + 1) + ", column " +
+              std::to_string(i + 1) + " is " + schema::shortest(M(j, i)) +
+              "; the matrix must be symmetric");
+  }
+  // Rows without diagonal must be empty; the others are compared at their own size.
+  Mat6 scaled = M;
+  for (Index i = 0; i < 6; ++i)
+    if (M(i, i) == 0.0) {
+      for (Index j = 0; j < 6; ++j)
+        item.fail_if(M(i, j) != 0.0, name + ": component " + std::to_string(i + 1) +
+                                         " is 0 but coupled to others; check the diagonal");
+      scaled(i, i) = 1.0;
+    }
+  item.fail_if(scaled_definiteness(scaled) < -round_off,
+               name + ": it is negative for some motion; check signs and sizes of the couplings");
+}
+
+void check(const BushingScene& bushing) {
+  const Checked item("bushing", bushing.name, bushing.source);
+  item.place("between", bushing.a);
+  item.place("between", bushing.b);
+  item.vector("at", bushing.at);
+  item.vector("axis", bushing.axis);
+  item.vector("second_axis", bushing.second_axis);
+  item.fail_if(bushing.second_axis && !bushing.axis,
+               "second_axis is perpendicular to axis, which is missing; give it too");
+  check_semidefinite(item, "stiffness", bushing.stiffness);
+  check_semidefinite(item, "damping", bushing.damping);
+  item.fail_if(bushing.stiffness.isZero(0.0) && bushing.damping.isZero(0.0) && bushing.laws.empty(),
+               "it does nothing; give a stiffness, a damping or a <law>");
+  for (auto it = bushing.laws.begin(); it != bushing.laws.end(); ++it) {
+    Checked("law", {}, it->source).number("component", it->component);
+    item.fail_if(
+        std::any_of(bushing.laws.begin(), it,
+                    [&](const BushingLawScene& l) { return l.component == it->component; }),
+        "component " + std::to_string(it->component) + " has two laws; leave one out");
+    check_law(it->force, LawOf::displacement, it->source, label(bushing),
+              it->component <= 3 ? "force" : "moment");
+  }
+}
+
+void check(const JointSpringScene& spring) {
+  const Checked item("joint_spring", spring.name, spring.source);
+  const bool turns = spring.coordinate == JointSpringScene::Coordinate::angle;
+  item.number(turns ? "angular_stiffness" : "stiffness", spring.stiffness);
+  item.number(turns ? "angular_damping" : "damping", spring.damping);
+  item.number(turns ? "rest_angle" : "rest_displacement", spring.rest);
+  item.fail_if(!(spring.stiffness > 0.0) && !(spring.damping > 0.0) && !spring.force &&
+                   !spring.damping_force,
+               "it does nothing; give a stiffness or a damping (of an angle: angular_stiffness, "
+               "angular_damping), or a law");
+  if (spring.force)
+    check_law(*spring.force, LawOf::displacement, spring.source, label(spring),
+              turns ? "moment" : "force");
+  if (spring.damping_force)
+    check_law(*spring.damping_force, LawOf::rate, spring.source, label(spring),
+              turns ? "damping_moment" : "damping_force");
+}
+
+void check(const JointTorqueScene& torque) {
+  const Checked item("joint_torque", torque.name, torque.source);
+  item.fail_if(!torque.moment && !torque.force, "give a moment, a force or both");
+  const auto finite = [&](std::string_view name, const std::optional<Expression>& law) {
+    if (!law) return;
+    const double value = (*law)(0.0).v;
+    item.fail_if(!std::isfinite(value), std::string(name) + " is " + schema::shortest(value) +
+                                            " at t = 0, must be a finite number");
+  };
+  finite("moment", torque.moment);
+  finite("force", torque.force);
+}
+
 void check(const StaticScene& statics) {
   const Checked item("static", {}, statics.source);
   item.number("steps", statics.steps);
@@ -439,7 +548,7 @@ void check(const ExpectScene& expect) {
 
 void check_names(const Scene& scene) {
   NamesTaken sections("sections"), parts("beams, bodies, joints and motions"), records("records"),
-      loads("loads and point masses");
+      loads("loads, point masses and joint torques");
   for (const Section& s : scene.sections)
     sections.add(Checked("section", s.name, s.source), s.name, s.source);
   const auto place = [&parts](const Checked& item, const std::string& name, const Source& source) {
@@ -464,6 +573,14 @@ void check_names(const Scene& scene) {
   for (const LoadScene& l : scene.loads) optional("load", l);
   for (const DistributedLoadScene& l : scene.distributed_loads) optional("distributed", l);
   for (const PointMassScene& m : scene.point_masses) optional("point_mass", m);
+  NamesTaken springs("springs, bushings and joint springs");
+  for (const SpringScene& s : scene.springs)
+    springs.add(Checked("spring", s.name, s.source), s.name, s.source);
+  for (const BushingScene& b : scene.bushings)
+    springs.add(Checked("bushing", b.name, b.source), b.name, b.source);
+  for (const JointSpringScene& s : scene.joint_springs)
+    springs.add(Checked("joint_spring", s.name, s.source), s.name, s.source);
+  for (const JointTorqueScene& t : scene.joint_torques) optional("joint_torque", t);
 }
 
 // With more nodes the entries of the matrix are more than the linear solver can count (int), long after they are
@@ -499,6 +616,10 @@ void check_scene(const Scene& scene) {
   for (const LoadScene& l : scene.loads) check(l);
   for (const DistributedLoadScene& l : scene.distributed_loads) check(l);
   for (const PointMassScene& m : scene.point_masses) check(m);
+  for (const SpringScene& s : scene.springs) check(s);
+  for (const BushingScene& b : scene.bushings) check(b);
+  for (const JointSpringScene& s : scene.joint_springs) check(s);
+  for (const JointTorqueScene& t : scene.joint_torques) check(t);
   if (scene.gravity)
     Checked("gravity", {}, scene.gravity->source)
         .vector("acceleration", scene.gravity->acceleration);

@@ -23,6 +23,7 @@
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/section_table.hpp"
 #include "libmbd/front/spelling.hpp"
+#include "libmbd/front/springs.hpp"
 #include "solvers/initial.hpp"
 
 namespace mbd {
@@ -72,6 +73,7 @@ class Compiler {
                       return find(place, source, who);
                     });
     joints_->add_all();
+    add_springs();
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
@@ -127,6 +129,8 @@ class Compiler {
     for (const MotionScene& m : scene_.motions) add(m.of);
     for (const LoadScene& l : scene_.loads) add(l.at);
     for (const PointMassScene& m : scene_.point_masses) add(m.at);
+    for (const SpringScene& s : scene_.springs) add(s.a), add(s.b);
+    for (const BushingScene& b : scene_.bushings) add(b.a), add(b.b);
     for (const DistributedLoadScene& l : scene_.distributed_loads) {
       for (const double s : {l.from, l.to})
         if (s >= 0.0 && s <= 1.0) add({Place::Kind::beam, l.beam, s});
@@ -494,6 +498,11 @@ class Compiler {
     for (const JointScene& j : scene_.joints)
       for (const std::optional<Vec3>& point : {j.at, j.at_a, j.at_b})
         if (point) include(*point);
+    for (const SpringScene& s : scene_.springs)
+      for (const std::optional<Vec3>& point : {s.at_a, s.at_b})
+        if (point) include(*point);
+    for (const BushingScene& b : scene_.bushings)
+      if (b.at) include(*b.at);
     if (!any_)
       throw Error(scene_.source,
                   label("mbd", scene_.name) + ": the scene is empty; give it a beam or a body");
@@ -574,6 +583,18 @@ class Compiler {
       loads.add(load, find_beam(load.beam)->nodes);
     }
     loads.finish();
+  }
+
+  void add_springs() {
+    Springs springs(*system_, length_, scene_.transient.has_value(), *joints_,
+                    [this](const Place& place, const Source& source, std::string_view who) {
+                      return find(place, source, who);
+                    });
+    for (const SpringScene& spring : scene_.springs) springs.add(spring);
+    for (const BushingScene& bushing : scene_.bushings) springs.add(bushing);
+    for (const JointSpringScene& spring : scene_.joint_springs) springs.add(spring);
+    for (const JointTorqueScene& torque : scene_.joint_torques) springs.add(torque);
+    springs.finish();
   }
 
   // --- checks ---

@@ -70,6 +70,18 @@ Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first) {
   return R;
 }
 
+void check_axes(const std::optional<Vec3>& axis, const std::optional<Vec3>& second_axis,
+                const Source& source, const std::string& who) {
+  check_direction(axis, "axis", source, who);
+  check_direction(second_axis, "second_axis", source, who);
+  if (!second_axis) return;
+  const double cosine = axis->stableNormalized().dot(second_axis->stableNormalized());
+  if (!(std::abs(cosine) <= perpendicular))
+    throw Error(source, fmt::format("{}: second_axis must be perpendicular to axis; they are "
+                                    "at {:.10g} degrees",
+                                    who, std::acos(cosine) * 180.0 / std::numbers::pi));
+}
+
 // The batch of a joint type, made when first called for.
 joint::AnyJointBatch* JointCompiler::batch_of(std::string_view type) {
   for (const auto& batch : system_.batches()) {
@@ -97,7 +109,7 @@ JointCompiler::Added JointCompiler::add(std::string_view type, const std::string
   definition.constraint = static_cast<Index>(system_.constraints().size());
   definition.multiplier = system_.add_constraint(std::move(info));
   if (batch->traits().angle) definition.angle = system_.add_angle();
-  return {batch, batch->add(definition, name)};
+  return {batch, batch->add(definition, name), definition.angle};
 }
 
 void JointCompiler::add_all() {
@@ -142,15 +154,7 @@ void JointCompiler::add_joint(const JointScene& j) {
     throw Error(j.source,
                 fmt::format("{}: it joins a thing to itself{}; give two places that move apart",
                             who, A.node == 0 ? ", the ground" : ""));
-  check_direction(j.axis, "axis", j.source, who);
-  check_direction(j.second_axis, "second_axis", j.source, who);
-  if (j.second_axis) {
-    const double cosine = j.axis->stableNormalized().dot(j.second_axis->stableNormalized());
-    if (!(std::abs(cosine) <= perpendicular))
-      throw Error(j.source, fmt::format("{}: second_axis must be perpendicular to axis; they are "
-                                        "at {:.10g} degrees",
-                                        who, std::acos(cosine) * 180.0 / std::numbers::pi));
-  }
+  check_axes(j.axis, j.second_axis, j.source, who);
   if (j.parameter && !(std::abs(*j.parameter) > 0.0))
     throw Error(j.source, fmt::format("{}: the {} is zero; give another, or a revolute joint", who,
                                       traits.parameter.name));
@@ -196,7 +200,10 @@ void JointCompiler::add_joint(const JointScene& j) {
                               who));
   }
 
-  const auto [batch, i] = add(j.kind, fmt::format("{} '{}'", j.kind, j.name), who, j.source, f);
+  const auto [batch, i, followed] =
+      add(j.kind, fmt::format("{} '{}'", j.kind, j.name), who, j.source, f);
+  definitions_[j.name] = f;
+  definitions_[j.name].angle = followed;
   const auto bind = [b = batch, n = i](auto member) {
     return [b, n, member](const State& s) { return (b->*member)(s, n); };
   };
@@ -238,8 +245,9 @@ void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
                  : d.angle ? add_law(*d.angle, false, d.source, who, "angle")
                  : d.speed ? add_law(*d.speed, true, d.source, who, "displacement")
                            : add_law(*d.displacement, false, d.source, who, "displacement");
-  const auto [batch, i] = add(turns ? joint::DrivenRotation::name : joint::DrivenTranslation::name,
-                              fmt::format("drive of '{}'", j.name), who, d.source, f);
+  const auto [batch, i, followed] =
+      add(turns ? joint::DrivenRotation::name : joint::DrivenTranslation::name,
+          fmt::format("drive of '{}'", j.name), who, d.source, f);
   // What drives it belongs to what the joint transmits.
   Reading& reading = readings_[j.name];
   reading.reaction = [b = batch, n = i, joint = reading.reaction](const State& s) {
@@ -321,7 +329,8 @@ void JointCompiler::add_motion(const MotionScene& m) {
     f.b = relative(reference(at.node), H);
     f.Q = at.node;
     f.signals = signals;
-    const auto [batch, i] = add(type, fmt::format("motion '{}'", m.name), who, m.source, f);
+    const auto [batch, i, followed] =
+        add(type, fmt::format("motion '{}'", m.name), who, m.source, f);
     Reading& reading = readings_[m.name];
     reading.what = label(m);
     reading.reaction = [b = batch, n = i, R, before = reading.reaction](const State& s) {
@@ -347,6 +356,27 @@ void JointCompiler::add_motion(const MotionScene& m) {
     prescribe(
         joint::PrescribedRotation::name, frame_with_third(*m.axis),
         {-1, -1, add_law(m.rate ? *m.rate : *m.angle, m.rate.has_value(), m.source, who, "angle")});
+}
+
+// --- what acts along free coordinates ---
+
+const joint::Definition& JointCompiler::coordinate(const std::string& joint, bool turns,
+                                                   const Source& source,
+                                                   const std::string& who) const {
+  for (const JointScene& j : scene_.joints) {
+    if (j.name != joint) continue;
+    const joint::Traits& traits = schema::find_joint_kind(j.kind)->traits;
+    if (turns ? !traits.angle : !traits.displacement)
+      throw Error(source, fmt::format("{}: {} has no {}; joints that have one: {}", who, label(j),
+                                      turns ? "angle" : "displacement", kinds_with(turns)));
+    if (const std::string& why = readings_.at(joint).why_none; !why.empty())
+      throw Error(source, fmt::format("{}: {} {}; leave it out", who, label(j), why));
+    return definitions_.at(joint);
+  }
+  std::vector<std::string_view> names;
+  for (const JointScene& j : scene_.joints) names.push_back(j.name);
+  throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, excerpt(joint),
+                                  suggest(joint, names, "joints")));
 }
 
 // --- output ---

@@ -27,6 +27,10 @@ struct Attachment {
 // depends on the inertial axes.
 Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {});
 
+// Throws Error for axes without direction, or not perpendicular.
+void check_axes(const std::optional<Vec3>& axis, const std::optional<Vec3>& second_axis,
+                const Source& source, const std::string& who);
+
 class JointCompiler {
  public:
   // Finds the node of a place; throws Error in the name of `who`.
@@ -39,6 +43,11 @@ class JointCompiler {
   void add_all();
 
   const std::vector<Model::Maker>& makers() const { return makers_; }
+
+  // Frames, nodes and followed angle of a joint for what acts along its free coordinate. Throws Error in the name
+  // of `who` if there is no such joint, or it has no angle (`turns`) or displacement.
+  const joint::Definition& coordinate(const std::string& joint, bool turns, const Source& source,
+                                      const std::string& who) const;
 
   // Writes one of schema::joint_quantities() of the record's joint or motion.
   std::function<void(const State&, std::span<double>)> sample(const RecordScene& record,
@@ -54,6 +63,7 @@ class JointCompiler {
   struct Added {
     const joint::AnyJointBatch* batch;
     Index index;
+    Index angle;  // followed
   };
 
   joint::AnyJointBatch* batch_of(std::string_view type);
@@ -75,6 +85,7 @@ class JointCompiler {
   double length_;
   Find find_;
   std::map<std::string, Reading> readings_;
+  std::map<std::string, joint::Definition> definitions_;  // of joints
   std::vector<Model::Maker> makers_;
 };
 

@@ -93,15 +93,25 @@ std::vector<Count> stated_counts(const Scene& scene) {
   for (const BeamScene& beam : scene.beams) elements += beam.elements;
   const auto damped = std::count_if(scene.sections.begin(), scene.sections.end(),
                                     [](const Section& s) { return s.damping.has_value(); });
-  return {
-      {"sections", size(scene.sections)},   {"damped sections", damped},
-      {"beams", size(scene.beams)},         {"elements", elements},
-      {"bodies", size(scene.bodies)},       {"point masses", size(scene.point_masses)},
-      {"rigid groups", size(scene.rigids)}, {"joints", size(scene.joints)},
-      {"drives", size(scene.drives)},       {"motions", size(scene.motions)},
-      {"loads", size(scene.loads)},         {"distributed loads", size(scene.distributed_loads)},
-      {"records", size(scene.records)},     {"plots", size(scene.plots)},
-      {"expectations", size(scene.expects)}};
+  return {{"sections", size(scene.sections)},  //
+          {"damped sections", damped},
+          {"beams", size(scene.beams)},
+          {"elements", elements},
+          {"bodies", size(scene.bodies)},
+          {"point masses", size(scene.point_masses)},
+          {"rigid groups", size(scene.rigids)},
+          {"joints", size(scene.joints)},
+          {"drives", size(scene.drives)},
+          {"motions", size(scene.motions)},
+          {"loads", size(scene.loads)},
+          {"distributed loads", size(scene.distributed_loads)},
+          {"springs", size(scene.springs)},
+          {"bushings", size(scene.bushings)},
+          {"joint springs", size(scene.joint_springs)},
+          {"joint torques", size(scene.joint_torques)},
+          {"records", size(scene.records)},
+          {"plots", size(scene.plots)},
+          {"expectations", size(scene.expects)}};
 }
 
 Index stated(const CheckReport& report, std::string_view what) {
@@ -250,6 +260,7 @@ class Explainer {
     gravity();
     loads();
     joints();
+    springs();
     analyses();
     limits();
   }
@@ -461,6 +472,46 @@ class Explainer {
     either("prescribed motions of places", from(scene_.motions), "no <motion>");
   }
 
+  void springs() {
+    either("springs between two points",
+           from(scene_.springs,
+                [](const SpringScene& s) { return s.stiffness > 0.0 || s.force.has_value(); }),
+           "no <spring> has a stiffness or a force");
+    dampers(
+        "dampers between two points",
+        from(scene_.springs,
+             [](const SpringScene& s) { return s.damping > 0.0 || s.damping_force.has_value(); }),
+        "no <spring> has a damping");
+    either("bushings",
+           from(scene_.bushings,
+                [](const BushingScene& b) { return !b.stiffness.isZero(0.0) || !b.laws.empty(); }),
+           "no <bushing> has a stiffness or a law");
+    dampers("damping of bushings",
+            from(scene_.bushings, [](const BushingScene& b) { return !b.damping.isZero(0.0); }),
+            "no <bushing> has a damping");
+    const auto elastic = [](const JointSpringScene& s) {
+      return s.stiffness > 0.0 || s.force.has_value();
+    };
+    const auto damped = [](const JointSpringScene& s) {
+      return s.damping > 0.0 || s.damping_force.has_value();
+    };
+    either("springs of joints", from(scene_.joint_springs, elastic),
+           "no <joint_spring> has a stiffness or a law");
+    dampers("dampers of joints", from(scene_.joint_springs, damped),
+            "no <joint_spring> has a damping");
+    either("moments and forces along the axes of joints", from(scene_.joint_torques),
+           "no <joint_torque>");
+  }
+
+  // Nothing damps in equilibria.
+  void dampers(const std::string& what, const Names& names, const std::string& why) {
+    if (!names.empty() && !scene_.transient)
+      absent(what,
+             "no <transient>: those stated do nothing in an equilibrium: " + joined(some(names)));
+    else
+      either(what, names, why);
+  }
+
   void analyses() {
     if (scene_.statics)
       present(fmt::format("equilibrium at t = 0, loads raised in steps, the first of 1/{}",
@@ -520,7 +571,7 @@ class Explainer {
 
   // What no model of this version can have. Said each time, as its absence is easily overlooked.
   void limits() {
-    absent("springs, friction, clearance and contact", "this version has none");
+    absent("friction, clearance and contact", "this version has none");
     if (!scene_.beams.empty())
       absent("plastic or nonlinear material, warping as a freedom",
              "a beam has the linear stiffness of its section");

@@ -184,6 +184,10 @@ void Item::try_attributes() const {
       case Kind::fields:
         fields(a.name);
         break;
+      case Kind::law:
+      case Kind::rate_law:
+        law(a.name);
+        break;
       case Kind::choice:
         chosen(a.name);
         break;
@@ -439,6 +443,12 @@ std::array<Expression, 3> Item::signals(std::string_view name) const {
     return parse(name, text, Variables::time, entry_of(name).unit);
   };
   return {part(0), part(1), part(2)};
+}
+
+Expression Item::law(std::string_view name) const {
+  const schema::Attribute& entry = entry_of(name);
+  return parse(name, raw(name, {Kind::law, Kind::rate_law}),
+               entry.kind == Kind::law ? Variables::x : Variables::v, entry.unit);
 }
 
 // Tried at one place, for their grammar.

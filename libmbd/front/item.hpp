@@ -69,6 +69,7 @@ class Item {
   Expression signal(std::string_view name) const;
   std::array<Expression, 3> signals(std::string_view name) const;
   std::array<FieldExpression, 3> fields(std::string_view name) const;
+  Expression law(std::string_view name) const;  // of x, or of v
   Place place(std::string_view name) const;
   std::pair<Place, Place> places(std::string_view name) const;
   template <class Enum>

@@ -26,6 +26,10 @@ inline std::string label(const MotionScene& m) { return label("motion", m.name);
 inline std::string label(const LoadScene& l) { return label("load", l.name); }
 inline std::string label(const DistributedLoadScene& l) { return label("distributed", l.name); }
 inline std::string label(const PointMassScene& m) { return label("point_mass", m.name); }
+inline std::string label(const SpringScene& s) { return label("spring", s.name); }
+inline std::string label(const BushingScene& b) { return label("bushing", b.name); }
+inline std::string label(const JointSpringScene& s) { return label("joint_spring", s.name); }
+inline std::string label(const JointTorqueScene& t) { return label("joint_torque", t.name); }
 inline std::string label(const RecordScene& r) { return label("record", r.name); }
 
 }  // namespace mbd

@@ -96,6 +96,10 @@ std::string value_of(const schema::Attribute& attribute) {
       return "3 expressions of t";
     case Kind::fields:
       return "3 expressions of s, t";
+    case Kind::law:
+      return "expression of x";
+    case Kind::rate_law:
+      return "expression of v";
     case Kind::choice:
       return one_of(attribute.choices);
   }

@@ -88,17 +88,32 @@ class Reader {
 
   void read_children(const Item& parent) {
     static const std::map<std::string_view, Read> readers = {
-        {"parameter", &Reader::parameter}, {"include", &Reader::include},
-        {"defaults", &Reader::defaults},   {"section", &Reader::section},
-        {"beam", &Reader::beam},           {"arc", &Reader::beam},
-        {"curve", &Reader::beam},          {"distributed", &Reader::distributed},
-        {"rigid", &Reader::rigid},         {"point_mass", &Reader::point_mass},
-        {"body", &Reader::body},           {"drive", &Reader::drive},
-        {"motion", &Reader::motion},       {"load", &Reader::load},
-        {"gravity", &Reader::gravity},     {"static", &Reader::statics},
-        {"path", &Reader::path},           {"transient", &Reader::transient},
-        {"record", &Reader::record},       {"plot", &Reader::plot},
-        {"expect", &Reader::expect},       {"repeat", &Reader::repeat},
+        {"parameter", &Reader::parameter},  //
+        {"include", &Reader::include},
+        {"defaults", &Reader::defaults},
+        {"section", &Reader::section},
+        {"beam", &Reader::beam},
+        {"arc", &Reader::beam},
+        {"curve", &Reader::beam},
+        {"distributed", &Reader::distributed},
+        {"rigid", &Reader::rigid},
+        {"point_mass", &Reader::point_mass},
+        {"body", &Reader::body},
+        {"drive", &Reader::drive},
+        {"motion", &Reader::motion},
+        {"load", &Reader::load},
+        {"spring", &Reader::spring},
+        {"bushing", &Reader::bushing},
+        {"joint_spring", &Reader::joint_spring},
+        {"joint_torque", &Reader::joint_torque},
+        {"gravity", &Reader::gravity},
+        {"static", &Reader::statics},
+        {"path", &Reader::path},
+        {"transient", &Reader::transient},
+        {"record", &Reader::record},
+        {"plot", &Reader::plot},
+        {"expect", &Reader::expect},
+        {"repeat", &Reader::repeat},
     };
     for (const xml::Element& child : parent.xml().children) {
       const Item item(child, parent);
@@ -498,6 +513,159 @@ class Reader {
     mass.mass = item.number("mass");
     mass.offset = item.vector("offset");
     scene_.point_masses.push_back(std::move(mass));
+  }
+
+  // Pairs, as text.
+  static TableScene table(const Item& item) {
+    TableScene table;
+    table.source = item.source();
+    table.interpolation = item.choice<TableScene::Interpolation>("interpolation");
+    const std::vector<std::string_view> words = schema::words(item.xml().text);
+    if (words.size() % 2 != 0)
+      item.fail("has " + std::to_string(words.size()) +
+                " numbers, must have pairs; an expression contains no blanks");
+    for (std::size_t k = 0; k + 1 < words.size(); k += 2)
+      table.points.push_back(
+          {item.evaluate("text", words[k]), item.evaluate("text", words[k + 1])});
+    return table;
+  }
+
+  // A law by its attribute, or by a <table> of that name.
+  static void law(const Item& item, std::string_view attribute, std::optional<LawScene>& slot) {
+    if (item.has(attribute)) slot = item.law(attribute);
+  }
+  static void law(const Item& part, std::optional<LawScene>& slot) {
+    if (slot) part.fail("its " + part.text_of("of") + " is given already; leave one of them out");
+    slot = table(part);
+  }
+
+  void spring(const Item& item) {
+    SpringScene spring;
+    spring.source = item.source();
+    spring.name = item.name();
+    std::tie(spring.a, spring.b) = item.places("between");
+    if (item.has("at_a")) spring.at_a = item.vector("at_a");
+    if (item.has("at_b")) spring.at_b = item.vector("at_b");
+    if (item.has("stiffness")) spring.stiffness = item.number("stiffness");
+    if (item.has("damping")) spring.damping = item.number("damping");
+    if (item.has("length")) spring.length = item.number("length");
+    law(item, "force", spring.force);
+    law(item, "damping_force", spring.damping_force);
+    each(item, [&](const Item& part) {
+      const int of = part.choice<int>("of");
+      if (of > 1) part.refuse("of", "is a moment of a joint_spring; write force or damping_force");
+      law(part, of == 0 ? spring.force : spring.damping_force);
+    });
+    scene_.springs.push_back(std::move(spring));
+  }
+
+  void bushing(const Item& item) {
+    BushingScene bushing;
+    bushing.source = item.source();
+    bushing.name = item.name();
+    std::tie(bushing.a, bushing.b) = item.places("between");
+    if (item.has("at")) bushing.at = item.vector("at");
+    if (item.has("axis")) bushing.axis = item.vector("axis");
+    if (item.has("second_axis")) bushing.second_axis = item.vector("second_axis");
+    std::array<bool, 2> given{};
+    const auto diagonal = [&](std::string_view name, Mat6& M, Index first, bool& is_given) {
+      if (!item.has(name)) return;
+      M.diagonal().segment<3>(first) = item.vector(name);
+      is_given = true;
+    };
+    diagonal("stiffness", bushing.stiffness, 0, given[0]);
+    diagonal("angular_stiffness", bushing.stiffness, 3, given[0]);
+    diagonal("damping", bushing.damping, 0, given[1]);
+    diagonal("angular_damping", bushing.damping, 3, given[1]);
+    each(item, [&](const Item& part) {
+      if (part.element().name == "law") {
+        bushing.laws.push_back(bushing_law(part));
+        return;
+      }
+      const int of = part.choice<int>("of");
+      bool& is_given = given[static_cast<std::size_t>(of)];
+      if (is_given)
+        part.fail("the bushing's " + part.text_of("of") +
+                  " is given already; leave one of them out");
+      is_given = true;
+      (of == 0 ? bushing.stiffness : bushing.damping) = full_matrix(part);
+    });
+    scene_.bushings.push_back(std::move(bushing));
+  }
+
+  static Mat6 full_matrix(const Item& item) {
+    const std::vector<std::string_view> words = schema::words(item.xml().text);
+    if (words.size() != 36)
+      item.fail("has " + std::to_string(words.size()) +
+                " numbers, must have 36, row by row; an expression contains no blanks");
+    Mat6 M;
+    for (int k = 0; k < 36; ++k)
+      M(k / 6, k % 6) = item.evaluate("text", words[static_cast<std::size_t>(k)]);
+    return M;
+  }
+
+  static BushingLawScene bushing_law(const Item& item) {
+    const int component = item.count("component");
+    const std::string_view name = component <= 3 ? "force" : "moment";
+    if (const std::string_view other = component <= 3 ? "moment" : "force"; item.has(other))
+      item.refuse(other, "belongs to components " +
+                             std::string(component <= 3 ? "4 to 6" : "1 to 3") + "; write " +
+                             std::string(name));
+    const bool has_table = !schema::words(item.xml().text).empty();
+    if (item.has(name) == has_table)
+      item.fail("give the " + std::string(name) + ", or a table of it as text" +
+                (has_table ? ", not both" : ""));
+    if (item.has(name) && item.has("interpolation"))
+      item.refuse("interpolation", "is of a table; leave it out");
+    return {item.source(), component, has_table ? LawScene(table(item)) : LawScene(item.law(name))};
+  }
+
+  void joint_spring(const Item& item) {
+    using Coordinate = JointSpringScene::Coordinate;
+    constexpr std::array<std::array<std::string_view, 5>, 2> names = {
+        {{"angular_stiffness", "angular_damping", "rest_angle", "moment", "damping_moment"},
+         {"stiffness", "damping", "rest_displacement", "force", "damping_force"}}};
+    JointSpringScene spring;
+    spring.source = item.source();
+    spring.name = item.name();
+    spring.joint = item.text("joint");
+    std::string_view first;  // that says which coordinate
+    const auto choose = [&](Coordinate coordinate, std::string_view by, const Item& of) {
+      if (!first.empty() && coordinate != spring.coordinate)
+        of.fail(std::string(first) + " and " + std::string(by) +
+                " are of different coordinates, angle and displacement; give each its own "
+                "joint_spring");
+      spring.coordinate = coordinate;
+      if (first.empty()) first = by;
+    };
+    for (std::size_t c = 0; c < 2; ++c)
+      for (const std::string_view name : names[c])
+        if (item.has(name)) choose(static_cast<Coordinate>(c), name, item);
+    each(item, [&](const Item& part) {
+      const int of = part.choice<int>("of");
+      choose(of < 2 ? Coordinate::displacement : Coordinate::angle,
+             names[of < 2 ? 1 : 0][of % 2 == 0 ? 3 : 4], part);
+    });
+    const auto& own = names[static_cast<std::size_t>(spring.coordinate)];
+    if (item.has(own[0])) spring.stiffness = item.number(own[0]);
+    if (item.has(own[1])) spring.damping = item.number(own[1]);
+    if (item.has(own[2])) spring.rest = item.number(own[2]);
+    law(item, own[3], spring.force);
+    law(item, own[4], spring.damping_force);
+    each(item, [&](const Item& part) {
+      law(part, part.choice<int>("of") % 2 == 0 ? spring.force : spring.damping_force);
+    });
+    scene_.joint_springs.push_back(std::move(spring));
+  }
+
+  void joint_torque(const Item& item) {
+    JointTorqueScene torque;
+    torque.source = item.source();
+    if (item.has("name")) torque.name = item.name();
+    torque.joint = item.text("joint");
+    if (item.has("moment")) torque.moment = item.signal("moment");
+    if (item.has("force")) torque.force = item.signal("force");
+    scene_.joint_torques.push_back(std::move(torque));
   }
 
   void gravity(const Item& item) {

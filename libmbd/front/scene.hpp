@@ -188,6 +188,72 @@ struct DistributedLoadScene {
   std::optional<std::array<FieldExpression, 3>> follower_moment;  // section axes [N]
 };
 
+// A force or moment as a function of one variable (law.hpp): an expression, or a table.
+struct TableScene {
+  Source source;
+  std::vector<std::array<double, 2>>
+      points;  // variable and force; the variable rising; two at least
+  // Straight lines, or the interpolating spline of degree 3 (or less, with fewer than 4 points). Beyond the
+  // ends: linear, with the slope there.
+  enum class Interpolation { linear, smooth } interpolation = Interpolation::linear;
+};
+using LawScene = std::variant<Expression, TableScene>;
+
+// A spring, a damper or both along the line between two points; what is stated adds up.
+struct SpringScene {
+  Source source;
+  std::string name;
+  Place a, b;
+  std::optional<Vec3> at_a, at_b;  // the points [m]; default: those of the places
+  double stiffness = 0.0;          // [N/m]
+  double damping = 0.0;            // [N.s/m]
+  std::optional<double> length;    // free length [m]; default: that of the reference configuration
+  std::optional<LawScene> force;   // tension [N] over extension x [m]
+  std::optional<LawScene> damping_force;  // tension [N] over its rate v [m/s]
+};
+
+// A law of one component of a bushing's motion parameters (elements/bushing.hpp).
+struct BushingLawScene {
+  Source source;
+  int component = 1;  // 1 … 3 along, 4 … 6 about the first, second and third axis
+  LawScene force;     // [N] over [m], or [N.m] over [rad]
+};
+
+// An elastic, damped connection of two frames in all six directions.
+struct BushingScene {
+  Source source;
+  std::string name;
+  Place a, b;
+  std::optional<Vec3> at;  // its point [m]; default as of joints
+  std::optional<Vec3> axis,
+      second_axis;                    // third and first axis of its frames; default: inertial axes
+  Mat6 stiffness = Mat6::Zero();      // [N/m, N; N, N.m]
+  Mat6 damping = Mat6::Zero();        // [N.s/m, N.s; N.s, N.m.s]
+  std::vector<BushingLawScene> laws;  // added to the stiffness
+};
+
+// A spring, a damper or both on the free coordinate of a joint; what is stated adds up.
+struct JointSpringScene {
+  Source source;
+  std::string name;
+  std::string joint;
+  enum class Coordinate { angle, displacement } coordinate = Coordinate::angle;
+  double stiffness = 0.0;                 // [N.m], or [N/m] of a displacement
+  double damping = 0.0;                   // [N.m.s], or [N.s/m]
+  double rest = 0.0;                      // coordinate where the spring exerts nothing [rad, m]
+  std::optional<LawScene> force;          // moment [N.m] or force [N] over coordinate less rest
+  std::optional<LawScene> damping_force;  // the same over the coordinate's rate
+};
+
+// What acts along the free coordinates of a joint on b, and its opposite on a: expressions of t.
+struct JointTorqueScene {
+  Source source;
+  std::string name;
+  std::string joint;
+  std::optional<Expression> moment;  // about the axis [N.m]
+  std::optional<Expression> force;   // along it [N]
+};
+
 struct PointMassScene {
   Source source;
   std::string name;
@@ -307,6 +373,10 @@ struct Scene {
   std::vector<LoadScene> loads;
   std::vector<DistributedLoadScene> distributed_loads;
   std::vector<PointMassScene> point_masses;
+  std::vector<SpringScene> springs;
+  std::vector<BushingScene> bushings;
+  std::vector<JointSpringScene> joint_springs;
+  std::vector<JointTorqueScene> joint_torques;
   std::optional<Gravity> gravity;
   std::optional<StaticScene> statics;  // equilibrium at t = 0, before the transient if there is one
   std::optional<TransientScene> transient;

@@ -29,6 +29,8 @@ constexpr std::string_view path_methods = "bordered crisfield";
 constexpr std::string_view directions = "forward backward both";
 constexpr std::string_view switches = "off on";
 constexpr std::string_view interpolations = "linear smooth";
+constexpr std::string_view law_names = "force damping_force moment damping_moment";
+constexpr std::string_view matrices = "stiffness damping";
 
 // --- attributes of each element: name, kind, unit, default, meaning, range, sizes, choices ---
 
@@ -302,6 +304,103 @@ constexpr Attribute point_mass_attributes[] = {
     {"at", Kind::place, "", required, "what it moves with"},
     {"mass", Kind::number, "kg", required, "mass", not_negative},
     {"offset", Kind::numbers, "m", "0 0 0", "from the place, axes of the section or body"},
+};
+
+constexpr Attribute spring_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among springs"},
+    {"between", Kind::places, "", required, "the two places a and b it acts on"},
+    {"at_a", Kind::numbers, "m", optional, "its point of a (default: that of the place)"},
+    {"at_b", Kind::numbers, "m", optional, "its point of b (default: that of the place)"},
+    {"stiffness", Kind::number, "N/m", optional, "tension per extension x", not_negative},
+    {"damping", Kind::number, "N.s/m", optional, "tension per rate v of the length", not_negative},
+    {"length", Kind::number, "m", optional,
+     "free length, where x = 0 (default: that of the reference configuration)", not_negative},
+    {"force", Kind::law, "N", optional, "or (both add up) the tension at the extension x [m]"},
+    {"damping_force", Kind::rate_law, "N", optional,
+     "or (both add up) the tension at the rate v [m/s]; 0 at v = 0"},
+};
+
+constexpr Attribute bushing_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among springs"},
+    {"between", Kind::places, "", required, "the two places a and b it connects"},
+    {"at", Kind::numbers, "m", optional,
+     "its point (default: that of b, or of a when b is the ground)"},
+    {"axis", Kind::numbers, "", optional, "its third axis (default: inertial axes)"},
+    {"second_axis", Kind::numbers, "", optional,
+     "its first axis, perpendicular to the third (default: any)"},
+    {"stiffness", Kind::numbers, "N/m", optional, "along its three axes", not_negative},
+    {"angular_stiffness", Kind::numbers, "N.m", optional, "about its three axes, per rad",
+     not_negative},
+    {"damping", Kind::numbers, "N.s/m", optional, "along its three axes", not_negative},
+    {"angular_damping", Kind::numbers, "N.m.s", optional, "about its three axes, per rad",
+     not_negative},
+};
+
+constexpr Attribute matrix_attributes[] = {
+    {"of", Kind::choice, "", "stiffness", "what it is", any, {3, 3}, matrices},
+};
+
+constexpr Attribute law_attributes[] = {
+    {"component", Kind::count, "", required,
+     "of the motion of b relative to a: 1 to 3 along, 4 to 6 about the axes", Range{1.0, 6.0}},
+    {"force", Kind::law, "N", optional, "of components 1 to 3: over the displacement x [m]"},
+    {"moment", Kind::law, "N.m", optional, "of components 4 to 6: over the rotation x [rad]"},
+    {"interpolation",
+     Kind::choice,
+     "",
+     "linear",
+     "of a table: linear or a cubic spline; linear beyond the first and the last point",
+     any,
+     {3, 3},
+     interpolations},
+};
+
+constexpr Attribute joint_spring_attributes[] = {
+    {"name", Kind::name, "", required, "name, unique among springs"},
+    {"joint", Kind::text, "", required, "name of a joint with an angle or a displacement"},
+    {"angular_stiffness", Kind::number, "N.m", optional,
+     "moment per angle of b relative to a, against it", not_negative},
+    {"angular_damping", Kind::number, "N.m.s", optional, "moment per rate of the angle",
+     not_negative},
+    {"rest_angle", Kind::number, "rad", optional, "angle without moment (default 0)"},
+    {"moment", Kind::law, "N.m", optional,
+     "or (both add up) the moment at x [rad], the angle less rest_angle, against it"},
+    {"damping_moment", Kind::rate_law, "N.m", optional,
+     "or (both add up) the moment at the rate v [rad/s]; 0 at v = 0"},
+    {"stiffness", Kind::number, "N/m", optional,
+     "or force per displacement of b relative to a along the axis, against it", not_negative},
+    {"damping", Kind::number, "N.s/m", optional, "force per speed", not_negative},
+    {"rest_displacement", Kind::number, "m", optional, "displacement without force (default 0)"},
+    {"force", Kind::law, "N", optional,
+     "or (both add up) the force at x [m], the displacement less rest_displacement, against it"},
+    {"damping_force", Kind::rate_law, "N", optional,
+     "or (both add up) the force at the speed v [m/s]; 0 at v = 0"},
+};
+
+constexpr Attribute joint_torque_attributes[] = {
+    {"name", Kind::name, "", optional, "name, for messages"},
+    {"joint", Kind::text, "", required, "name of a joint with an angle or a displacement"},
+    {"moment", Kind::signal, "N.m", optional, "on b about the axis, and its opposite on a"},
+    {"force", Kind::signal, "N", optional, "on b along the axis, and its opposite on a"},
+};
+
+constexpr Attribute table_attributes[] = {
+    {"of",
+     Kind::choice,
+     "",
+     "force",
+     "what it gives, as the attribute of that name",
+     any,
+     {3, 3},
+     law_names},
+    {"interpolation",
+     Kind::choice,
+     "",
+     "linear",
+     "between its points: linear or a cubic spline; linear beyond the first and the last",
+     any,
+     {3, 3},
+     interpolations},
 };
 
 constexpr Attribute gravity_attributes[] = {
@@ -592,6 +691,32 @@ const std::vector<Element>& table() {
          of(rigid_attributes)},
         {"point_mass", anywhere, "A mass without inertia of its own that moves with a place.",
          of(point_mass_attributes)},
+        {"spring", anywhere,
+         "A spring, a damper or both along the line between two points of two places.",
+         of(spring_attributes)},
+        {"bushing", anywhere,
+         "An elastic connection of two frames, which coincide in the reference configuration, in "
+         "all six directions.",
+         of(bushing_attributes)},
+        {"matrix", "bushing",
+         "Its stiffness or damping, symmetric, in place of the attributes: row by row, "
+         "displacements before rotations, in SI units.",
+         of(matrix_attributes), "36 numbers"},
+        {"law", "bushing",
+         "What one component of its motion adds to the stiffness: an expression, or a table of x "
+         "and force in turn, in SI units, x rising.",
+         of(law_attributes), "pairs of numbers"},
+        {"joint_spring", anywhere,
+         "A spring, a damper or both on the free coordinate of a joint: its angle, over any number "
+         "of turns, or its displacement.",
+         of(joint_spring_attributes)},
+        {"joint_torque", anywhere,
+         "A moment about or a force along the axis of a joint, of time; the joint turns freely.",
+         of(joint_torque_attributes)},
+        {"table", "spring joint_spring",
+         "A law in place of an expression: x and force (or v and force) in turn, in SI units, x "
+         "rising.",
+         of(table_attributes), "pairs of numbers"},
         {"gravity", once, "Uniform gravity on everything that has mass.", of(gravity_attributes)},
         {"static", once, "Static equilibrium at t = 0, before the transient if there is one.",
          of(static_attributes)},
@@ -729,8 +854,8 @@ std::string_view usual_word(std::string_view word) {
       {"roller", "write <point_on_line axis=… …/>: free along the line, free to turn"},
       {"rope", "write <distance …/>, which holds a length also in pressure, or a slender <beam>"},
       {"cable", "write <distance …/>, which holds a length also in pressure, or a slender <beam>"},
-      {"spring", "this version has no springs; a slender <beam> is elastic"},
-      {"damper", "this version has no dampers; leave it out"},
+      {"damper", "write <spring damping=… …/>, with or without a stiffness"},
+      {"dashpot", "write <spring damping=… …/>, with or without a stiffness"},
       {"contact", "this version has no contact; leave it out"},
       {"force", "write <load at=… force=\"…\"/>"},
       {"moment", "write <load at=… moment=\"…\"/>"},

@@ -17,18 +17,20 @@ namespace mbd::schema {
 // What the text of an attribute is. Numbers are expressions of the model's parameters, signals also of
 // time t; components are separated by white space and contain none.
 enum class Kind {
-  name,     // of an item, unique among its like: letters, digits, _ and -
-  text,     // anything
-  place,    // ground, a body, or beam.start, beam.end, beam@0.5
-  places,   // two places
-  names,    // names of items, quantities or columns of history.csv
-  number,   // one expression
-  count,    // one expression, a whole number
-  numbers,  // as many expressions as `sizes` says
-  signal,   // one expression of t
-  signals,  // three expressions of t
-  fields,   // three expressions of s, the fraction of a beam's length, and t
-  choice    // one of `choices`
+  name,      // of an item, unique among its like: letters, digits, _ and -
+  text,      // anything
+  place,     // ground, a body, or beam.start, beam.end, beam@0.5
+  places,    // two places
+  names,     // names of items, quantities or columns of history.csv
+  number,    // one expression
+  count,     // one expression, a whole number
+  numbers,   // as many expressions as `sizes` says
+  signal,    // one expression of t
+  signals,   // three expressions of t
+  fields,    // three expressions of s, the fraction of a beam's length, and t
+  law,       // one expression of a displacement x
+  rate_law,  // one expression of a rate v
+  choice     // one of `choices`
 };
 
 // Numbers allowed; the ends belong to it unless `open`.

@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t most_shapes = 12;  // more would be a muddle
 constexpr int pieces = 8;                // of the curve between two nodes
-constexpr double width = 360.0, most_height = 480.0, margin = 12.0, letter = 11.0, row = 16.0;
+constexpr double picture_width = 360.0, most_height = 480.0, border = 12.0, letter_size = 11.0,
+                 line_height = 16.0;
 
 struct Style {
   const char* colour;
@@ -101,11 +102,11 @@ void ShapesPlot::finished(const RunReport& /*report*/) {
   const auto [across, up] = axes_of_view(low, high);
   const double wide = std::max(high(across) - low(across), 1e-300), tall = high(up) - low(up);
   const double scale =
-      std::min((width - 2.0 * margin) / wide, most_height / std::max(tall, 1e-300));
-  const double top = 2.0 * row + margin, bottom = top + scale * tall,
-               height = bottom + margin + row * static_cast<double>(shapes_.size() + 1);
+      std::min((picture_width - 2.0 * border) / wide, most_height / std::max(tall, 1e-300));
+  const double top = 2.0 * line_height + border, bottom = top + scale * tall,
+               height = bottom + border + line_height * static_cast<double>(shapes_.size() + 1);
   const auto x = [&, a = across](const Vec3& p) {
-    return 0.5 * width + scale * (p(a) - 0.5 * (low(a) + high(a)));
+    return 0.5 * picture_width + scale * (p(a) - 0.5 * (low(a) + high(a)));
   };
   const auto y = [&, u = up](const Vec3& p) { return bottom - scale * (p(u) - low(u)); };
 
@@ -115,8 +116,8 @@ void ShapesPlot::finished(const RunReport& /*report*/) {
       "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
       "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n"
       "<text x=\"{:.0f}\" y=\"{:.0f}\">i{} to the right, i{} up; {:.4g} m wide</text>\n",
-      width, height, 2.0 * width, letter, margin, row, xml_escaped(title_), margin, 2.0 * row,
-      across + 1, up + 1, wide);
+      picture_width, height, 2.0 * picture_width, letter_size, border, line_height,
+      xml_escaped(title_), border, 2.0 * line_height, across + 1, up + 1, wide);
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     const Style& style = styles[i < std::size(styles) ? i : 1 + (i - 1) % (std::size(styles) - 1)];
     for (const auto& line : shapes_[i].lines) {
@@ -130,13 +131,13 @@ void ShapesPlot::finished(const RunReport& /*report*/) {
     for (const Vec3& p : shapes_[i].bodies)
       svg += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"3\" fill=\"{}\"/>\n", x(p), y(p),
                          style.colour);
-    const double at = bottom + margin + row * static_cast<double>(i + 1);
+    const double at = bottom + border + line_height * static_cast<double>(i + 1);
     svg += fmt::format(
         "<line x1=\"{0:.0f}\" x2=\"{1:.0f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"{3}\" "
         "stroke-width=\"{4}\" stroke-dasharray=\"{5}\"/><text x=\"{6:.0f}\" "
         "y=\"{7:.1f}\">{8}</text>\n",
-        margin, margin + 28.0, at - 4.0, style.colour, i == 0 ? 2.5 : 1.2, style.dashes,
-        margin + 34.0, at, xml_escaped(shapes_[i].label));
+        border, border + 28.0, at - 4.0, style.colour, i == 0 ? 2.5 : 1.2, style.dashes,
+        border + 34.0, at, xml_escaped(shapes_[i].label));
   }
   svg += "</svg>\n";
   write_file(file_, svg);

@@ -91,6 +91,8 @@ void ResolutionMeter::set_up(const Model& model) {
     for (const MotionScene& motion : scene_.motions) add(motion.of);
     for (const LoadScene& load : scene_.loads) add(load.at);
     for (const PointMassScene& mass : scene_.point_masses) add(mass.at);
+    for (const SpringScene& spring : scene_.springs) add(spring.a), add(spring.b);
+    for (const BushingScene& bushing : scene_.bushings) add(bushing.a), add(bushing.b);
     std::vector<bool> attached;
     for (int e = 1; e < one.elements; ++e) {
       const double s = along[static_cast<std::size_t>(e * one.order)] / along.back();

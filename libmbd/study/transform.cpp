@@ -12,6 +12,7 @@
 
 #include "libmbd/front/compile_joints.hpp"
 #include "libmbd/front/history.hpp"
+#include "libmbd/front/laws.hpp"
 #include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/schema.hpp"
@@ -245,6 +246,17 @@ Transformed moved(const Scene& scene, const RigidMotion& motion) {
     change_if(j.axis, direction);
     change_if(j.second_axis, direction);
   }
+  for (SpringScene& spring : s.springs) {
+    change_if(spring.at_a, point);
+    change_if(spring.at_b, point);
+  }
+  for (BushingScene& bushing : s.bushings) {
+    const Mat3 frame = bushing.axis ? frame_with_third(*bushing.axis, bushing.second_axis)
+                                    : Mat3(Mat3::Identity());
+    bushing.axis = direction(frame.col(2));
+    bushing.second_axis = direction(frame.col(0));
+    change_if(bushing.at, point);
+  }
   for (MotionScene& m : s.motions) {
     change_if(m.displacement, laws);
     change_if(m.velocity, laws);
@@ -362,6 +374,47 @@ Transformed rescaled(const Scene& scene, const UnitChange& units) {
     m.mass *= units.factor("kg");
     m.offset *= length;
   }
+  const auto elastic = [&](std::string_view force, std::string_view of) {
+    return [f = units.factor(force), x = units.factor(of)](const LawScene& e) {
+      return scaled_law(e, f, x);
+    };
+  };
+  for (SpringScene& spring : s.springs) {
+    change_if(spring.at_a, point);
+    change_if(spring.at_b, point);
+    change_if(spring.length, point);
+    spring.stiffness *= units.factor("N/m");
+    spring.damping *= units.factor("N.s/m");
+    change_if(spring.force, elastic("N", "m"));
+    change_if(spring.damping_force, elastic("N", "m/s"));
+  }
+  const auto blocks = [&](Mat6& M, std::string_view of_lengths, std::string_view mixed,
+                          std::string_view of_angles) {
+    M.topLeftCorner<3, 3>() *= units.factor(of_lengths);
+    M.topRightCorner<3, 3>() *= units.factor(mixed);
+    M.bottomLeftCorner<3, 3>() *= units.factor(mixed);
+    M.bottomRightCorner<3, 3>() *= units.factor(of_angles);
+  };
+  for (BushingScene& bushing : s.bushings) {
+    change_if(bushing.at, point);
+    blocks(bushing.stiffness, "N/m", "N", "N.m");
+    blocks(bushing.damping, "N.s/m", "N.s", "N.m.s");
+    for (BushingLawScene& l : bushing.laws)
+      l.force = l.component <= 3 ? elastic("N", "m")(l.force) : elastic("N.m", "rad")(l.force);
+  }
+  for (JointSpringScene& spring : s.joint_springs) {
+    const bool turns = spring.coordinate == JointSpringScene::Coordinate::angle;
+    const std::string_view force = turns ? "N.m" : "N";
+    spring.stiffness *= units.factor(turns ? "N.m" : "N/m");
+    spring.damping *= units.factor(turns ? "N.m.s" : "N.s/m");
+    spring.rest *= units.factor(turns ? "rad" : "m");
+    change_if(spring.force, elastic(force, turns ? "rad" : "m"));
+    change_if(spring.damping_force, elastic(force, turns ? "rad/s" : "m/s"));
+  }
+  for (JointTorqueScene& torque : s.joint_torques) {
+    change_if(torque.moment, law("N.m"));
+    change_if(torque.force, law("N"));
+  }
   if (s.gravity) s.gravity->acceleration *= units.factor("m/s2");
   if (s.transient) {
     TransientScene& t = *s.transient;
@@ -393,6 +446,10 @@ Scene reordered(const Scene& scene, std::uint64_t seed) {
   random.shuffle(s.loads);
   random.shuffle(s.distributed_loads);
   random.shuffle(s.point_masses);
+  random.shuffle(s.springs);
+  random.shuffle(s.bushings);
+  random.shuffle(s.joint_springs);
+  random.shuffle(s.joint_torques);
   return s;
 }
 
@@ -447,6 +504,30 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
     change_if(load.follower_moment, field);
   }
   for (PointMassScene& m : s.point_masses) m.mass *= factor();
+  for (SpringScene& spring : s.springs) {
+    spring.stiffness *= factor();
+    spring.damping *= factor();
+    const auto one = [&](const LawScene& e) { return scaled_law(e, factor(), 1.0); };
+    change_if(spring.force, one);
+    change_if(spring.damping_force, one);
+  }
+  for (BushingScene& bushing : s.bushings) {
+    bushing.stiffness *= factor();
+    bushing.damping *= factor();
+    for (BushingLawScene& l : bushing.laws) l.force = scaled_law(l.force, factor(), 1.0);
+  }
+  for (JointSpringScene& spring : s.joint_springs) {
+    spring.stiffness *= factor();
+    spring.damping *= factor();
+    const auto one = [&](const LawScene& e) { return scaled_law(e, factor(), 1.0); };
+    change_if(spring.force, one);
+    change_if(spring.damping_force, one);
+  }
+  for (JointTorqueScene& torque : s.joint_torques) {
+    const auto one = [&](const Expression& e) { return scaled_law(e, factor()); };
+    change_if(torque.moment, one);
+    change_if(torque.force, one);
+  }
   if (s.gravity) each(s.gravity->acceleration);
   return s;
 }

@@ -1,0 +1,124 @@
+#include "libmbd/core/law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libmbd/core/spectral.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr int gauss_points = 20;
+constexpr double agreement = 1e-13;
+constexpr int most_halvings = 30;
+
+struct Integral {
+  double value = 0.0;
+  double size = 0.0;  // integral of |f|
+};
+
+Integral gauss(const Expression& f, double a, double b) {
+  static const auto rule = gauss_rule<double>(gauss_points);
+  Integral sum;
+  const double h = 0.5 * (b - a), m = 0.5 * (a + b);
+  for (std::size_t i = 0; i < rule.points.size(); ++i) {
+    const double term = rule.weights[i] * h * f(m + h * rule.points[i]).v;
+    sum.value += term;
+    sum.size += std::abs(term);
+  }
+  return sum;
+}
+
+double halved(const Expression& f, double a, double b, const Integral& whole, double size,
+              int left) {
+  const double m = 0.5 * (a + b);
+  const Integral first = gauss(f, a, m), second = gauss(f, m, b);
+  const double both = first.value + second.value;
+  if (left == 0 || !(std::abs(both - whole.value) > agreement * size)) return both;
+  return halved(f, a, m, first, size, left - 1) + halved(f, m, b, second, size, left - 1);
+}
+
+// From a to b without a breakpoint between them.
+double smooth_integral(const Expression& f, double a, double b) {
+  const Integral whole = gauss(f, a, b);
+  return halved(f, a, b, whole, whole.size, most_halvings);
+}
+
+double integral_of(const Expression& f, double x) {
+  const double low = std::min(0.0, x), high = std::max(0.0, x);
+  double sum = 0.0, from = low;
+  for (const double at : f.breakpoints()) {
+    if (!(at > low && at < high)) continue;
+    sum += smooth_integral(f, from, at);
+    from = at;
+  }
+  sum += smooth_integral(f, from, high);
+  return x < 0.0 ? -sum : sum;
+}
+
+}  // namespace
+
+Law Law::smooth(std::span<const Knot> knots) {
+  Table table;
+  const Knot &first = knots.front(), &last = knots.back();
+  table.push_back({first.x, {first.f, first.df, 0.0, 0.0}, 0.0});
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const Knot &a = knots[i], &b = knots[i + 1];
+    const double h = b.x - a.x, slope = (b.f - a.f) / h;
+    table.push_back(
+        {a.x,
+         {a.f, a.df, (3.0 * slope - 2.0 * a.df - b.df) / h, (a.df + b.df - 2.0 * slope) / (h * h)},
+         sum});
+    sum += h * (0.5 * (a.f + b.f) + h * (a.df - b.df) / 12.0);
+  }
+  table.push_back({last.x, {last.f, last.df, 0.0, 0.0}, sum});
+  return Law(std::move(table));
+}
+
+Law Law::linear(std::span<const Knot> knots) {
+  Table table;
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const Knot &a = knots[i], &b = knots[i + 1];
+    const double h = b.x - a.x, slope = (b.f - a.f) / h;
+    if (i == 0) table.push_back({a.x, {a.f, slope, 0.0, 0.0}, 0.0});
+    table.push_back({a.x, {a.f, slope, 0.0, 0.0}, sum});
+    sum += 0.5 * h * (a.f + b.f);
+    if (i + 2 == knots.size()) table.push_back({b.x, {b.f, slope, 0.0, 0.0}, sum});
+  }
+  return Law(std::move(table));
+}
+
+const Law::Piece& Law::piece_at(const Table& table, double x) {
+  const auto behind =
+      std::upper_bound(table.begin() + 1, table.end(), x,
+                       [](double value, const Piece& piece) { return value < piece.from; });
+  return *(behind - 1);
+}
+
+double Law::antiderivative(const Table& table, double x) {
+  const Piece& p = piece_at(table, x);
+  const double s = x - p.from;
+  return p.before + s * (p.c[0] + s * (p.c[1] / 2.0 + s * (p.c[2] / 3.0 + s * (p.c[3] / 4.0))));
+}
+
+LawValue Law::operator()(double x) const {
+  if (const auto* const expression = std::get_if<Expression>(&law_)) {
+    const Taylor2 value = (*expression)(x);
+    return {value.v, value.d};
+  }
+  const Piece& p = piece_at(std::get<Table>(law_), x);
+  const double s = x - p.from;
+  return {p.c[0] + s * (p.c[1] + s * (p.c[2] + s * p.c[3])),
+          p.c[1] + s * (2.0 * p.c[2] + s * 3.0 * p.c[3])};
+}
+
+double Law::integral(double x) const {
+  if (const auto* const expression = std::get_if<Expression>(&law_))
+    return integral_of(*expression, x);
+  const Table& table = std::get<Table>(law_);
+  return antiderivative(table, x) - antiderivative(table, 0.0);
+}
+
+}  // namespace mbd

@@ -1,0 +1,81 @@
+// Springs, bushings, and springs and torques of joints as elements between two nodes: each kind, and the damping
+// of each, gets a batch if the scene states it.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elements/bushing.hpp"
+#include "elements/bushing_damper.hpp"
+#include "elements/damper.hpp"
+#include "elements/element_batch.hpp"
+#include "elements/spring.hpp"
+#include "joints/joint_damper.hpp"
+#include "joints/joint_spring.hpp"
+#include "joints/joint_torque.hpp"
+#include "libmbd/core/system.hpp"
+#include "libmbd/front/compile_joints.hpp"
+#include "libmbd/front/scene.hpp"
+
+namespace mbd {
+
+class Springs {
+ public:
+  // `length`: size of the scene; `rates`: whether it has a transient, without which nothing damps.
+  Springs(System& system, double length, bool rates, const JointCompiler& joints,
+          JointCompiler::Find find)
+      : system_(system), length_(length), rates_(rates), joints_(joints), find_(std::move(find)) {}
+
+  // Throw Error for what is between a thing and itself, or has no direction.
+  void add(const SpringScene& spring);
+  void add(const BushingScene& bushing);
+  // Throw Error for an unknown joint, or one without the coordinate.
+  void add(const JointSpringScene& spring);
+  void add(const JointTorqueScene& torque);
+
+  void finish();  // hands the batches to the system
+
+ private:
+  template <class E>
+  ElementBatch<E>& batch(std::unique_ptr<ElementBatch<E>>& made);
+  // Puts the law, if there is one, among those of a batch.
+  static Characteristic characteristic(double coefficient, const std::optional<LawScene>& law,
+                                       std::vector<Law>& laws);
+
+  // Of the two places, whose nodes must differ; nothing within what is rigid, where no spring does anything.
+  std::optional<std::array<Attachment, 2>> ends(const Place& a, const Place& b,
+                                                const Source& source, const std::string& who) const;
+  template <class Coordinate>
+  void add_along(const JointSpringScene& spring, const joint::Definition& definition);
+
+  template <class E>
+  using Made = std::unique_ptr<ElementBatch<E>>;
+  // Of one coordinate of joints.
+  template <class Coordinate>
+  struct Along {
+    Made<joint::JointSpring<Coordinate>> springs;
+    Made<joint::JointDamper<Coordinate>> dampers;
+    Made<joint::JointTorque<Coordinate>> torques;
+  };
+  template <class Coordinate>
+  Along<Coordinate>& along();
+  template <class Coordinate>
+  void add_torque(const JointTorqueScene& torque, const Expression& law, std::string_view what);
+
+  System& system_;
+  double length_;
+  bool rates_;
+  const JointCompiler& joints_;
+  JointCompiler::Find find_;
+  Made<Spring> springs_;
+  Made<Damper> dampers_;
+  Made<Bushing> bushings_;
+  Made<BushingDamper> bushing_dampers_;
+  Along<joint::Turning> turning_;
+  Along<joint::Sliding> sliding_;
+};
+
+}  // namespace mbd
