@@ -109,6 +109,7 @@ class Effects {
     flexibility();
     sections();
     inertia();
+    damping();
     forces();
   }
 
@@ -201,11 +202,26 @@ class Effects {
     add_each(scene_.point_masses, "point_mass", &Scene::point_masses);
   }
 
+  void damping() {
+    for (const Section& section : scene_.sections)
+      if (scene_.transient && section.damping && is_used(scene_, section))
+        add("damping:" + section.name, "damping of " + label(section),
+            fmt::format("<section name=\"{}\"> (without <damping>)", section.name),
+            [name = section.name](Scene& s) {
+              for (Section& one : s.sections)
+                if (one.name == name) one.damping.reset();
+            });
+  }
+
   void forces() {
     if (scene_.gravity && !scene_.gravity->acceleration.isZero(0.0))
       add("gravity", "gravity", left_out("gravity", {}), [](Scene& s) { s.gravity.reset(); });
     add_each(scene_.loads, "load", &Scene::loads);
     add_each(scene_.distributed_loads, "distributed", &Scene::distributed_loads);
+    add_each(scene_.springs, "spring", &Scene::springs);
+    add_each(scene_.bushings, "bushing", &Scene::bushings);
+    add_each(scene_.joint_springs, "joint_spring", &Scene::joint_springs);
+    add_each(scene_.joint_torques, "joint_torque", &Scene::joint_torques);
   }
 
   const Scene& scene_;
@@ -216,6 +232,10 @@ Scene named(Scene scene) {
   name_all(scene.loads, "load");
   name_all(scene.distributed_loads, "distributed");
   name_all(scene.point_masses, "point_mass");
+  name_all(scene.springs, "spring");
+  name_all(scene.bushings, "bushing");
+  name_all(scene.joint_springs, "joint_spring");
+  name_all(scene.joint_torques, "joint_torque");
   return scene;
 }
 

@@ -23,7 +23,7 @@ struct Ablation {
 };
 
 // Everything that can be left out of the scene, in the order of tables: flexibility beam by beam, axial and shear
-// flexibility, couplings, rotary inertia, gravity, loads, masses.
+// flexibility, couplings, rotary inertia, masses, damping, gravity, loads, springs.
 std::vector<Ablation> ablations_of(const Scene& scene);
 
 // The scene without the effects of these keys. Records, plots and expectations of what no longer exists (sectional
