@@ -88,8 +88,7 @@ struct Damping {
     double power = 0.0;
     for (int i = 0; i < shared.points; ++i) {
       const Vec6& rate = work.rate[static_cast<std::size_t>(i)];
-      power -=
-          data.wJ[static_cast<std::size_t>(i)] * rate.dot(times(C_at(shared, data, i), rate));
+      power -= data.wJ[static_cast<std::size_t>(i)] * rate.dot(times(C_at(shared, data, i), rate));
     }
     return power;
   }
@@ -170,8 +169,8 @@ struct Damping {
 
   // A row of 6x6 blocks, one a node, transposed: its columns are contiguous.
   template <class S>
-  using Strip = Eigen::Matrix<S, Output<S>::size, 6, Eigen::ColMajor | Eigen::DontAlign,
-                              6 * Z::max_nodes, 6>;
+  using Strip =
+      Eigen::Matrix<S, Output<S>::size, 6, Eigen::ColMajor | Eigen::DontAlign, 6 * Z::max_nodes, 6>;
 
   // Adds c [A B; 0 A] as the block of a node.
   template <class S>

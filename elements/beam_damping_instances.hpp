@@ -30,9 +30,9 @@ class DampingBatch final : public ElementBatch<Damping<MetricType, N>, BeamDampi
   Index add_element(std::span<const double> J, std::span<const Pose<double>> reference,
                     std::span<const int> nodes, int viscosity, int stride,
                     std::string name) override {
-    this->add(Kernel::make_data(make_data<MetricType, N>(table_, J, reference, 0, 0), viscosity,
-                                stride),
-              nodes, std::move(name));
+    this->add(
+        Kernel::make_data(make_data<MetricType, N>(table_, J, reference, 0, 0), viscosity, stride),
+        nodes, std::move(name));
     return this->size() - 1;
   }
 

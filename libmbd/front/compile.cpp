@@ -183,9 +183,8 @@ class Compiler {
     BeamDampingBatch* const damping = damping_batch(beam, scene_section);
     int viscosity =
         damping && section.is_uniform() ? damping->add_viscosity(section.viscosity(0.0)) : -1;
-    const double alpha = scene_.transient && scene_section.damping
-                             ? scene_section.damping->mass_proportional
-                             : 0.0;
+    const double alpha =
+        scene_.transient && scene_section.damping ? scene_section.damping->mass_proportional : 0.0;
     const SpectralTable& table = batch.table();
     const auto order = static_cast<std::size_t>(beam.order);
     int count = 0;

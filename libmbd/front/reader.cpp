@@ -332,8 +332,9 @@ class Reader {
   static SectionDamping damping(const Item& item) {
     if (std::none_of(item.element().attributes.begin(), item.element().attributes.end(),
                      [&item](const schema::Attribute& a) { return item.has(a.name); }))
-      item.fail("give stiffness_proportional, mass_proportional, or viscous entries EA, GA2, GA3, "
-                "GJ, EI2, EI3, D12 …; or leave it out");
+      item.fail(
+          "give stiffness_proportional, mass_proportional, or viscous entries EA, GA2, GA3, "
+          "GJ, EI2, EI3, D12 …; or leave it out");
     SectionDamping damping;
     damping.source = item.source();
     damping.stiffness_proportional = item.number("stiffness_proportional");

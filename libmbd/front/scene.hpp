@@ -45,7 +45,7 @@ struct SectionDamping {
   Source source;
   double stiffness_proportional = 0.0;  // beta [s]
   double mass_proportional = 0.0;       // alpha [1/s]
-  Mat6 viscous = Mat6::Zero();  // rows and columns as D, not negative [N.s, N.m.s, N.m2.s]
+  Mat6 viscous = Mat6::Zero();          // rows and columns as D, not negative [N.s, N.m.s, N.m2.s]
 };
 
 struct Section {

@@ -115,7 +115,8 @@ constexpr Attribute damping_attributes[] = {
      "alpha: -alpha times the momentum of all masses of the beam, rigid motion too; damping ratio "
      "alpha/(2 omega)",
      not_negative},
-    {"EA", Kind::number, "N.s", "0", "D11, axial: viscous, besides beta D; and so below", not_negative},
+    {"EA", Kind::number, "N.s", "0", "D11, axial: viscous, besides beta D; and so below",
+     not_negative},
     {"GA2", Kind::number, "N.s", "0", "D22, shear along b2", not_negative},
     {"GA3", Kind::number, "N.s", "0", "D33, shear along b3", not_negative},
     {"GJ", Kind::number, "N.m2.s", "0", "D44, torsion", not_negative},

@@ -37,8 +37,7 @@ struct DampingLaws : testing::Test {
           const double angle = i == 0 ? M::max_angle * (1 - 1e-6)
                                       : test::random_angle(rng, M::max_angle * (1 - 1e-6));
           Beam b;
-          do
-            b = random_beam(rng, metric_of<M>(), Form::energy, rule, order, M::max_angle, angle);
+          do b = random_beam(rng, metric_of<M>(), Form::energy, rule, order, M::max_angle, angle);
           while (max_angle(b.pose) > M::max_angle);
           const SpectralTable t = spectral_table(order, rule);
           const auto kinematics = beam::make_data<M, 0>(t, b.J, b.reference, 0, 0);
@@ -55,23 +54,21 @@ struct DampingLaws : testing::Test {
           f(rng, s);
         }
   }
-  static std::string name(const Sample& s) {
-    return BeamLaws<M, beam::EnergyForm>::name(s.beam);
-  }
+  static std::string name(const Sample& s) { return BeamLaws<M, beam::EnergyForm>::name(s.beam); }
   template <Want want>
   static Output evaluate(const Sample& s) {
     Output out;
-    EXPECT_GT((Kernel::template evaluate<want, double>(s.shared, s.data, s.x.data(), {}, weights,
-                                                       out)),
-              0.0);
+    EXPECT_GT(
+        (Kernel::template evaluate<want, double>(s.shared, s.data, s.x.data(), {}, weights, out)),
+        0.0);
     return out;
   }
   // Of K and of D.
   static std::array<double, 2> errors(const Sample& s, const Output& out) {
-    return {tangent_error(out.K, dual_tangent<Kernel>(s.shared, s.data, s.x, {}, false),
-                          s.beam.length),
-            tangent_error(out.D, dual_tangent<Kernel>(s.shared, s.data, s.x, {}, true, weights),
-                          s.beam.length)};
+    return {
+        tangent_error(out.K, dual_tangent<Kernel>(s.shared, s.data, s.x, {}, false), s.beam.length),
+        tangent_error(out.D, dual_tangent<Kernel>(s.shared, s.data, s.x, {}, true, weights),
+                      s.beam.length)};
   }
   static std::vector<Mat6> mutated(std::vector<Mat6> C) {
     for (Mat6& one : C) one(1, 1) *= 1.1;
@@ -89,7 +86,8 @@ struct DampingLaws : testing::Test {
   static double force_unit(const Sample& s, const Output& out) {
     double V = 0.0;
     for (const auto& x : s.x)
-      V = std::max({V, x.V.template head<3>().norm(), s.beam.length * x.V.template tail<3>().norm()});
+      V = std::max(
+          {V, x.V.template head<3>().norm(), s.beam.length * x.V.template tail<3>().norm()});
     return eps * tangent_size(out.D, s.beam.length) / weights.V * V;
   }
 };
@@ -176,9 +174,9 @@ TYPED_TEST(DampingLaws, Power) {
     EXPECT_LT(p, 0.0);
     power.add(std::abs(r.dot(V) / p + 1.0), this->name(s));
     const MatrixXd D = scaled(out.D, s.beam.length) / this->weights.V;
-    linear.add(force_size(out.D * V / this->weights.V - r, s.beam.length) /
-                   this->force_unit(s, out),
-               this->name(s));
+    linear.add(
+        force_size(out.D * V / this->weights.V - r, s.beam.length) / this->force_unit(s, out),
+        this->name(s));
     symmetric.add((D - D.transpose()).cwiseAbs().maxCoeff() / D.cwiseAbs().maxCoeff());
     const VecX values =
         Eigen::SelfAdjointEigenSolver<MatrixXd>(0.5 * (D + D.transpose()), Eigen::EigenvaluesOnly)
@@ -217,23 +215,20 @@ TYPED_TEST(DampingLaws, RatesAreThoseOfTheElasticStrains) {
     beam::Motion<TypeParam, 0, D1> motion;
     std::vector<Pose<D1>> pose;
     for (const auto& x : s.x) pose.push_back(seeded(x.H, x.V));
-    motion.set(s.beam.order, [&pose](int k) -> const Pose<D1>& {
-      return pose[static_cast<std::size_t>(k)];
-    });
+    motion.set(s.beam.order,
+               [&pose](int k) -> const Pose<D1>& { return pose[static_cast<std::size_t>(k)]; });
     const VecX units = laws::units(6, s.beam.length);
     double twice_R = 0.0, size = 0.0, difference = 0.0, other = 0.0;
     for (std::size_t i = 0; i < t.rule.points.size(); ++i) {
-      const Vector6<D1> K =
-          beam::curvature<0, D1>(s.kinematics, static_cast<int>(i),
-                                 s.beam.order * (s.beam.order + 1) / 2, motion.q);
+      const Vector6<D1> K = beam::curvature<0, D1>(s.kinematics, static_cast<int>(i),
+                                                   s.beam.order * (s.beam.order + 1) / 2, motion.q);
       Vec6 rate;
       for (Index c = 0; c < 6; ++c) rate(c) = K(c).d;
       const Mat6& C = s.beam.D[s.beam.D.size() > 1 ? i : 0];
       const Vec6 want = C * rate, got = damping->resultants(state, 0, t.rule.points[i]);
       size = std::max(size, (C.cwiseAbs() * rate.cwiseAbs()).cwiseQuotient(units).norm());
       difference = std::max(difference, (got - want).cwiseQuotient(units).norm());
-      other = std::max(other,
-                       (this->mutated({C})[0] * rate - got).cwiseQuotient(units).norm());
+      other = std::max(other, (this->mutated({C})[0] * rate - got).cwiseQuotient(units).norm());
       twice_R += s.data.wJ[i] * want.dot(rate);
     }
     rates.add(difference / size, this->name(s));
