@@ -214,7 +214,7 @@ constexpr Group all_groups[] = {
   <expect quantity="ball3.position.3" at="0.5" value="0" tolerance="1e-9" source="h - g t^2/2"/>
 </mbd>
 )xml"},
-    {"Sections", "section station stiffness mass",
+    {"Sections", "section station stiffness mass damping",
      R"md(A section is constant along the beam, or a table of stations. Models without `<transient>` and
 `<gravity>` need no `<mass>`.
 
@@ -225,6 +225,15 @@ i1 with its web along `normal` = i3 bends about b2 under vertical loads: EI2 is 
 
 Resultants N1 Q2 Q3 M1 M2 M3 are what the part behind the section (towards the end) exerts on the
 part before it, in section axes: a beam along i1 with `normal` i3 that sags has a negative M2.
+
+Without `<damping>` a beam is elastic, and only the integrator takes energy out. `stiffness_proportional`
+= beta [s] adds viscous forces C = beta D times the rates of strain (Kelvin-Voigt: damping ratio beta
+omega/2 of a mode of omega, more of the higher ones; none in rigid motion), and the entries by name
+add to C. `mass_proportional` = alpha [1/s] takes alpha times the momentum from all masses of the beam,
+as a medium at rest would (damping ratio alpha/(2 omega); it slows rigid motion down too, and does not
+act on bodies and point masses). Recorded forces and moments hold the viscous part; `work_of_damping`
+is what both took out. Beams of `kinematics="classical"` can have `mass_proportional` only. In
+equilibria damping does nothing.
 )md",
      R"xml(<mbd name="mast">
   <!-- A mast that tapers, under its weight and a push at its top. -->

@@ -350,6 +350,22 @@ const std::vector<BadModel>& bad_models() {
       {"stiffness_not_symmetric", "cantilever", {4, 5},
         R"(stiffness|section "strip")", {"symmetric", "row 1", "column 4"},
        [](Scene& s) { s.sections[0].stiffness(0, 3) = 5.0; }},
+      {"damping_of_nothing", "cantilever", {6}, "damping", {"give", "stiffness_proportional", "leave"},
+       not_used},
+      {"damping_negative", "cantilever", {6}, "damping", {"stiffness_proportional", "negative"},
+       [](Scene& s) { s.sections[0].damping = SectionDamping{{}, -1e-3, 0.0, Mat6::Zero()}; }},
+      {"damping_not_positive", "cantilever", {6}, R"(section "strip")",
+        {"damping", "negative", "coupling"},
+       [](Scene& s) { Mat6& C = s.sections[0].damping.emplace().viscous;
+         C(0, 0) = C(1, 1) = 1.0; C(0, 1) = C(1, 0) = 2.0; }},
+      {"damping_twice", "cantilever", {7}, "damping", {"one|twice|already"}, one_of_it},
+      {"damping_of_a_classical_beam", "cantilever", {9, 10}, R"(beam "b")",
+        {"classical", "damping", R"(section "strip")", "mass_proportional", "leave"},
+       [](Scene& s) {
+         s.beams[0].kinematics = Kinematics::classical;
+         s.sections[0].mass = Mat6::Identity();
+         s.sections[0].damping = SectionDamping{{}, 1e-3, 0.0, Mat6::Zero()};
+         s.transient = TransientScene{.duration = 1.0, .step = 0.1}; }},
       {"mass_negative", "blade", {4, 6}, R"(section "taper"|mass)", {"per_length", "positive"},
        [](Scene& s) { s.sections[0].stations[0].mass->topLeftCorner<3, 3>() *= -1.0; }},
       {"mass_not_positive_definite", "blade", {3, 4, 6},

@@ -275,7 +275,16 @@ TEST(Explain, SaysWhatIsAbsentAndWhy) {
   const Explanation bend = explanation_of("bend45");  // an equilibrium only
   EXPECT_TRUE(contains(why(bend, "inertia"), "no <transient>"));
   EXPECT_EQ(why(bend, "course in time"), "no <transient>");
-  EXPECT_EQ(why(bend, "structural damping"), "this version has none");
+  EXPECT_EQ(why(bend, "structural damping"), "no <damping> in a <section> used");
+  Scene damped = read_model(models / "damped_beam.xml");
+  EXPECT_TRUE(contains(origin(explanation_of(damped), "structural damping"), "section \"bar\""));
+  EXPECT_TRUE(contains(origin(explanation_of(damped), "proportional to mass"), "section \"bar\""));
+  EXPECT_EQ(why(explanation_of(damped), "structural damping"), "");
+  damped.sections[0].damping = SectionDamping{};
+  EXPECT_TRUE(contains(why(explanation_of(damped), "structural damping"), "is zero: section"));
+  damped = read_model(models / "damped_beam.xml");
+  damped.transient.reset();
+  EXPECT_TRUE(contains(why(explanation_of(damped), "structural damping"), "no <transient>"));
   EXPECT_NE(origin(bend, "curved beams"), "");
   const Explanation frame = explanation_of("portal_frame");
   EXPECT_EQ(why(frame, "coupling"), "the stiffness of every section used is diagonal");

@@ -38,6 +38,7 @@ constexpr Case cases[] = {
     {"cart_pole", 2.0, false},  // of 10
     {"chain", 0, false},
     {"composite", 0, false},
+    {"damped_beam", 0.005, false},  // of 0.02
     {"double_pendulum", 0, false},
     {"double_pendulum_beams", 1.0, false},  // of 2
     {"dzhanibekov", 5.0, false},            // of 10
@@ -45,8 +46,9 @@ constexpr Case cases[] = {
     {"every_joint", 0.5, false},  // of 2
     {"four_bar", 9.0, false},     // of 36
     {"four_bar_static", 0, false},
-    {"free_beam", 5.0, false},  // of 15
-    {"heavy_top", 0.5, false},  // of 2
+    {"free_beam", 5.0, false},         // of 15
+    {"heavy_top", 0.5, false},         // of 2
+    {"internal_damping", 0.1, false},  // of 0.8
     {"lee_frame", 0, true},
     {"pendulum", 0, false},
     {"portal_frame", 0, false},
