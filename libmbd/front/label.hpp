@@ -25,6 +25,8 @@ inline std::string label(const MotionScene& m) { return label("motion", m.name);
 inline std::string label(const LoadScene& l) { return label("load", l.name); }
 inline std::string label(const DistributedLoadScene& l) { return label("distributed", l.name); }
 inline std::string label(const PointMassScene& m) { return label("point_mass", m.name); }
+inline std::string label(const DragScene& d) { return label("drag", d.name); }
+inline std::string label(const AddedMassScene& m) { return label("added_mass", m.name); }
 inline std::string label(const RecordScene& r) { return label("record", r.name); }
 
 }  // namespace mbd

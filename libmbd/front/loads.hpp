@@ -20,6 +20,10 @@ struct BeamNode {
   double weight;  // w_a J: reference length the node stands for in its element [m]
 };
 
+// The nodes between two places, which are ends of elements, each once and with the length it stands for there. `nodes`:
+// those of each element in turn; from < to, fractions of the reference length.
+std::vector<BeamNode> nodes_between(std::span<const BeamNode> nodes, double from, double to);
+
 class Loads {
  public:
   explicit Loads(System& system) : system_(system) {}

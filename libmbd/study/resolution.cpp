@@ -91,6 +91,8 @@ void ResolutionMeter::set_up(const Model& model) {
     for (const MotionScene& motion : scene_.motions) add(motion.of);
     for (const LoadScene& load : scene_.loads) add(load.at);
     for (const PointMassScene& mass : scene_.point_masses) add(mass.at);
+    for (const DragScene& drag : scene_.drags) add(drag.at);
+    for (const AddedMassScene& mass : scene_.added_masses) add(mass.at);
     std::vector<bool> attached;
     for (int e = 1; e < one.elements; ++e) {
       const double s = along[static_cast<std::size_t>(e * one.order)] / along.back();
