@@ -10,6 +10,18 @@
 // A stepper that balances momenta instead (generalized_alpha.hpp) sets State::momentum_rate = c and adds
 // what the past contributes itself:
 //   r = c M V,   dr/dV = c M                                                                        (2)
+// A fluid at rest that moves with a node adds its M_a, any symmetric matrix, to M: (1) are Kirchhoff's equations then
+// (Lamb, Hydrodynamics, 6th ed., 124), their moment v x (M_a v) among them (Munk's). Its weight is not in gravity.
+//
+// Variants. Without the gyroscopic moment of J, the inertia about the mass centre of all masses of the node (the fluid
+// is left as it is):
+//   r without w x J w in its moment,   dr/dV without w~ J - (J w)~                                  (3)
+// Translation, the static moment and J dw/dt, in body axes, stay as they are. J of a sphere has no such moment; any
+// other J then moves by J dw/dt = moment: a free body keeps w in its own axes instead of its angular momentum in
+// inertial ones. Energy is kept, as w . (w x J w) = 0. It has no form (2): the balance of momenta is that of (1).
+// There is none without J at all: rotations of nodes would be algebraic, and their initial accelerations not
+// determined by mass and constraints (solvers/stepper.hpp).
+//
 // Not used: consistent mass with N + 1 Gauss points; it couples nodes in the tangent, and body-frame
 // velocities interpolated between nodes do not conserve momentum exactly. GLL sums do.
 #pragma once
@@ -19,17 +31,28 @@
 
 namespace mbd {
 
-struct Mass {
-  static constexpr const char* name = "inertia";
+namespace inertia {
+
+struct Full {
+  Mat6 M;  // [kg, kg.m, kg.m2], node frame
+};
+struct NoGyroscopic {
+  Mat6 M;  // as of Full
+  Mat3 J;  // of all masses of the node, about their centre, node axes  [kg.m2]
+};
+
+}  // namespace inertia
+
+template <bool gyroscopic>
+struct Inertia {
+  static constexpr const char* name = gyroscopic ? "inertia" : "inertia without gyroscopic moments";
   static constexpr int nodes = 1;
   static constexpr bool has_K = false;
   static constexpr bool has_D = true;
   static constexpr bool needs_rates = true;
 
   struct Shared {};
-  struct Data {
-    Mat6 M;  // [kg, kg.m, kg.m2], node frame
-  };
+  using Data = std::conditional_t<gyroscopic, inertia::Full, inertia::NoGyroscopic>;
   template <class S>
   using Output = ElementOutput<S, 1>;
 
@@ -41,13 +64,19 @@ struct Mass {
     Vector6<S> p;
     residual(data, x[0], env.momentum_rate, p, out);
     if constexpr (want == Want::tangent) {
-      const Matrix6<S> M = data.M.cast<S>();
+      const Matrix6<S> M = data.M.template cast<S>();
       if (env.momentum_rate != 0.0) {
         out.D = S(w.V * env.momentum_rate) * M;
         return S(1);
       }
       const Matrix6<S> G = twist_hat(x[0].V).transpose().lazyProduct(M) + wrench_hat(p);
       out.D = S(w.A) * M - S(w.V) * G;
+      if constexpr (!gyroscopic) {
+        const Matrix3<S> J = data.J.template cast<S>();
+        const Vector3<S> omega = angular(x[0].V);
+        out.D.template bottomRightCorner<3, 3>() -=
+            S(w.V) * (hat(omega).lazyProduct(J) - hat(Vector3<S>(J * omega)));
+      }
     }
     return S(1);
   }
@@ -68,14 +97,29 @@ struct Mass {
   template <class S>
   [[gnu::noinline]] static void residual(const Data& data, const NodeState<S>& x, double rate,
                                          Vector6<S>& p, Output<S>& out) {
-    const Matrix6<S> M = data.M.cast<S>();
+    const Matrix6<S> M = data.M.template cast<S>();
     p = times<S>(M, x.V);
     if (rate != 0.0)
       out.r = S(rate) * p;
     else
       out.r = times<S>(M, x.Vdot) - twist_hat_transpose_times(x.V, p);
+    if constexpr (!gyroscopic) {
+      const Vector3<S> omega = angular(x.V);
+      out.r.template tail<3>() -= omega.cross(Vector3<S>(data.J.template cast<S>() * omega));
+    }
   }
 };
+
+using Mass = Inertia<true>;
+using MassNoGyroscopic = Inertia<false>;
+
+// Inertia about the mass centre, of a mass matrix [ m I, -m c~ ; m c~, J - m c~ c~ ]; of no mass, that about the
+// reference point.
+inline Mat3 central_inertia(const Mat6& M) {
+  const double m = M(0, 0);
+  const Mat3 mC = M.bottomLeftCorner<3, 3>(), J = M.bottomRightCorner<3, 3>();
+  return m > 0.0 ? Mat3(J + mC * mC / m) : J;
+}
 
 // Mass matrix about a reference point of a body of mass m, mass centre c and inertia J about it
 // (all in the reference frame): [ m I, -m c~ ; m c~, J - m c~ c~ ].

@@ -28,7 +28,7 @@ constexpr double weak_round_off = 1e-6,
 
 bool acts_from_outside(const Scene& scene) {
   if (scene.gravity || !scene.loads.empty() || !scene.distributed_loads.empty() ||
-      !scene.motions.empty())
+      !scene.motions.empty() || !scene.drags.empty() || scene.base_motion)
     return true;
   return std::any_of(scene.joints.begin(), scene.joints.end(), [](const JointScene& j) {
     return j.a.kind == Place::Kind::ground || j.b.kind == Place::Kind::ground;
@@ -294,7 +294,9 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
                           "of momentum and impulse: an error of the method and of the quadrature"});
     };
     drift("linear momentum", linear_drift_, linear_, linear_impulse_);
-    drift("angular momentum", angular_drift_, angular_, angular_impulse_);
+    // Without the gyroscopic moment it is not kept, and its drift says nothing of the method.
+    if (transient.inertia == InertiaTerms::full)
+      drift("angular momentum", angular_drift_, angular_, angular_impulse_);
   }
   if (steps_ > 0) {
     add({.name = "Newton, contraction",

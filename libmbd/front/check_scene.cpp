@@ -425,6 +425,97 @@ void check(const JointTorqueScene& torque) {
   finite("force", torque.force);
 }
 
+// Of what acts along a beam or at a place: attributes of one of the two, and none of the other.
+struct Given {
+  std::string_view attribute;
+  bool given;
+  bool needed;
+};
+template <class Item>
+void check_beam_or_place(const Checked& item, const Item& x, std::initializer_list<Given> of_beam,
+                         std::initializer_list<Given> of_place) {
+  item.fail_if(x.at && !x.beam.empty(),
+               "give one of the attributes \"beam\" (along it) and \"at\" (at a place), not both");
+  item.fail_if(!x.at && x.beam.empty(),
+               "give one of the attributes \"beam\" (along it) and \"at\" (at a place)");
+  for (const Given& other : x.at ? of_beam : of_place)
+    item.fail_if(other.given,
+                 std::string(other.attribute) + " is of what acts " +
+                     (x.at ? "along a beam, not at a place" : "at a place, not along a beam") +
+                     "; leave it out");
+  for (const Given& own : x.at ? of_place : of_beam)
+    if (own.needed) item.required(own.attribute, own.given);
+  item.number("from", x.from);
+  item.number("to", x.to);
+  const double from = x.from.value_or(0.0), to = x.to.value_or(1.0);
+  item.fail_if(!(from < to), "to is " + schema::shortest(to) + ", must lie behind from, " +
+                                 schema::shortest(from));
+  item.place("at", x.at);
+}
+
+void check(const DragScene& drag) {
+  const Checked item("drag", drag.name, drag.source);
+  check_beam_or_place(item, drag,
+                      {{"from", drag.from.has_value(), false},
+                       {"to", drag.to.has_value(), false},
+                       {"diameter", drag.diameter.has_value(), true},
+                       {"normal_coefficient", drag.normal_coefficient.has_value(), true},
+                       {"tangential_coefficient", drag.tangential_coefficient.has_value(), true}},
+                      {{"area", drag.area.has_value(), true},
+                       {"coefficient", drag.coefficient.has_value(), true},
+                       {"offset", drag.offset.has_value(), false}});
+  item.number("density", drag.density);
+  item.number("diameter", drag.diameter);
+  item.number("normal_coefficient", drag.normal_coefficient);
+  item.number("tangential_coefficient", drag.tangential_coefficient);
+  item.number("area", drag.area);
+  item.number("coefficient", drag.coefficient);
+  item.vector("offset", drag.offset);
+  for (std::size_t i = 0; drag.flow && i < 3; ++i) check_finite(item, "flow", i, (*drag.flow)[i]);
+}
+
+void check(const AddedMassScene& mass) {
+  const Checked item("added_mass", mass.name, mass.source);
+  check_beam_or_place(item, mass,
+                      {{"from", mass.from.has_value(), false},
+                       {"to", mass.to.has_value(), false},
+                       {"density", mass.density.has_value(), true},
+                       {"diameter", mass.diameter.has_value(), true},
+                       {"coefficient", mass.coefficient.has_value(), true}},
+                      {{"matrix", mass.matrix.has_value(), true}});
+  item.number("density", mass.density);
+  item.number("diameter", mass.diameter);
+  item.number("coefficient", mass.coefficient);
+  if (!mass.matrix) return;
+  const Mat6& M = *mass.matrix;
+  item.numbers("matrix", {M.data(), 36});
+  item.fail_if(M != M.transpose(),
+               "matrix is not symmetric; the energy of a fluid at rest is a "
+               "quadratic form of the velocities: M = M^T");
+  // What has no inertia of its own is not coupled to anything.
+  Mat6 whole = M;
+  bool loose = false;
+  for (Index i = 0; i < 6; ++i) {
+    if (M(i, i) != 0.0) continue;
+    loose = loose || !M.row(i).isZero(0.0);
+    whole(i, i) = 1.0;
+  }
+  item.fail_if(loose || scaled_definiteness(whole) < -definite,
+               "matrix: some motion would have negative energy; check the signs");
+}
+
+void check(const BaseMotionScene& base) {
+  const Checked item("base_motion", {}, base.source);
+  const int laws =
+      base.acceleration.has_value() + base.velocity.has_value() + base.displacement.has_value();
+  item.fail_if(laws == 0, "give one of the attributes acceleration, velocity and displacement");
+  item.fail_if(laws > 1,
+               "give one of the attributes acceleration, velocity and displacement, not more");
+  // Laws of velocity and displacement are derived by compile(), which looks at the derivatives.
+  for (std::size_t i = 0; base.acceleration && i < 3; ++i)
+    check_finite(item, "acceleration", i, (*base.acceleration)[i]);
+}
+
 void check(const StaticScene& statics) {
   const Checked item("static", {}, statics.source);
   item.number("steps", statics.steps);
@@ -486,6 +577,9 @@ void check(const TransientScene& transient) {
   };
   of_alpha("rho_infinity", transient.rho_infinity.has_value());
   of_alpha("balance", transient.balance.has_value());
+  item.fail_if(transient.balance == Balance::momentum && transient.inertia != InertiaTerms::full,
+               "balance=\"momentum\" balances the whole of inertia; leave out inertia, or give "
+               "balance=\"acceleration\"");
   item.number("newton_tolerance", transient.newton_tolerance);
   item.fail_if(transient.newton_tolerance && !takes_newton_tolerance(transient),
                "newton_tolerance:" + method + (ida ? "" : " with a \"tolerance\"") +
@@ -548,7 +642,7 @@ void check(const ExpectScene& expect) {
 
 void check_names(const Scene& scene) {
   NamesTaken sections("sections"), parts("beams, bodies, joints and motions"), records("records"),
-      loads("loads, point masses and joint torques");
+      loads("loads, masses, drags and joint torques");
   for (const Section& s : scene.sections)
     sections.add(Checked("section", s.name, s.source), s.name, s.source);
   const auto place = [&parts](const Checked& item, const std::string& name, const Source& source) {
@@ -581,6 +675,8 @@ void check_names(const Scene& scene) {
   for (const JointSpringScene& s : scene.joint_springs)
     springs.add(Checked("joint_spring", s.name, s.source), s.name, s.source);
   for (const JointTorqueScene& t : scene.joint_torques) optional("joint_torque", t);
+  for (const DragScene& d : scene.drags) optional("drag", d);
+  for (const AddedMassScene& m : scene.added_masses) optional("added_mass", m);
 }
 
 // With more nodes the entries of the matrix are more than the linear solver can count (int), long after they are
@@ -620,6 +716,9 @@ void check_scene(const Scene& scene) {
   for (const BushingScene& b : scene.bushings) check(b);
   for (const JointSpringScene& s : scene.joint_springs) check(s);
   for (const JointTorqueScene& t : scene.joint_torques) check(t);
+  for (const DragScene& d : scene.drags) check(d);
+  for (const AddedMassScene& m : scene.added_masses) check(m);
+  if (scene.base_motion) check(*scene.base_motion);
   if (scene.gravity)
     Checked("gravity", {}, scene.gravity->source)
         .vector("acceleration", scene.gravity->acceleration);

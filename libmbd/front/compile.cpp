@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "elements/base_motion.hpp"
 #include "elements/beam_classical.hpp"
 #include "elements/beam_damping_batch.hpp"
 #include "elements/element_batch.hpp"
@@ -15,6 +16,7 @@
 #include "elements/mass_damping.hpp"
 #include "libmbd/front/check_scene.hpp"
 #include "libmbd/front/compile_joints.hpp"
+#include "libmbd/front/drags.hpp"
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
@@ -64,10 +66,13 @@ class Compiler {
     for (const BodyScene& body : scene_.bodies) attach_body(body);
     for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
     measure();
-    if (scene_.transient) add_inertia();
+    const std::vector<Mat6> all = with_added_masses();
+    if (scene_.transient) add_inertia(all);
     add_mass_damping();
     if (scene_.gravity) add_gravity();
+    if (scene_.base_motion) add_base_motion();
     add_loads();
+    if (!scene_.drags.empty()) add_drags();
     joints_.emplace(scene_, *system_, length_,
                     [this](const Place& place, const Source& source, std::string_view who) {
                       return find(place, source, who);
@@ -90,6 +95,7 @@ class Compiler {
     add_channels(model);
     add_lines(model);
     model.makers = joints_->makers();
+    for (const Mat6& M : masses_) model.mass += M(0, 0);
     model.system = std::move(system_);
     return model;
   }
@@ -135,6 +141,13 @@ class Compiler {
       for (const double s : {l.from, l.to})
         if (s >= 0.0 && s <= 1.0) add({Place::Kind::beam, l.beam, s});
     }
+    const auto add_part = [&](const auto& along) {
+      if (along.at) add(*along.at);
+      for (const double s : {along.from.value_or(0.0), along.to.value_or(1.0)})
+        add({Place::Kind::beam, along.beam, s});
+    };
+    for (const DragScene& d : scene_.drags) add_part(d);
+    for (const AddedMassScene& m : scene_.added_masses) add_part(m);
     for (const RecordScene& r : scene_.records)
       if (r.at) add(*r.at);
     std::sort(compiled.boundaries.begin(), compiled.boundaries.end());
@@ -521,11 +534,20 @@ class Compiler {
 
   // --- nodal terms ---
 
-  void add_inertia() {
-    auto batch = std::make_unique<ElementBatch<Mass>>(Mass::name, Mass::Shared{});
-    for (int n = 1; n < system_->nodes(); ++n)
-      batch->add({masses_[static_cast<std::size_t>(n)]}, std::array{n}, system_->node_name(n));
-    system_->add_batch(std::move(batch));
+  // `all`: with_added_masses().
+  void add_inertia(const std::vector<Mat6>& all) {
+    const auto batch_of = [&]<class E>(const auto& data) {
+      auto batch = std::make_unique<ElementBatch<E>>(E::name, typename E::Shared{});
+      for (int n = 1; n < system_->nodes(); ++n)
+        batch->add(data(static_cast<std::size_t>(n)), std::array{n}, system_->node_name(n));
+      system_->add_batch(std::move(batch));
+    };
+    if (scene_.transient->inertia == InertiaTerms::full)
+      batch_of.operator()<Mass>([&](std::size_t n) { return Mass::Data{all[n]}; });
+    else
+      batch_of.operator()<MassNoGyroscopic>([&](std::size_t n) {
+        return MassNoGyroscopic::Data{all[n], central_inertia(masses_[n])};
+      });
     for (const BodyScene& body : scene_.bodies) {
       if (body.attached_to || body_nodes_.at(body.name).rigid != nullptr) continue;
       const auto is_body = [&body](const Place& place) {
@@ -536,9 +558,8 @@ class Compiler {
                       [&](const JointScene& j) { return is_body(j.a) || is_body(j.b); }) ||
           std::any_of(scene_.motions.begin(), scene_.motions.end(),
                       [&](const MotionScene& m) { return is_body(m.of); });
-      if (!held &&
-          !(scaled_definiteness(masses_[static_cast<std::size_t>(body_nodes_.at(body.name).node)]) >
-            definite))
+      if (!held && !(scaled_definiteness(
+                         all[static_cast<std::size_t>(body_nodes_.at(body.name).node)]) > definite))
         throw Error(body.source,
                     label(body) +
                         ": it is free and lacks mass or inertia, so that nothing determines its "
@@ -555,20 +576,130 @@ class Compiler {
     system_->add_batch(std::move(batch));
   }
 
-  void add_gravity() {
+  // masses_ and what the fluid adds to them.
+  std::vector<Mat6> with_added_masses() const {
+    std::vector<Mat6> all = masses_;
+    for (const AddedMassScene& added : scene_.added_masses) {
+      if (added.at) {
+        const Attachment at = find(*added.at, added.source, label(added));
+        if (at.node == 0)
+          throw Error(added.source,
+                      label(added) + ": on the ground it does nothing; give a beam or a body");
+        all[static_cast<std::size_t>(at.node)] +=
+            at.rigid != nullptr ? transformed_mass(*added.matrix, frame_of(at)) : *added.matrix;
+        continue;
+      }
+      const double m = *added.density * *added.coefficient * 0.25 * std::numbers::pi *
+                       *added.diameter * *added.diameter;
+      for (const BeamNode& here :
+           nodes_between(beam_nodes(added), added.from.value_or(0.0), added.to.value_or(1.0))) {
+        Mat6 M = Mat6::Zero();
+        M(1, 1) = M(2, 2) = here.weight * m;
+        all[static_cast<std::size_t>(here.node)] +=
+            rigid_of(added.beam) != nullptr ? transformed_mass(M, here.frame) : M;
+      }
+    }
+    return all;
+  }
+
+  // Of what acts along a beam, whose name it checks.
+  template <class Along>
+  std::span<const BeamNode> beam_nodes(const Along& along) const {
+    find({Place::Kind::beam, along.beam, 0.0}, along.source, label(along));
+    return find_beam(along.beam)->nodes;
+  }
+
+  // Adds mass and static moment of each node that has mass.
+  template <class E>
+  void add_massive(ElementBatch<E>& batch, const Source& source, std::string_view who) const {
     if (std::all_of(masses_.begin(), masses_.end(), [](const Mat6& M) { return M(0, 0) == 0.0; }))
-      throw Error(scene_.gravity->source,
-                  "gravity: nothing in the scene has a mass; give sections <mass per_length=… "
-                  "inertia=…/> or bodies a mass, or leave it out");
-    auto batch = std::make_unique<ElementBatch<NodalGravity>>(
-        NodalGravity::name, NodalGravity::Shared{scene_.gravity->acceleration});
+      throw Error(source, fmt::format("{}: nothing in the scene has a mass; give sections <mass "
+                                      "per_length=… inertia=…/> or bodies a mass, or leave it out",
+                                      who));
     for (int n = 1; n < system_->nodes(); ++n) {
       const Mat6& M = masses_[static_cast<std::size_t>(n)];
       // M = [ m I, -m c~ ; m c~, J ]
       const Vec3 mc = axial<double>(M.bottomLeftCorner<3, 3>());
-      if (M(0, 0) > 0.0) batch->add({M(0, 0), mc}, std::array{n}, system_->node_name(n));
+      if (M(0, 0) > 0.0) batch.add({M(0, 0), mc}, std::array{n}, system_->node_name(n));
     }
+  }
+
+  void add_gravity() {
+    auto batch = std::make_unique<ElementBatch<NodalGravity>>(
+        NodalGravity::name, NodalGravity::Shared{scene_.gravity->acceleration});
+    add_massive(*batch, scene_.gravity->source, "gravity");
     system_->add_batch(std::move(batch));
+  }
+
+  void add_base_motion() {
+    const BaseMotionScene& base = *scene_.base_motion;
+    using Law = BaseMotion::Law;
+    const Law law = base.acceleration ? Law::acceleration
+                    : base.velocity   ? Law::velocity
+                                      : Law::displacement;
+    const auto& components = base.acceleration ? *base.acceleration
+                             : base.velocity   ? *base.velocity
+                                               : *base.displacement;
+    const std::string_view name = base.acceleration ? "acceleration"
+                                  : base.velocity   ? "velocity"
+                                                    : "displacement";
+    BaseMotion::Shared shared{law, {-1, -1, -1}};
+    bool moves = false;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (components[i].is_constant() && (law != Law::acceleration || components[i].value() == 0.0))
+        continue;
+      moves = true;
+      shared.signals[i] = add_base_law(components[i], base, law, name, i);
+    }
+    if (!moves) return;
+    auto batch = std::make_unique<ElementBatch<BaseMotion>>(BaseMotion::name, shared);
+    add_massive(*batch, base.source, "base_motion");
+    system_->add_batch(std::move(batch));
+  }
+
+  // A law whose derivative is an acceleration everywhere in the run. Returns its signal.
+  int add_base_law(const Expression& law, const BaseMotionScene& base, BaseMotion::Law kind,
+                   std::string_view name, std::size_t i) {
+    const double duration = scene_.transient ? scene_.transient->duration : 0.0;
+    const Signal signal =
+        law.is_constant() ? Signal::constant(law.value()) : Signal::from_expression(law);
+    const int derivatives = static_cast<int>(kind);  // taken of the law
+    const std::string who =
+        fmt::format("base_motion: {} {} \"{}\"", name, i + 1, excerpt(law.text()));
+    std::vector<Jump> jumps = signal.jumps();
+    if (derivatives > 0 && duration > 0.0)
+      if (const auto hidden = signal.undeclared_jump(0.0, duration)) jumps.push_back(*hidden);
+    for (const Jump& jump : jumps)
+      if (jump.derivative < derivatives && jump.t >= 0.0 && jump.t <= duration)
+        throw Error(base.source,
+                    fmt::format("{}: {} jumps by {:.6g} at t = {:.9g} s, an impact; make the law "
+                                "continuous",
+                                who, jump.derivative == 0 ? "it" : "its rate", jump.size, jump.t));
+    const SignalValue start = signal(0.0);
+    const double acceleration = derivatives == 0   ? start.f
+                                : derivatives == 1 ? start.fdot
+                                                   : start.fddot;
+    if (!std::isfinite(acceleration))
+      throw Error(base.source,
+                  fmt::format("{}: the acceleration it asks for at t = 0 is {}, must be a finite "
+                              "number",
+                              who, schema::shortest(acceleration)));
+    return static_cast<int>(system_->add_signal(
+        signal, derivatives == 0 ? SignalUse::load : SignalUse::drive, said(base.source, who)));
+  }
+
+  void add_drags() {
+    Drags drags(*system_);
+    for (const DragScene& drag : scene_.drags) {
+      if (drag.at) {
+        const Attachment at = find(*drag.at, drag.source, label(drag));
+        if (scene_.transient || flows(drag) || at.node == 0) drags.add(drag, at.node, frame_of(at));
+      } else {
+        const std::span<const BeamNode> nodes = beam_nodes(drag);
+        if (scene_.transient || flows(drag)) drags.add(drag, nodes);
+      }
+    }
+    drags.finish();
   }
 
   void add_loads() {
@@ -822,6 +953,8 @@ std::string without_potential(const Scene& scene) {
     if (std::string what = fault(load); !what.empty()) return what;
   for (const DistributedLoadScene& load : scene.distributed_loads)
     if (std::string what = fault(load); !what.empty()) return what;
+  for (const DragScene& drag : scene.drags)
+    if (flows(drag)) return label(drag) + " is of a flow, whose work depends on the way";
   return {};
 }
 

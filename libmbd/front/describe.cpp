@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "libmbd/front/drags.hpp"
 #include "libmbd/front/expect.hpp"
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/observers.hpp"
@@ -109,6 +110,8 @@ std::vector<Count> stated_counts(const Scene& scene) {
           {"bushings", size(scene.bushings)},
           {"joint springs", size(scene.joint_springs)},
           {"joint torques", size(scene.joint_torques)},
+          {"drags", size(scene.drags)},
+          {"added masses", size(scene.added_masses)},
           {"records", size(scene.records)},
           {"plots", size(scene.plots)},
           {"expectations", size(scene.expects)}};
@@ -258,7 +261,9 @@ class Explainer {
     inertia();
     damping();
     gravity();
+    base_motion();
     loads();
+    fluid();
     joints();
     springs();
     analyses();
@@ -369,11 +374,17 @@ class Explainer {
   }
 
   void inertia() {
-    if (batch("inertia") == nullptr) {
+    if (!scene_.transient) {
       absent("inertia and velocities", "no <transient>: only an equilibrium is sought");
       return;
     }
-    either("inertia, with its centrifugal and gyroscopic forces", masses(), "nothing has mass");
+    if (scene_.transient->inertia == InertiaTerms::full) {
+      either("inertia, with its centrifugal and gyroscopic forces", masses(), "nothing has mass");
+    } else {
+      either("inertia, with its centrifugal forces", masses(), "nothing has mass");
+      absent("gyroscopic moments",
+             at("<transient>", scene_.transient->source) + ": inertia=\"no_gyroscopic\"");
+    }
     either("velocities at the start",
            from(scene_.bodies,
                 [](const BodyScene& b) {
@@ -430,6 +441,33 @@ class Explainer {
       absent("gravity", here + ": its acceleration is zero");
     else
       present("gravity", {here});
+  }
+
+  void base_motion() {
+    if (!scene_.base_motion) {
+      absent("motion of the base", "no <base_motion>");
+      return;
+    }
+    const std::string here = at("<base_motion>", scene_.base_motion->source);
+    either("motion of the base, relative to which everything is",
+           batch("base motion") != nullptr ? Names{here} : Names{},
+           here + ": its acceleration is zero");
+  }
+
+  void fluid() {
+    const bool moves = scene_.transient.has_value();
+    const std::string still = "in statics nothing moves, and a fluid without flow drags nothing: ";
+    const Names idle = from(scene_.drags, [&](const DragScene& d) { return !moves && !flows(d); });
+    if (!idle.empty()) absent("drag of a fluid at rest", still + joined(some(idle)));
+    if (idle.empty() || idle.size() < scene_.drags.size())
+      either("drag of a fluid",
+             from(scene_.drags, [&](const DragScene& d) { return moves || flows(d); }),
+             "no <drag>");
+    if (moves || scene_.added_masses.empty())
+      either("added mass of a fluid", from(scene_.added_masses), "no <added_mass>");
+    else
+      absent("added mass of a fluid",
+             "no <transient>: nothing is accelerated: " + joined(some(from(scene_.added_masses))));
   }
 
   void loads() {
@@ -633,13 +671,7 @@ CheckReport check_model(const Scene& scene, const Model& model) {
     report.low = n == 1 ? r : Vec3(report.low.cwiseMin(r));
     report.high = n == 1 ? r : Vec3(report.high.cwiseMax(r));
   }
-  if (scene.transient) {
-    State moving = model.initial;  // all at 1 m/s along i1: their momentum is the mass
-    for (std::size_t n = 0; n < moving.V.size(); ++n)
-      moving.V[n] =
-          six<double>(moving.pose[n].p.conjugate() * Vec3(Vec3::UnitX()), Vec3(Vec3::Zero()));
-    report.mass = system.momentum(moving)(0);
-  }
+  if (scene.transient) report.mass = model.mass;
 
   report.energy = system.energies(model.initial);
   const ConstraintResiduals residuals = constraint_residuals(system, model.initial);

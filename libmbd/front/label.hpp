@@ -30,6 +30,8 @@ inline std::string label(const SpringScene& s) { return label("spring", s.name);
 inline std::string label(const BushingScene& b) { return label("bushing", b.name); }
 inline std::string label(const JointSpringScene& s) { return label("joint_spring", s.name); }
 inline std::string label(const JointTorqueScene& t) { return label("joint_torque", t.name); }
+inline std::string label(const DragScene& d) { return label("drag", d.name); }
+inline std::string label(const AddedMassScene& m) { return label("added_mass", m.name); }
 inline std::string label(const RecordScene& r) { return label("record", r.name); }
 
 }  // namespace mbd

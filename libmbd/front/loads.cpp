@@ -28,6 +28,23 @@ std::array<Expression, 3> turned_law(const std::array<Expression, 3>& laws, cons
   return {row(0), row(1), row(2)};
 }
 
+std::vector<BeamNode> nodes_between(std::span<const BeamNode> nodes, double from, double to) {
+  std::vector<BeamNode> result;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    BeamNode here = nodes[k];
+    if (k + 1 < nodes.size() && nodes[k + 1].node == here.node && nodes[k + 1].s == here.s) {
+      const bool before = from + same_parameter < here.s && here.s < to + same_parameter;
+      const bool after = from - same_parameter < here.s && here.s < to - same_parameter;
+      here.weight = (before ? here.weight : 0.0) + (after ? nodes[k + 1].weight : 0.0);
+      ++k;
+    }
+    if (here.s < from - same_parameter || here.s > to + same_parameter || here.weight == 0.0)
+      continue;
+    result.push_back(here);
+  }
+  return result;
+}
+
 template <class E>
 ElementBatch<E>& Loads::batch(std::unique_ptr<ElementBatch<E>>& made) {
   if (!made) made = std::make_unique<ElementBatch<E>>(E::name, typename E::Shared{});
@@ -167,17 +184,7 @@ void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> node
     sum.moment += here.weight * here.frame.r;
   };
   // Where two elements meet, the load's signals and kernel are needed once.
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    BeamNode here = nodes[k];
-    if (k + 1 < nodes.size() && nodes[k + 1].node == here.node && nodes[k + 1].s == here.s) {
-      const bool before = load.from + same_parameter < here.s && here.s < load.to + same_parameter;
-      const bool after = load.from - same_parameter < here.s && here.s < load.to - same_parameter;
-      here.weight = (before ? here.weight : 0.0) + (after ? nodes[k + 1].weight : 0.0);
-      ++k;
-    }
-    if (here.s < load.from - same_parameter || here.s > load.to + same_parameter ||
-        here.weight == 0.0)
-      continue;
+  for (const BeamNode& here : nodes_between(nodes, load.from, load.to)) {
     const load::Signals followers = is_unturned(here.frame) ? at(2, here.s) : turned(here);
     if (rigid) {
       add_to(dead, at(0, here.s), here);

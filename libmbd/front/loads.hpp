@@ -25,6 +25,10 @@ struct BeamNode {
 // R (laws), component by component.
 std::array<Expression, 3> turned_law(const std::array<Expression, 3>& laws, const Mat3& R);
 
+// The nodes between two places, which are ends of elements, each once and with the length it stands for there. `nodes`:
+// those of each element in turn; from < to, fractions of the reference length.
+std::vector<BeamNode> nodes_between(std::span<const BeamNode> nodes, double from, double to);
+
 class Loads {
  public:
   explicit Loads(System& system) : system_(system) {}

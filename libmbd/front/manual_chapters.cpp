@@ -389,6 +389,47 @@ wide (`exp(-((s-v*t)/w)^2)`), with the beam divided finely enough.
   <record name="root" joint="wall" quantities="reaction_force reaction_moment"/>
 </mbd>
 )xml"},
+    {"Fluid and base", "drag added_mass base_motion",
+     R"md(Along a beam, flow across and along it act apart (the independence principle): per length
+-1/2 rho d C_n |u_n| u_n across and -1/2 rho pi d C_t |u_t| u_t along, u being the velocity against
+the fluid. At a place the drag is -1/2 rho A C |u| u. Coefficients are constants. Drag is sampled at the
+nodes of elements, as distributed loads are. In statics there is drag of a `flow` only, multiplied by
+the load factor. The power of drag, of a flow too, is booked as work of damping.
+
+Added mass is that of a fluid at rest which a body sets in motion: along a beam rho C pi d^2/4 per
+length, across it only; at a place a matrix of its velocities there, which need not be that of a rigid
+body (Kirchhoff's equations). It adds to inertia, momentum and kinetic energy, not to weight. Buoyancy
+and the forces of a fluid that is accelerated itself are not in it: state buoyancy as a load, or by a
+reduced gravity.
+
+`<base_motion>` accelerates the ground, without turning it. Everything - places, velocities, records,
+`flow` - is relative to the ground then, and each mass m feels -m times its acceleration; the fluid of
+an added mass moves with the base. Its work is one of loads. A static equilibrium is that of the
+acceleration at t = 0, multiplied by the load factor.
+)md",
+     R"xml(<mbd name="pier">
+  <!-- A pier in a current, shaken by an earthquake. -->
+  <section name="tube">
+    <stiffness EA="6e9" GA2="2e9" GA3="2e9" GJ="1e9" EI2="1.3e9" EI3="1.3e9"/>
+    <mass per_length="900" inertia="400 200 200"/>
+  </section>
+  <beam name="pier" section="tube" from="0 0 0" to="0 0 30" normal="1 0 0" elements="3" order="4"/>
+  <fixed name="bed" between="ground pier.start"/>
+  <body name="deck" attached_to="pier.end" mass="2e4" inertia="2e5 2e5 2e5"/>
+  <drag beam="pier" to="2/3" density="1025" diameter="1.2" normal_coefficient="1"
+        tangential_coefficient="0.01" flow="0 1.5 0"/>
+  <added_mass beam="pier" to="2/3" density="1025" diameter="1.2" coefficient="1"/>
+  <drag at="deck" density="1.2" area="40" coefficient="1.3" flow="0 25 0"/>
+  <base_motion acceleration="2*sin(12*t)*exp(-t) 0 0"/>
+  <static/>
+  <transient duration="1" step="5e-3" rho_infinity="0.8"/>
+  <record name="deck" at="deck" quantities="displacement"/>
+  <record name="bed" joint="bed" quantities="reaction_force"/>
+  <expect quantity="bed.reaction_force.2" at="0"
+          value="-0.5*1025*1.2*1.5^2*20-0.5*1.2*1.3*40*25^2" tolerance="50"
+          source="equilibrium of a pier that stands upright"/>
+</mbd>
+)xml"},
     {"Analyses", "static transient",
      R"md(`<static>` alone is the equilibrium under the loads of t = 0; `<transient>` alone starts from the
 reference configuration with the velocities given; both, from the equilibrium. A transient needs
@@ -415,6 +456,11 @@ size where the motion does not amplify errors, and larger where it does (a chaot
 digits to offer after a while, with any method). So compare a run with one of a tolerance ten times
 smaller. `report.json` and the summary have the steps accepted and rejected, the shortest and the
 longest, and the sum of the estimated errors.
+
+`inertia="no_gyroscopic"` leaves out the moment w x J w of what moves with a node, J being its inertia
+about its mass centre: all else of inertia stays, J dw/dt in body axes among it. Of a sphere's J there
+is no such moment; of any other, whirling and precession are those of a sphere with the transverse
+inertia, and angular momentum is not kept. It tells what the moment is worth.
 
 Results are rows of `history.csv` at the times of `output`: every so many seconds, interpolated
 within steps to the order of the method without disturbing them (positions and velocities; constraint

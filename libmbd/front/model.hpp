@@ -51,6 +51,7 @@ struct Model {
   std::vector<Line> lines;
   std::vector<std::vector<RigidPoint>> rigid_lines;
   std::vector<RigidPoint> bodies;
+  double mass = 0.0;                // of everything that moves, without added mass [kg]
   std::shared_ptr<PathPlace> path;  // of a scene with <path>: its first channel reads it
   // Who made each row of State::lambda: a joint, a drive or a motion, as messages call it.
   struct Maker {

@@ -106,6 +106,9 @@ class Reader {
         {"bushing", &Reader::bushing},
         {"joint_spring", &Reader::joint_spring},
         {"joint_torque", &Reader::joint_torque},
+        {"drag", &Reader::drag},
+        {"added_mass", &Reader::added_mass},
+        {"base_motion", &Reader::base_motion},
         {"gravity", &Reader::gravity},
         {"static", &Reader::statics},
         {"path", &Reader::path},
@@ -668,6 +671,61 @@ class Reader {
     scene_.joint_torques.push_back(std::move(torque));
   }
 
+  static void read(const Item& item, std::string_view name, std::optional<double>& value) {
+    if (item.has(name)) value = item.number(name);
+  }
+
+  void drag(const Item& item) {
+    DragScene drag;
+    drag.source = item.source();
+    if (item.has("name")) drag.name = item.name();
+    drag.density = item.number("density");
+    if (item.has("flow")) drag.flow = item.signals("flow");
+    if (item.has("beam")) drag.beam = item.text("beam");
+    read(item, "from", drag.from);
+    read(item, "to", drag.to);
+    read(item, "diameter", drag.diameter);
+    read(item, "normal_coefficient", drag.normal_coefficient);
+    read(item, "tangential_coefficient", drag.tangential_coefficient);
+    if (item.has("at")) drag.at = item.place("at");
+    read(item, "area", drag.area);
+    read(item, "coefficient", drag.coefficient);
+    if (item.has("offset")) drag.offset = item.vector("offset");
+    scene_.drags.push_back(std::move(drag));
+  }
+
+  void added_mass(const Item& item) {
+    AddedMassScene mass;
+    mass.source = item.source();
+    if (item.has("name")) mass.name = item.name();
+    if (item.has("beam")) mass.beam = item.text("beam");
+    read(item, "from", mass.from);
+    read(item, "to", mass.to);
+    read(item, "density", mass.density);
+    read(item, "diameter", mass.diameter);
+    read(item, "coefficient", mass.coefficient);
+    if (item.has("at")) mass.at = item.place("at");
+    if (item.has("matrix")) {
+      const std::vector<double> numbers = item.numbers("matrix");
+      Mat6 M = Mat6::Zero();
+      std::size_t k = 0;
+      for (Index i = 0; i < 6; ++i)
+        for (Index j = i; j < (numbers.size() == 6 ? i + 1 : 6); ++j)
+          M(i, j) = M(j, i) = numbers[k++];
+      mass.matrix = M;
+    }
+    scene_.added_masses.push_back(std::move(mass));
+  }
+
+  void base_motion(const Item& item) {
+    BaseMotionScene base;
+    base.source = item.source();
+    if (item.has("acceleration")) base.acceleration = item.signals("acceleration");
+    if (item.has("velocity")) base.velocity = item.signals("velocity");
+    if (item.has("displacement")) base.displacement = item.signals("displacement");
+    set_once(scene_.base_motion, item, std::move(base));
+  }
+
   void gravity(const Item& item) {
     set_once(scene_.gravity, item, Gravity{item.source(), item.vector("acceleration")});
   }
@@ -706,7 +764,7 @@ class Reader {
     transient.duration = item.number("duration");
     transient.method = item.choice<TimeMethod>("method");
     const auto read = [&item](std::string_view name, std::optional<double>& value) {
-      if (item.has(name)) value = item.number(name);
+      Reader::read(item, name, value);
     };
     read("step", transient.step);
     read("tolerance", transient.tolerance);
@@ -718,6 +776,7 @@ class Reader {
     read("newton_tolerance", transient.newton_tolerance);
     read("rho_infinity", transient.rho_infinity);
     if (item.has("balance")) transient.balance = item.choice<Balance>("balance");
+    transient.inertia = item.choice<InertiaTerms>("inertia");
     transient.output_steps = item.has("output") && item.is_word("output");
     if (!transient.output_steps) read("output", transient.output);
     set_once(scene_.transient, item, std::move(transient));

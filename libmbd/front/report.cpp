@@ -92,6 +92,7 @@ Json settings(const TransientScene& transient) {
     all["rho_infinity"] = rho_infinity_of(transient);
     all["balance"] = balance_of(transient) == Balance::momentum ? "momentum" : "acceleration";
   }
+  if (transient.inertia != InertiaTerms::full) all["inertia"] = "no_gyroscopic";
   if (takes_newton_tolerance(transient)) {
     const NewtonOptions newton = newton_options(transient);
     all["newton_tolerance"] = newton.tolerance;

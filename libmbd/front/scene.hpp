@@ -267,6 +267,48 @@ struct Gravity {
   Vec3 acceleration = Vec3::Zero();  // [m/s2]
 };
 
+// Quadratic drag of a fluid (elements/drag.hpp): along a beam, or at a place.
+struct DragScene {
+  Source source;
+  std::string name;
+  double density = 0.0;  // of the fluid [kg/m3]
+  std::optional<std::array<Expression, 3>>
+      flow;  // its velocity, inertial axes [m/s]; default: still
+  // Along a beam.
+  std::string beam;                // empty: at a place
+  std::optional<double> from, to;  // fractions of the reference length; default: all of it
+  std::optional<double> diameter;  // [m]
+  std::optional<double> normal_coefficient, tangential_coefficient;  // [-]
+  // At a place.
+  std::optional<Place> at;
+  std::optional<double> area;         // [m2]
+  std::optional<double> coefficient;  // [-]
+  std::optional<Vec3> offset;  // of what is dragged, axes of the section or body [m]; default: 0
+};
+
+// Inertia of the fluid that moves with a beam, or with a body at a place (NOTATION.md): of inertia, not of gravity.
+struct AddedMassScene {
+  Source source;
+  std::string name;
+  // Of a beam, across it and per length: density pi diameter^2 / 4 times coefficient.
+  std::string beam;                // empty: at a place
+  std::optional<double> from, to;  // fractions of the reference length; default: all of it
+  std::optional<double> density;   // of the fluid [kg/m3]
+  std::optional<double> diameter, coefficient;  // [m], [-]
+  // At a place: M of [v; w], its axes.
+  std::optional<Place> at;
+  std::optional<Mat6> matrix;  // [kg, kg.m, kg.m2]
+};
+
+// The base, which is called the ground, is accelerated without turning: everything is relative to it
+// (elements/base_motion.hpp). One of these, inertial axes, expressions of t.
+struct BaseMotionScene {
+  Source source;
+  std::optional<std::array<Expression, 3>> acceleration;  // [m/s2]
+  std::optional<std::array<Expression, 3>> velocity;      // [m/s]
+  std::optional<std::array<Expression, 3>> displacement;  // [m]
+};
+
 struct StaticScene {
   Source source;
   int steps = 1;             // first size of the load steps: 1/steps
@@ -297,6 +339,10 @@ struct PathScene {
   std::vector<PathMarkScene> marks;
 };
 
+// Which terms inertia has (elements/mass.hpp). no_gyroscopic: without the moment w x J w about the mass centre of what
+// moves with a node.
+enum class InertiaTerms { full, no_gyroscopic };
+
 // Integration in time. What is absent is chosen by the method, or not used.
 struct TransientScene {
   Source source = {};
@@ -322,6 +368,7 @@ struct TransientScene {
   // expected values. With neither: where fixed steps end; with a tolerance, a thousand times.
   std::optional<double> output = {};
   bool output_steps = false;
+  InertiaTerms inertia = InertiaTerms::full;
 };
 
 // One line of output: quantities of a place, of a joint or motion, or (with neither) of the whole system,
@@ -377,7 +424,10 @@ struct Scene {
   std::vector<BushingScene> bushings;
   std::vector<JointSpringScene> joint_springs;
   std::vector<JointTorqueScene> joint_torques;
+  std::vector<DragScene> drags;
+  std::vector<AddedMassScene> added_masses;
   std::optional<Gravity> gravity;
+  std::optional<BaseMotionScene> base_motion;
   std::optional<StaticScene> statics;  // equilibrium at t = 0, before the transient if there is one
   std::optional<TransientScene> transient;
   std::optional<PathScene> path;  // instead of both

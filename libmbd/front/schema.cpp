@@ -24,6 +24,7 @@ constexpr std::string_view rules = "gauss gauss_lobatto";
 constexpr std::string_view forms = "energy paper";
 constexpr std::string_view time_methods = "generalized_alpha radau ida";
 constexpr std::string_view balances = "acceleration momentum";
+constexpr std::string_view inertia_terms = "full no_gyroscopic";
 constexpr std::string_view static_solvers = "newton kinsol";
 constexpr std::string_view path_methods = "bordered crisfield";
 constexpr std::string_view directions = "forward backward both";
@@ -403,6 +404,62 @@ constexpr Attribute table_attributes[] = {
      interpolations},
 };
 
+constexpr Attribute drag_attributes[] = {
+    {"name", Kind::name, "", optional, "name, for messages"},
+    {"density", Kind::number, "kg/m3", required, "of the fluid", positive},
+    {"flow", Kind::signals, "m/s", optional,
+     "velocity of the fluid, inertial axes; without it the fluid is still"},
+    {"beam", Kind::text, "", optional, "name of the beam (one of beam, at)"},
+    {"from", Kind::number, "", optional,
+     "of a beam: where it begins, fraction of the reference length (default 0)", unit_interval},
+    {"to", Kind::number, "", optional, "of a beam: where it ends (default 1)", unit_interval},
+    {"diameter", Kind::number, "m", optional, "of a beam, which needs it", positive},
+    {"normal_coefficient", Kind::number, "", optional,
+     "of a beam, which needs it: C of 1/2 density C diameter |u| u per length, u across the beam",
+     not_negative},
+    {"tangential_coefficient", Kind::number, "", optional,
+     "of a beam, which needs it: C of 1/2 density C pi diameter |u| u per length, u along the beam",
+     not_negative},
+    {"at", Kind::place, "", optional, "or what it acts on (one of beam, at)"},
+    {"area", Kind::number, "m2", optional, "at a place, which needs it", positive},
+    {"coefficient", Kind::number, "", optional,
+     "at a place, which needs it: C of 1/2 density C area |u| u, the same in all directions",
+     not_negative},
+    {"offset", Kind::numbers, "m", optional,
+     "at a place: where it acts, from there, axes of the section or body (default 0 0 0)"},
+};
+
+constexpr Attribute added_mass_attributes[] = {
+    {"name", Kind::name, "", optional, "name, for messages"},
+    {"beam", Kind::text, "", optional, "name of the beam (one of beam, at)"},
+    {"from", Kind::number, "", optional,
+     "of a beam: where it begins, fraction of the reference length (default 0)", unit_interval},
+    {"to", Kind::number, "", optional, "of a beam: where it ends (default 1)", unit_interval},
+    {"density", Kind::number, "kg/m3", optional, "of a beam, which needs it: of the fluid",
+     positive},
+    {"diameter", Kind::number, "m", optional, "of a beam, which needs it", positive},
+    {"coefficient", Kind::number, "", optional,
+     "of a beam, which needs it: C of density C pi diameter^2/4 per length, across the beam; "
+     "along it there is none",
+     not_negative},
+    {"at", Kind::place, "", optional, "or what it moves with (one of beam, at)"},
+    {"matrix",
+     Kind::numbers,
+     "",
+     optional,
+     "at a place, which needs it, in SI units: m11 m22 m33 [kg] J11 J22 J33 [kg.m2], or the upper "
+     "triangle row by row (21 numbers), of velocities v1 v2 v3 and angular velocities w1 w2 w3 in "
+     "the axes of the section or body",
+     any,
+     {6, 21}},
+};
+
+constexpr Attribute base_motion_attributes[] = {
+    {"acceleration", Kind::signals, "m/s2", optional, "of the base, inertial axes (one of three)"},
+    {"velocity", Kind::signals, "m/s", optional, "or its velocity, continuous"},
+    {"displacement", Kind::signals, "m", optional, "or its displacement, continuous with its rate"},
+};
+
 constexpr Attribute gravity_attributes[] = {
     {"acceleration", Kind::numbers, "m/s2", required, "of free fall, inertial axes"},
 };
@@ -514,6 +571,15 @@ constexpr Attribute transient_attributes[] = {
      balances},
     {"newton_tolerance", Kind::number, "", optional,
      "of Newton's increments, relative (default: the integrator's own)", positive},
+    {"inertia",
+     Kind::choice,
+     "",
+     "full",
+     "its terms: all, or without the gyroscopic moment w x J w about the mass centre of what moves "
+     "with a node",
+     any,
+     {3, 3},
+     inertia_terms},
 };
 
 constexpr Attribute record_attributes[] = {
@@ -589,10 +655,11 @@ constexpr Quantity of_joints[] = {
 };
 
 constexpr Quantity of_system[] = {
-    {"linear_momentum", "N.s", 3, "of everything, inertial axes", Of::whole_system},
+    {"linear_momentum", "N.s", 3, "of everything, added mass included, inertial axes",
+     Of::whole_system},
     {"angular_momentum", "N.m.s", 3, "the same about the inertial origin, inertial axes",
      Of::whole_system},
-    {"kinetic_energy", "J", 1, "of everything", Of::whole_system},
+    {"kinetic_energy", "J", 1, "of everything, added mass included", Of::whole_system},
     {"strain_energy", "J", 1, "of all beams", Of::whole_system},
     {"potential_energy", "J", 1, "of gravity, zero at the inertial origin", Of::whole_system},
     {"total_energy", "J", 1, "kinetic, strain and potential", Of::whole_system},
@@ -717,6 +784,16 @@ const std::vector<Element>& table() {
          "A law in place of an expression: x and force (or v and force) in turn, in SI units, x "
          "rising.",
          of(table_attributes), "pairs of numbers"},
+        {"drag", anywhere,
+         "Quadratic drag of a fluid, still or flowing, along a beam or at a place.",
+         of(drag_attributes)},
+        {"added_mass", anywhere,
+         "Inertia of a fluid that a beam or a body sets in motion: of a fluid at rest, without its "
+         "weight.",
+         of(added_mass_attributes)},
+        {"base_motion", once,
+         "Accelerates the ground without turning it; everything else is relative to the ground.",
+         of(base_motion_attributes)},
         {"gravity", once, "Uniform gravity on everything that has mass.", of(gravity_attributes)},
         {"static", once, "Static equilibrium at t = 0, before the transient if there is one.",
          of(static_attributes)},
@@ -856,6 +933,7 @@ std::string_view usual_word(std::string_view word) {
       {"cable", "write <distance …/>, which holds a length also in pressure, or a slender <beam>"},
       {"damper", "write <spring damping=… …/>, with or without a stiffness"},
       {"dashpot", "write <spring damping=… …/>, with or without a stiffness"},
+      {"shaker", "write <base_motion acceleration=…/>, or <motion of=… displacement=…/>"},
       {"contact", "this version has no contact; leave it out"},
       {"force", "write <load at=… force=\"…\"/>"},
       {"moment", "write <load at=… moment=\"…\"/>"},

@@ -200,6 +200,12 @@ class Effects {
             for (Section& section : s.sections) each_mass(section, lower_rotary_inertia);
           });
     add_each(scene_.point_masses, "point_mass", &Scene::point_masses);
+    add_each(scene_.added_masses, "added_mass", &Scene::added_masses);
+    if (scene_.transient && scene_.transient->inertia == InertiaTerms::full &&
+        scene_.transient->balance.value_or(Balance::acceleration) == Balance::acceleration)
+      add("gyroscopic", "gyroscopic moments of rotary inertia",
+          "<transient … inertia=\"no_gyroscopic\"/>",
+          [](Scene& s) { s.transient->inertia = InertiaTerms::no_gyroscopic; });
   }
 
   void damping() {
@@ -214,6 +220,10 @@ class Effects {
   }
 
   void forces() {
+    if (scene_.base_motion)
+      add("base_motion", "motion of the base", left_out("base_motion", {}),
+          [](Scene& s) { s.base_motion.reset(); });
+    add_each(scene_.drags, "drag", &Scene::drags);
     if (scene_.gravity && !scene_.gravity->acceleration.isZero(0.0))
       add("gravity", "gravity", left_out("gravity", {}), [](Scene& s) { s.gravity.reset(); });
     add_each(scene_.loads, "load", &Scene::loads);
@@ -232,6 +242,8 @@ Scene named(Scene scene) {
   name_all(scene.loads, "load");
   name_all(scene.distributed_loads, "distributed");
   name_all(scene.point_masses, "point_mass");
+  name_all(scene.added_masses, "added_mass");
+  name_all(scene.drags, "drag");
   name_all(scene.springs, "spring");
   name_all(scene.bushings, "bushing");
   name_all(scene.joint_springs, "joint_spring");

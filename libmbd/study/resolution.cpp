@@ -93,6 +93,8 @@ void ResolutionMeter::set_up(const Model& model) {
     for (const PointMassScene& mass : scene_.point_masses) add(mass.at);
     for (const SpringScene& spring : scene_.springs) add(spring.a), add(spring.b);
     for (const BushingScene& bushing : scene_.bushings) add(bushing.a), add(bushing.b);
+    for (const DragScene& drag : scene_.drags) add(drag.at);
+    for (const AddedMassScene& mass : scene_.added_masses) add(mass.at);
     std::vector<bool> attached;
     for (int e = 1; e < one.elements; ++e) {
       const double s = along[static_cast<std::size_t>(e * one.order)] / along.back();

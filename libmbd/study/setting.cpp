@@ -279,6 +279,7 @@ std::string snippet(const Scene& scene, const Setting& setting) {
   say("newton_tolerance", is.newton_tolerance);
   say("rho_infinity", is.rho_infinity);
   if (is.balance == Balance::momentum) text += " balance=\"momentum\"";
+  if (is.inertia == InertiaTerms::no_gyroscopic) text += " inertia=\"no_gyroscopic\"";
   if (is.output_steps) text += " output=\"steps\"";
   say("output", is.output);
   return text + "/>\n";

@@ -271,6 +271,12 @@ Transformed moved(const Scene& scene, const RigidMotion& motion) {
     change_if(load.force, fields);
     change_if(load.moment, fields);
   }
+  for (DragScene& drag : s.drags) change_if(drag.flow, laws);
+  if (s.base_motion) {
+    change_if(s.base_motion->acceleration, laws);
+    change_if(s.base_motion->velocity, laws);
+    change_if(s.base_motion->displacement, laws);
+  }
   if (s.gravity) s.gravity->acceleration = direction(s.gravity->acceleration);
   return result;
 }
@@ -415,6 +421,27 @@ Transformed rescaled(const Scene& scene, const UnitChange& units) {
     change_if(torque.moment, law("N.m"));
     change_if(torque.force, law("N"));
   }
+  for (DragScene& drag : s.drags) {
+    drag.density *= units.factor("kg/m3");
+    change_if(drag.flow, law("m/s"));
+    change_if(drag.diameter, by("m"));
+    change_if(drag.area, by("m2"));
+    change_if(drag.offset, by("m"));
+  }
+  for (AddedMassScene& m : s.added_masses) {
+    change_if(m.density, by("kg/m3"));
+    change_if(m.diameter, by("m"));
+    if (!m.matrix) continue;
+    m.matrix->topLeftCorner<3, 3>() *= units.factor("kg");
+    m.matrix->topRightCorner<3, 3>() *= units.factor("kg.m");
+    m.matrix->bottomLeftCorner<3, 3>() *= units.factor("kg.m");
+    m.matrix->bottomRightCorner<3, 3>() *= units.factor("kg.m2");
+  }
+  if (s.base_motion) {
+    change_if(s.base_motion->acceleration, law("m/s2"));
+    change_if(s.base_motion->velocity, law("m/s"));
+    change_if(s.base_motion->displacement, law("m"));
+  }
   if (s.gravity) s.gravity->acceleration *= units.factor("m/s2");
   if (s.transient) {
     TransientScene& t = *s.transient;
@@ -450,6 +477,8 @@ Scene reordered(const Scene& scene, std::uint64_t seed) {
   random.shuffle(s.bushings);
   random.shuffle(s.joint_springs);
   random.shuffle(s.joint_torques);
+  random.shuffle(s.drags);
+  random.shuffle(s.added_masses);
   return s;
 }
 
@@ -529,6 +558,20 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
     change_if(torque.force, one);
   }
   if (s.gravity) each(s.gravity->acceleration);
+  for (DragScene& drag : s.drags) {
+    drag.density *= factor();
+    change_if(drag.flow, law);
+  }
+  for (AddedMassScene& m : s.added_masses) {
+    const double f = factor();
+    if (m.density) *m.density *= f;
+    if (m.matrix) *m.matrix *= f;
+  }
+  if (s.base_motion) {
+    change_if(s.base_motion->acceleration, law);
+    change_if(s.base_motion->velocity, law);
+    change_if(s.base_motion->displacement, law);
+  }
   return s;
 }
 

@@ -44,10 +44,10 @@ Scene without_inertial_marks(const Scene& scene);
 // The default tolerances are relative, so they need no change; those in physical units are carried.
 Transformed rescaled(const Scene& scene, const UnitChange& units);
 
-// Sections, parts, joints, drives, motions, loads and masses in a random order.
+// Sections, parts, joints, drives, motions, loads, masses and drags in a random order.
 Scene reordered(const Scene& scene, std::uint64_t seed);
 
-// Masses, inertias, stiffnesses, loads, gravity, places and initial velocities of bodies changed by up to `relative`
+// Masses, inertias, stiffnesses, loads, drag, gravity, places and initial velocities of bodies changed by up to `relative`
 // of themselves (places: of the distances between them), at random: what a motion makes of round-off.
 Scene perturbed(const Scene& scene, double relative, std::uint64_t seed);
 

@@ -333,6 +333,9 @@ void forget_sources(Scene& scene) {
   clear(scene.loads);
   clear(scene.distributed_loads);
   clear(scene.point_masses);
+  clear(scene.drags);
+  clear(scene.added_masses);
+  if (scene.base_motion) scene.base_motion->source = Source{};
   scene.source = Source{};
   if (scene.gravity) scene.gravity->source = Source{};
   if (scene.statics) scene.statics->source = Source{};
@@ -467,6 +470,28 @@ const std::vector<NotFinite>& not_finite() {
        [](Scene& s, double x) { s.point_masses[0].mass = x; }},
       {"pendulum", "point_mass \"bob\"", "offset",
        [](Scene& s, double x) { s.point_masses[0].offset(0) = x; }},
+      {"diver", "drag \"fin\"", "density", [](Scene& s, double x) { s.drags[1].density = x; }},
+      {"diver", "drag \"fin\"", "area", [](Scene& s, double x) { s.drags[1].area = x; }},
+      {"diver", "drag \"fin\"", "coefficient",
+       [](Scene& s, double x) { s.drags[1].coefficient = x; }},
+      {"diver", "drag \"fin\"", "offset",
+       [](Scene& s, double x) { s.drags[1].offset = Vec3(0, x, 0); }},
+      {"diver", "drag \"current\"", "diameter",
+       [](Scene& s, double x) { s.drags[0].diameter = x; }},
+      {"diver", "drag \"current\"", "from", [](Scene& s, double x) { s.drags[0].from = x; }},
+      {"diver", "drag \"current\"", "to", [](Scene& s, double x) { s.drags[0].to = x; }},
+      {"diver", "drag \"current\"", "normal_coefficient",
+       [](Scene& s, double x) { s.drags[0].normal_coefficient = x; }},
+      {"diver", "drag \"current\"", "tangential_coefficient",
+       [](Scene& s, double x) { s.drags[0].tangential_coefficient = x; }},
+      {"diver", "added_mass \"water\"", "density",
+       [](Scene& s, double x) { s.added_masses[0].density = x; }},
+      {"diver", "added_mass \"water\"", "diameter",
+       [](Scene& s, double x) { s.added_masses[0].diameter = x; }},
+      {"diver", "added_mass \"water\"", "coefficient",
+       [](Scene& s, double x) { s.added_masses[0].coefficient = x; }},
+      {"diver", "added_mass \"sole\"", "matrix",
+       [](Scene& s, double x) { (*s.added_masses[1].matrix)(2, 4) = x; }},
       {"pendulum", "gravity", "acceleration",
        [](Scene& s, double x) { s.gravity->acceleration(2) = x; }},
       {"pendulum", "transient", "duration", [](Scene& s, double x) { s.transient->duration = x; }},
@@ -539,6 +564,8 @@ TEST_F(BadModels, ScenesHoldMoreMistakes) {
       {"pendulum", "point_mass|load|body", "name", [](Scene& s) { s.bodies[0].name.clear(); }},
       {"cantilever", "plot", "column", [](Scene& s) { s.plots[0].y[0].clear(); }},
       {"cantilever", "plot", "y", [](Scene& s) { s.plots[0].y.clear(); }},
+      {"diver", "added_mass \"sole\"", "symmetric",
+       [](Scene& s) { (*s.added_masses[1].matrix)(2, 4) = 0.1; }},
       {"cantilever", "static", "steps", [](Scene& s) { s.statics->steps = -1; }},
       {"cantilever", "beam \"b\"", "order", [](Scene& s) { s.beams[0].order = -1; }},
       {"curve", "curve \"c\"", "degree",

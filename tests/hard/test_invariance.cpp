@@ -56,10 +56,13 @@ constexpr Case cases[] = {
     {"right_angle_frame", 0, false},
     {"roll_up", 0, false},
     {"shaft", 0, false},
+    {"shaken_oscillator", 2.0, false},  // of 5
     {"shallow_arch", 0, false},
     {"slider_crank", 0.04, false},  // of 0.25
+    {"submerged_beam", 0, false},
     {"swept_cantilever", 0, false},
-    {"windows", 0.3, false},  // of 10: before its first singular configuration (case 2)
+    {"terminal_velocity", 1.0, false},  // of 4
+    {"windows", 0.3, false},            // of 10: before its first singular configuration (case 2)
 };
 
 TrialOptions limits() {

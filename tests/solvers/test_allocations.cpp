@@ -148,6 +148,36 @@ INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,
                                          "internal_damping"),
                          [](const auto& model) { return std::string(model.param); });
 
+// What the models above do not have: drag along a beam and at a place, still and flowing, added mass, a moving base,
+// inertia without gyroscopic moments.
+TEST(Allocations, StepsInAFluid) {
+  Scene scene =
+      read_model(std::filesystem::path(MBD_SOURCE_DIR) / "tests/bad_models/good/diver.xml");
+  scene.gravity = Gravity{{}, Vec3(0, 0, -9.81)};
+  for (const InertiaTerms inertia : {InertiaTerms::full, InertiaTerms::no_gyroscopic}) {
+    scene.transient->inertia = inertia;
+    const Model model = compile(scene);
+    GeneralizedAlpha alpha(*model.system, make_klu_solver(), {.step = 1e-3, .newton = {}});
+    GeneralizedAlpha momenta(
+        *model.system, make_klu_solver(),
+        {.step = 1e-3, .rho_infinity = 0.9, .balance = Balance::momentum, .newton = {}});
+    Radau radau(*model.system, make_klu_solver(), make_klu_pencil_solver(), {.step = 1e-3});
+    for (Stepper* const stepper : std::initializer_list<Stepper*>{&alpha, &momenta, &radau}) {
+      if (stepper == &momenta && inertia != InertiaTerms::full) continue;
+      State state = model.initial;
+      ASSERT_TRUE(stepper->start(state).converged);
+      for (int k = 0; k < 20; ++k) ASSERT_TRUE(stepper->step(state).converged);
+      bool converged = true;
+      const Count c = count([&] {
+        for (int k = 0; k < 100; ++k) converged = converged && stepper->step(state).converged;
+      });
+      EXPECT_TRUE(converged);
+      EXPECT_EQ(c.news, 0);
+      EXPECT_EQ(c.mallocs, 0);
+    }
+  }
+}
+
 #else
 TEST(Allocations, AreCountedWithoutSanitizersOnly) {
   GTEST_SKIP() << "the sanitizer has its own allocator";
