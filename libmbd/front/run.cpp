@@ -20,6 +20,7 @@
 #include "solvers/klu_solver.hpp"
 #include "solvers/mechanism.hpp"
 #include "solvers/path.hpp"
+#include "solvers/redundancy.hpp"
 #include "solvers/stability.hpp"
 #include "solvers/statics.hpp"
 
@@ -53,20 +54,12 @@ Seconds& operator+=(Seconds& sum, const Seconds& more) {
   return sum;
 }
 
-// "revolute 'C', force 1" of a row of State::lambda.
-std::string constraint_name(const System& system, Index row) {
-  for (const ConstraintInfo& info : system.constraints())
-    if (row >= info.first_row && row < info.first_row + info.rows)
-      return info.name + ", " + info.row_names[static_cast<std::size_t>(row - info.first_row)];
-  return {};
-}
-
 // Constraint residuals of some states.
 void monitor_constraints(const System& system, const State& state, RunReport& report) {
   const ConstraintResiduals now = constraint_residuals(system, state);
   const auto keep_worst = [&](WorstConstraint& worst, double value, Index row) {
     if (row >= 0 && (worst.where.empty() || value > worst.value))
-      worst = {value, state.t, constraint_name(system, row)};
+      worst = {value, state.t, row_in_words(system, row)};
   };
   keep_worst(report.position, now.position, now.position_row);
   keep_worst(report.velocity, now.velocity, now.velocity_row);

@@ -254,7 +254,23 @@ class Study {
       }
       cheapest.left_out = std::move(tried);
     }
+    leave_idle();
     verify();
+  }
+
+  // What was left out first and is no effect without the others: shear flexibility where all beams have become rigid.
+  void leave_idle() {
+    std::vector<std::size_t>& left_out = result_.cheapest.left_out;
+    for (std::size_t i = 0; i < left_out.size();) {
+      std::vector<std::size_t> others = left_out;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+      const std::vector<Ablation> rest = ablations_of(without(scene_, keys_of(others)));
+      const std::string& key = result_.runs[left_out[i]].ablation.key;
+      if (std::any_of(rest.begin(), rest.end(), [&](const Ablation& a) { return a.key == key; }))
+        ++i;
+      else
+        left_out = std::move(others);
+    }
   }
 
   std::vector<Change> changes_of(const Trial& whole, const Trial& other) const {
