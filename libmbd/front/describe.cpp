@@ -313,6 +313,10 @@ class Explainer {
     return std::any_of(scene_.beams.begin(), scene_.beams.end(),
                        [&](const BeamScene& beam) { return beam.section == section.name; });
   }
+  bool is_within_rigid(const JointScene& joint) const {
+    const RigidScene* const a = rigid_with(scene_, joint.a.name);
+    return a != nullptr && a == rigid_with(scene_, joint.b.name);
+  }
   bool is_flexible(const BeamScene& beam) const { return rigid_with(scene_, beam.name) == nullptr; }
 
   static bool is_coupled(const Section& section) {
@@ -499,10 +503,15 @@ class Explainer {
   void joints() {
     if (scene_.joints.empty()) absent("joints", "none stated");
     for (const schema::JointKind& kind : schema::joint_kinds()) {
-      const Names names =
-          from(scene_.joints, [&kind](const JointScene& j) { return j.kind == kind.name; });
+      const Names names = from(scene_.joints, [&](const JointScene& j) {
+        return j.kind == kind.name && !is_within_rigid(j);
+      });
       if (!names.empty()) present(fmt::format("{} joints", kind.name), names);
     }
+    if (const Names idle =
+            from(scene_.joints, [this](const JointScene& j) { return is_within_rigid(j); });
+        !idle.empty())
+      absent("joints within what is rigid", "they hold what cannot move: " + joined(some(idle)));
     Names drives;
     for (const DriveScene& drive : scene_.drives)
       drives.push_back(at(label("drive", drive.joint), drive.source));

@@ -54,6 +54,7 @@ constexpr Case cases[] = {
     {"portal_frame", 0, false},
     {"princeton", 0, false},
     {"right_angle_frame", 0, false},
+    {"rigid_frame", 0, false},
     {"roll_up", 0, false},
     {"shaft", 0, false},
     {"shaken_oscillator", 2.0, false},  // of 5
