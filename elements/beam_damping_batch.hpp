@@ -27,8 +27,7 @@ class BeamDampingBatch : public Batch {
   virtual Vec6 resultants(const State& state, Index element, double xi) const = 0;
 };
 
-// Order 1 … 8; throws Error for others. Kernels of fixed or run-time size as make_beam_elastic.
-std::unique_ptr<BeamDampingBatch> make_beam_damping(Metric metric, Rule rule, int order,
-                                                    bool run_time_order = false);
+// Order 1 … 8; throws Error for others. One kernel of run-time size for all of them.
+std::unique_ptr<BeamDampingBatch> make_beam_damping(Metric metric, Rule rule, int order);
 
 }  // namespace mbd

@@ -1,5 +1,6 @@
 // Instantiation of the viscous term for one metric: included by one small .cpp each, as
-// beam_elastic_instances.hpp. There is no choice of form.
+// beam_elastic_instances.hpp. Neither a choice of form nor kernels of fixed size: those would save 1 to 15 % of the
+// residual and 5 to 30 % of the tangent (N = 2 … 4), and nearly treble the time to compile.
 #pragma once
 
 #include "elements/beam_damping.hpp"
@@ -48,8 +49,7 @@ class DampingBatch final : public ElementBatch<Damping<MetricType, N>, BeamDampi
 };
 
 template <class MetricType>
-std::unique_ptr<BeamDampingBatch> make_damping(const SpectralTable& table, bool run_time_order) {
-  (void)run_time_order;
+std::unique_ptr<BeamDampingBatch> make_damping(const SpectralTable& table) {
   return std::make_unique<DampingBatch<MetricType, 0>>(table);
 }
 

@@ -6,6 +6,7 @@
 #include "elements/element_batch.hpp"
 #include "elements/gravity.hpp"
 #include "elements/mass.hpp"
+#include "elements/mass_damping.hpp"
 #include "elements/point_load.hpp"
 
 namespace {
@@ -23,6 +24,15 @@ struct Case<Mass> {
   Mass::Data data;
   explicit Case(Rng& rng, double length) : data{test::random_spd(rng, 2.0, length)} {}
   void mutate() { data.M(2, 3) *= 1.1; }
+  Environment environment() const { return {}; }
+  void turn(const Pose<double>&) {}
+};
+template <>
+struct Case<MassDamping> {
+  MassDamping::Shared shared;
+  MassDamping::Data data;
+  explicit Case(Rng& rng, double length) : data{test::random_spd(rng, 2.0, length)} {}
+  void mutate() { data.P(2, 3) *= 1.1; }
   Environment environment() const { return {}; }
   void turn(const Pose<double>&) {}
 };
@@ -135,7 +145,8 @@ struct ElementLaws : testing::Test {
     return e;
   }
 };
-using Types = testing::Types<Mass, NodalGravity, PointLoad, FollowerLoad, DeadForceArm>;
+using Types =
+    testing::Types<Mass, MassDamping, NodalGravity, PointLoad, FollowerLoad, DeadForceArm>;
 TYPED_TEST_SUITE(ElementLaws, Types);
 
 // With respect to poses; and to V and Vdot by their weights. A tangent that an element says it has not is zero.
@@ -222,6 +233,32 @@ TEST(Inertia, PowerBalance) {
     EXPECT_NEAR(Mass::energies({}, s.one.data, &x, {}).kinetic / size,
                 0.5 * x.V.dot(M * x.V) / size, 1e-14);
   });
+}
+
+// r.V is -power, never negative; and the drag is alpha times the momentum where P is alpha M.
+TEST(MassDampingLaw, Power) {
+  Worst worst("error", 16 * eps), drag("drag", 4 * eps);
+  double mutated = INFINITY;
+  ElementLaws<MassDamping>::sample([&](Rng&, const auto& s) {
+    const NodeState<double>& x = s.x[0];
+    const Vec6 r = ElementLaws<MassDamping>::evaluate<Want::residual>(s.one, s.x).r;
+    const auto power = [&x](const auto& c) {
+      return MassDamping::damping_power({}, c.data, &x, c.environment());
+    };
+    EXPECT_LT(power(s.one), 0.0);
+    const double size = x.V.cwiseAbs().dot(s.one.data.P.cwiseAbs() * x.V.cwiseAbs());
+    worst.add(std::abs(r.dot(x.V) + power(s.one)) / size);
+    auto mutant = s.one;
+    mutant.data.P *= 1.1;
+    mutated = std::min(mutated, std::abs(r.dot(x.V) + power(mutant)) / size);
+    auto of_mass = s.one;
+    of_mass.data.P = 0.3 * s.one.data.P;
+    const Vec6 p = Mass::momentum({}, {s.one.data.P}, &x);
+    const Vec6 f = ElementLaws<MassDamping>::evaluate<Want::residual>(of_mass, s.x).r;
+    drag.add(force_size(f - 0.3 * p, s.length) /
+             force_size(s.one.data.P.cwiseAbs() * x.V.cwiseAbs(), s.length));
+  });
+  EXPECT_GT(mutated, 1e-6);
 }
 
 // Against a cloud of particles.

@@ -1,6 +1,7 @@
 // Cost of the parts: `mbd_benchmark` (Google Benchmark; --benchmark_filter=… to choose).
 //   Elastic/<metric>/<form>/<N>/<want>   a batch of 8 elements; `per_element` is the time of one
 //   Classical/<N>/<want>                 the same of the classical beam
+//   Damping/<metric>/<N>/<want>          the same of the viscous term
 //   Linear/<model>/factor|solve          one factorisation (refactor) or solve of the scaled tangent
 //   Run/<model>                          stepping of a whole model, CPU seconds
 //   Ladder/<rung>                        a chain with one effect more on each rung (ladder.cpp)
@@ -12,6 +13,7 @@
 #include <functional>
 #include <random>
 
+#include "elements/beam_damping_batch.hpp"
 #include "elements/beam_elastic_batch.hpp"
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/reader.hpp"
@@ -27,11 +29,15 @@ namespace {
 using namespace mbd;
 
 using MakeBatch = std::function<std::unique_ptr<BeamElasticBatch>()>;
+using MakeDamping = std::function<std::unique_ptr<BeamDampingBatch>()>;
 
-void elastic(benchmark::State& bench, const MakeBatch& make, bool tangent) {
+int add_section(BeamElasticBatch& batch, const Mat6& D) { return batch.add_stiffness(D); }
+int add_section(BeamDampingBatch& batch, const Mat6& C) { return batch.add_viscosity(C); }
+
+template <class Make>
+void beams(benchmark::State& bench, const Make& make, int order, bool tangent) {
   constexpr int elements = 8;
   auto batch = make();
-  const int order = batch->table().order;
   System system;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -39,8 +45,8 @@ void elastic(benchmark::State& bench, const MakeBatch& make, bool tangent) {
   D.diagonal() << 1e7, 2.5e6, 2.5e6, 246.0, 309.0, 309.0;
   D(0, 3) = D(3, 0) = -8676.0;
   D(1, 4) = D(4, 1) = D(2, 5) = D(5, 2) = 5013.0;
-  const int stiffness = batch->add_stiffness(D);
-  const auto& table = batch->table();
+  const int stiffness = add_section(*batch, D);
+  const SpectralTable table = spectral_table(order, Rule::gauss);
   int last = 0;
   for (int e = 0; e < elements; ++e) {
     std::vector<int> nodes;
@@ -56,19 +62,21 @@ void elastic(benchmark::State& bench, const MakeBatch& make, bool tangent) {
                        stiffness, 0, "element");
   }
   system.add_batch(std::move(batch));
-  system.finish(false, 1.0);
+  const bool rates = std::is_same_v<Make, MakeDamping>;
+  system.finish(rates, 1.0);
   State state = system.reference_state();
   for (std::size_t n = 1; n < state.pose.size(); ++n) {
     Vec6 u;
     for (Index i = 0; i < 6; ++i) u(i) = 1e-3 * uniform(random);
     state.pose[n] = state.pose[n] * exp_se3(u);
+    if (rates) state.V[n] = 1e3 * u;
   }
   Sink sink;
   sink.analyze(system.graph());
   VecX r;
   for (auto _ : bench) {
     if (tangent)
-      system.linearize(state, {}, r, sink);
+      system.linearize(state, {.U = 1.0, .V = rates ? 1.0 : 0.0}, r, sink);
     else
       system.residual(state, r);
     benchmark::DoNotOptimize(r.data());
@@ -149,10 +157,10 @@ void register_all() {
           benchmark::RegisterBenchmark(fmt::format("Elastic/{}/{}/{}/{}", metric_name, form_name,
                                                    order, tangent ? "residual+tangent" : "residual")
                                            .c_str(),
-                                       elastic, MakeBatch([metric, form, order] {
+                                       beams<MakeBatch>, MakeBatch([metric, form, order] {
                                          return make_beam_elastic(metric, form, Rule::gauss, order);
                                        }),
-                                       tangent);
+                                       order, tangent);
         }
       }
     }
@@ -161,7 +169,21 @@ void register_all() {
     for (const bool tangent : {false, true}) {
       benchmark::RegisterBenchmark(
           fmt::format("Classical/{}/{}", order, tangent ? "residual+tangent" : "residual").c_str(),
-          elastic, MakeBatch([order] { return make_beam_classical(Rule::gauss, order); }), tangent);
+          beams<MakeBatch>, MakeBatch([order] { return make_beam_classical(Rule::gauss, order); }),
+          order, tangent);
+    }
+  }
+  for (const auto& [metric, metric_name] : metrics) {
+    for (int order = 2; order <= 6; ++order) {
+      for (const bool tangent : {false, true}) {
+        benchmark::RegisterBenchmark(fmt::format("Damping/{}/{}/{}", metric_name, order,
+                                                 tangent ? "residual+tangent" : "residual")
+                                         .c_str(),
+                                     beams<MakeDamping>, MakeDamping([metric, order] {
+                                       return make_beam_damping(metric, Rule::gauss, order);
+                                     }),
+                                     order, tangent);
+      }
     }
   }
   for (const char* model : {"four_bar", "shaft", "chain"}) {
