@@ -925,7 +925,7 @@ class Compiler {
   std::map<const RigidScene*, int> rigid_nodes_;
   std::vector<std::string> attaching_;  // each to the next
   std::optional<JointCompiler> joints_;
-  std::vector<Mat6> masses_{Mat6::Zero()};  // by node
+  std::vector<Mat6> masses_{Mat6::Zero()};  // by node, without added mass
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
   bool any_ = false;
   double length_ = 1.0;

@@ -665,7 +665,9 @@ constexpr Quantity of_system[] = {
     {"total_energy", "J", 1, "kinetic, strain and potential", Of::whole_system},
     {"work_of_loads", "J", 1, "since the start, gravity excepted", Of::whole_system},
     {"work_of_drives", "J", 1, "of drives and motions since the start", Of::whole_system},
-    {"work_of_damping", "J", 1, "of damping, dampers and drag since the start: negative, or 0",
+    {"work_of_damping", "J", 1,
+     "of damping, dampers and drag since the start: negative, or 0; of drag in a flow, of either "
+     "sign",
      Of::whole_system},
 };
 

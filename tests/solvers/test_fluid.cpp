@@ -157,6 +157,32 @@ TEST(Drag, ForceOfAFlowOnAnObliquePipe) {
   EXPECT_GT(std::abs(0.1 * (N * s - Q * c)), 1e-3 * Q);
 }
 
+// In statics the force of a flow is a load: Newton's iterations, KINSOL's and a path of equilibria end at one shape.
+TEST(Drag, FlowIsALoadOfStaticsAndPaths) {
+  const std::string pipe = R"(
+      <section name="s"><stiffness EA="1e5" GA2="4e4" GA3="4e4" GJ="30" EI2="40" EI3="40"/></section>
+      <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2"/>
+      <fixed name="foot" between="ground b.start"/>
+      <drag beam="b" density="1000" diameter="0.03" normal_coefficient="1.1"
+            tangential_coefficient="0.02" flow="1 0 3"/>
+      <drag at="b.end" density="1000" area="3e-3" coefficient="1.2" offset="0 0.1 0" flow="1 0 3"/>
+      <record name="tip" at="b.end" quantities="displacement rotation"/>)";
+  const auto end = [&](const std::string& analysis) {
+    const History h = run_to_table(scene_of(pipe + analysis));
+    EXPECT_TRUE(h.report.complete()) << h.report.failure;
+    Vec3 u;
+    for (Index i = 0; i < 3; ++i)
+      u(i) = h.table["tip.displacement." + std::to_string(i + 1)].back();
+    return u;
+  };
+  const Vec3 want = end("<static/>");
+  EXPECT_GT(want.norm(), 0.3);
+  EXPECT_LT((end("<static solver=\"kinsol\"/>") - want).norm(), 1e-10);
+  const std::string to_the_end = "<path><stop quantity=\"load_factor\" value=\"1\"/></path>";
+  EXPECT_LT((end(to_the_end) - want).norm(), 1e-9);
+  EXPECT_FALSE(has_potential(scene_of(pipe + to_the_end)));
+}
+
 // A fluid at rest drags nothing in statics: no term, and no rates.
 TEST(Drag, IsAbsentFromStaticsWithoutFlow) {
   const Scene scene = scene_of(std::string(oblique_pipe) +
