@@ -177,9 +177,9 @@ class Compiler {
     if (beam.kinematics == Kinematics::classical)
       throw Error(beam.source,
                   fmt::format("{}: kinematics=\"classical\" has no viscous forces, which the "
-                              "damping of {} (line {}) asks for; leave kinematics out, or give "
-                              "that damping mass_proportional only",
-                              label(beam), label(section), damping.source.line));
+                              "damping of {} asks for; leave kinematics out, or give that damping "
+                              "mass_proportional only",
+                              label(beam), label(section)));
     auto& batch = damping_[std::tuple(beam.metric, beam.rule, beam.order)];
     if (!batch) batch = make_beam_damping(beam.metric, beam.rule, beam.order);
     return batch.get();

@@ -537,6 +537,7 @@ expected.
   <section name="strip">
     <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
     <mass per_length="0.5" inertia="2e-4 1e-4 1e-4"/>
+    <damping stiffness_proportional="1e-4"/>
   </section>
   <beam name="b" section="strip" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
   <fixed name="clamp" between="ground b.start"/>

@@ -359,13 +359,13 @@ const std::vector<BadModel>& bad_models() {
        [](Scene& s) { Mat6& C = s.sections[0].damping.emplace().viscous;
          C(0, 0) = C(1, 1) = 1.0; C(0, 1) = C(1, 0) = 2.0; }},
       {"damping_twice", "cantilever", {7}, "damping", {"one|twice|already"}, one_of_it},
-      {"damping_of_a_classical_beam", "cantilever", {9, 10}, R"(beam "b")",
+      {"damping_of_a_classical_beam", "cantilever", {8, 9}, R"(beam "b")",
         {"classical", "damping", R"(section "strip")", "mass_proportional", "leave"},
        [](Scene& s) {
          s.beams[0].kinematics = Kinematics::classical;
          s.sections[0].mass = Mat6::Identity();
          s.sections[0].damping = SectionDamping{{}, 1e-3, 0.0, Mat6::Zero()};
-         s.transient = TransientScene{.duration = 1.0, .step = 0.1}; }},
+         s.transient = TransientScene{.duration = 1.0, .step = 0.1}; }, {}, 10},
       {"mass_negative", "blade", {4, 6}, R"(section "taper"|mass)", {"per_length", "positive"},
        [](Scene& s) { s.sections[0].stations[0].mass->topLeftCorner<3, 3>() *= -1.0; }},
       {"mass_not_positive_definite", "blade", {3, 4, 6},
