@@ -35,9 +35,11 @@ struct Case {
 constexpr Case cases[] = {
     {"arch", 0, true},
     {"bend45", 0, false},
+    {"bushing", 0, false},
     {"cart_pole", 2.0, false},  // of 10
     {"chain", 0, false},
     {"composite", 0, false},
+    {"damped_oscillator", 0.25, false},  // of 1
     {"double_pendulum", 0, false},
     {"double_pendulum_beams", 1.0, false},  // of 2
     {"dzhanibekov", 5.0, false},            // of 10
@@ -57,7 +59,8 @@ constexpr Case cases[] = {
     {"shallow_arch", 0, false},
     {"slider_crank", 0.04, false},  // of 0.25
     {"swept_cantilever", 0, false},
-    {"windows", 0.3, false},  // of 10: before its first singular configuration (case 2)
+    {"torsion_pendulum", 1.0, false},  // of 5
+    {"windows", 0.3, false},           // of 10: before its first singular configuration (case 2)
 };
 
 TrialOptions limits() {

@@ -144,7 +144,8 @@ TEST_P(AllocationFree, StepsThatAreSampled) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,
-                         testing::Values("four_bar", "shaft", "heavy_top", "free_beam"),
+                         testing::Values("four_bar", "shaft", "heavy_top", "free_beam",
+                                         "damped_oscillator"),
                          [](const auto& model) { return std::string(model.param); });
 
 #else
