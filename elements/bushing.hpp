@@ -85,6 +85,15 @@ struct Bushing {
     return {.strain = E};
   }
 
+  // f of (2) [N, N.m]: the bushing exerts -f on b.
+  static Vec6 wrench(const Shared& shared, const Data& data, const NodeState<double>* x) {
+    const two_frames::Frames<double> frames(data.ends, x);
+    Vec6 slope, W, f;
+    Output<double> out;
+    residual(shared, data, frames, bushing::Pair::Pair<double>(frames.g), slope, W, f, out);
+    return f;
+  }
+
  private:
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>

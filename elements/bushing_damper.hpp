@@ -62,6 +62,15 @@ struct BushingDamper {
     return -qdot.dot(data.C * qdot);
   }
 
+  // f of (2) [N, N.m]: the damper exerts -f on b.
+  static Vec6 wrench(const Shared&, const Data& data, const NodeState<double>* x) {
+    const two_frames::Frames<double> frames(data.ends, x);
+    Vec6 z, W, f;
+    Output<double> out;
+    residual(data, frames, bushing::Pair::Pair<double>(frames.g), x, z, W, f, out);
+    return f;
+  }
+
  private:
   // G of (4).
   template <class S>

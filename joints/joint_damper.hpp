@@ -63,6 +63,13 @@ struct JointDamper {
     return -data.force(shared.laws, rate).f * rate;
   }
 
+  // tau of (1) [N.m, N]: the damper exerts -tau on b.
+  static double effort(const Shared& shared, const Data& data, const NodeState<double>* x,
+                       double /*near*/) {
+    const two_frames::Frames<double> frames(data.axis.ends, x);
+    return data.force(shared.laws, Coordinate::gradient(frames.g).dot(frames.twist(x))).f;
+  }
+
  private:
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>

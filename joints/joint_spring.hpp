@@ -60,6 +60,13 @@ struct JointSpring {
     return {.strain = data.force.energy(shared.laws, y)};
   }
 
+  // tau of (2) [N.m, N]: the spring exerts -tau on b.
+  static double effort(const Shared& shared, const Data& data, const NodeState<double>* x,
+                       double near) {
+    const two_frames::Frames<double> frames(data.axis.ends, x);
+    return data.force(shared.laws, Coordinate::value(frames.g, near) - data.rest).f;
+  }
+
  private:
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>

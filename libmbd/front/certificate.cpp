@@ -30,9 +30,12 @@ bool acts_from_outside(const Scene& scene) {
   if (scene.gravity || !scene.loads.empty() || !scene.distributed_loads.empty() ||
       !scene.motions.empty() || !scene.drags.empty() || scene.base_motion)
     return true;
-  return std::any_of(scene.joints.begin(), scene.joints.end(), [](const JointScene& j) {
+  const auto is_grounded = [](const auto& j) {
     return j.a.kind == Place::Kind::ground || j.b.kind == Place::Kind::ground;
-  });
+  };
+  return std::any_of(scene.joints.begin(), scene.joints.end(), is_grounded) ||
+         std::any_of(scene.springs.begin(), scene.springs.end(), is_grounded) ||
+         std::any_of(scene.bushings.begin(), scene.bushings.end(), is_grounded);
 }
 
 }  // namespace

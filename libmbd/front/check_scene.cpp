@@ -596,13 +596,17 @@ void check(const RecordScene& record) {
   item.fail_if(record.at && record.joint,
                "give one of the attributes \"at\" and \"joint\", not both (neither: the whole "
                "system)");
+  item.fail_if(record.spring && (record.at || record.joint),
+               "spring is what is recorded in place of " + std::string(record.at ? "at" : "joint") +
+                   "; leave one of them out");
   item.fail_if(record.quantities.empty(), "quantities are missing; give one at least");
   for (auto it = record.quantities.begin(); it != record.quantities.end(); ++it)
     item.fail_if(std::find(record.quantities.begin(), it, *it) != it,
                  "quantities hold " + in_quotes(excerpt(*it)) + " twice; leave one out");
-  const auto known = record.at      ? schema::place_quantities()
-                     : record.joint ? schema::joint_quantities()
-                                    : schema::system_quantities();
+  const auto known = record.at       ? schema::place_quantities()
+                     : record.joint  ? schema::joint_quantities()
+                     : record.spring ? schema::spring_quantities()
+                                     : schema::system_quantities();
   for (const std::string& quantity : record.quantities) {
     const schema::Quantity* const found = schema::find_quantity(known, quantity);
     const std::string_view usual = schema::usual_word(quantity);
@@ -610,9 +614,10 @@ void check(const RecordScene& record) {
                  "quantities: unknown quantity " + in_quotes(quantity) + "; " + std::string(usual));
     item.fail_if(!found, "quantities: unknown quantity " + in_quotes(excerpt(quantity)) +
                              suggest(quantity, schema::names(known),
-                                     record.at      ? "quantities of a place"
-                                     : record.joint ? "quantities of a joint"
-                                                    : "quantities of the whole system"));
+                                     record.at       ? "quantities of a place"
+                                     : record.joint  ? "quantities of a joint"
+                                     : record.spring ? "quantities of a spring"
+                                                     : "quantities of the whole system"));
     item.fail_if(
         found->of == schema::Quantity::Of::beam_place && record.at->kind != Place::Kind::beam,
         "quantities: " + in_quotes(quantity) +

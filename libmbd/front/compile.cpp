@@ -717,15 +717,15 @@ class Compiler {
   }
 
   void add_springs() {
-    Springs springs(*system_, length_, scene_.transient.has_value(), *joints_,
-                    [this](const Place& place, const Source& source, std::string_view who) {
-                      return find(place, source, who);
-                    });
-    for (const SpringScene& spring : scene_.springs) springs.add(spring);
-    for (const BushingScene& bushing : scene_.bushings) springs.add(bushing);
-    for (const JointSpringScene& spring : scene_.joint_springs) springs.add(spring);
-    for (const JointTorqueScene& torque : scene_.joint_torques) springs.add(torque);
-    springs.finish();
+    springs_.emplace(*system_, length_, scene_.transient.has_value(), *joints_,
+                     [this](const Place& place, const Source& source, std::string_view who) {
+                       return find(place, source, who);
+                     });
+    for (const SpringScene& spring : scene_.springs) springs_->add(spring);
+    for (const BushingScene& bushing : scene_.bushings) springs_->add(bushing);
+    for (const JointSpringScene& spring : scene_.joint_springs) springs_->add(spring);
+    for (const JointTorqueScene& torque : scene_.joint_torques) springs_->add(torque);
+    springs_->finish();
   }
 
   // --- checks ---
@@ -800,14 +800,16 @@ class Compiler {
   void add_channels(Model& model) const {
     for (const RecordScene& record : scene_.records) {
       for (const std::string& name : record.quantities) {
-        const auto known = record.joint ? schema::joint_quantities()
-                           : record.at  ? schema::place_quantities()
-                                        : schema::system_quantities();
+        const auto known = record.joint    ? schema::joint_quantities()
+                           : record.at     ? schema::place_quantities()
+                           : record.spring ? schema::spring_quantities()
+                                           : schema::system_quantities();
         const schema::Quantity* const q = schema::find_quantity(known, name);  // checked
         model.channels.push_back(channel(record, *q,
-                                         record.joint ? joints_->sample(record, name)
-                                         : record.at  ? place_sample(record, name)
-                                                      : system_sample(name)));
+                                         record.joint    ? joints_->sample(record, name)
+                                         : record.at     ? place_sample(record, name)
+                                         : record.spring ? springs_->sample(record, *q)
+                                                         : system_sample(name)));
       }
     }
   }
@@ -925,6 +927,7 @@ class Compiler {
   std::map<const RigidScene*, int> rigid_nodes_;
   std::vector<std::string> attaching_;  // each to the next
   std::optional<JointCompiler> joints_;
+  std::optional<Springs> springs_;
   std::vector<Mat6> masses_{Mat6::Zero()};  // by node, without added mass
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
   bool any_ = false;

@@ -249,6 +249,7 @@ struct QuantitiesOf {
 std::vector<QuantitiesOf> all_quantities() {
   return {{"Of a place", schema::place_quantities()},
           {"Of a joint or a motion", schema::joint_quantities()},
+          {"Of a spring", schema::spring_quantities()},
           {"Of the whole system", schema::system_quantities()}};
 }
 

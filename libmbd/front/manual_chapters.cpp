@@ -430,6 +430,39 @@ acceleration at t = 0, multiplied by the load factor.
           source="equilibrium of a pier that stands upright"/>
 </mbd>
 )xml"},
+    {"Springs and dampers", "spring bushing joint_spring joint_torque table law matrix",
+     R"md(A `<spring>` acts along the line between two points, a `<bushing>` in all six directions between two
+frames, a `<joint_spring>` on the free coordinate of a joint; each may damp as well, and what is
+stated adds up. A `<joint_torque>` is a motor that does not prescribe how fast.
+
+Besides constant coefficients there are laws: expressions of the displacement `x` or of its rate `v`
+(`force="1e4*x + 1e7*x^3"`, `damping_force="50*v*abs(v)"`), or tables, linear between their points or
+smooth, and linear beyond the first and the last. A law is continuous; its conditions and kinks
+compare terms `a*x + b`, as those of time do.
+
+The motion of a bushing is six numbers: for small motions the displacement and the rotation of b from
+a along and about its axes; for large ones those of the screw motion that takes a to b, so that
+neither side is preferred. It reaches to 0.9 of half a turn; what turns further has a joint.
+)md",
+     R"xml(<mbd name="gate">
+  <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+  <bushing name="mount" between="ground leaf" stiffness="2e6 2e6 2e6" damping="2e3 2e3 2e3"
+           angular_stiffness="4e4 4e4 0" angular_damping="40 40 0"/>
+  <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+          stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+  <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+  <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+  <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                rest_angle="10 deg">
+    <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+  </joint_spring>
+  <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+  <transient duration="0.2" step="2e-3"/>
+  <record name="closer" spring="closer" quantities="tension length length_rate"/>
+  <record name="mount" spring="mount" quantities="force moment"/>
+  <record name="return" spring="return" quantities="joint_moment"/>
+</mbd>
+)xml"},
     {"Analyses", "static transient",
      R"md(`<static>` alone is the equilibrium under the loads of t = 0; `<transient>` alone starts from the
 reference configuration with the velocities given; both, from the equilibrium. A transient needs

@@ -788,6 +788,7 @@ class Reader {
     record.name = item.name();
     if (item.has("at")) record.at = item.place("at");
     if (item.has("joint")) record.joint = item.text("joint");
+    if (item.has("spring")) record.spring = item.text("spring");
     record.quantities = item.names("quantities");
     scene_.records.push_back(std::move(record));
   }

@@ -371,14 +371,15 @@ struct TransientScene {
   InertiaTerms inertia = InertiaTerms::full;
 };
 
-// One line of output: quantities of a place, of a joint or motion, or (with neither) of the whole system,
-// whenever a row of results is written.
+// One line of output: quantities of a place, of a joint or motion, of a spring, or (with none) of the whole
+// system, whenever a row of results is written.
 struct RecordScene {
   Source source;
   std::string name;
   std::optional<Place> at;
   std::optional<std::string> joint;
   std::vector<std::string> quantities;
+  std::optional<std::string> spring = {};  // name of a spring, a bushing or a joint spring
 };
 
 // A panel of history.svg: column names of history.csv; x is the first of them unless told.

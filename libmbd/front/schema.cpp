@@ -584,8 +584,9 @@ constexpr Attribute transient_attributes[] = {
 
 constexpr Attribute record_attributes[] = {
     {"name", Kind::name, "", required, "first part of its columns in history.csv"},
-    {"at", Kind::place, "", optional, "a place; without place and joint: the whole system"},
-    {"joint", Kind::text, "", optional, "name of a joint or a motion (one of at, joint)"},
+    {"at", Kind::place, "", optional, "a place; without place, joint and spring: the whole system"},
+    {"joint", Kind::text, "", optional, "name of a joint or a motion (one of at, joint, spring)"},
+    {"spring", Kind::text, "", optional, "name of a spring, a bushing or a joint_spring"},
     {"quantities", Kind::names, "", required, "what to write, separated by blanks"},
 };
 
@@ -654,13 +655,25 @@ constexpr Quantity of_joints[] = {
      "the same, about the joint's point of b, joint axes that move with b", Of::any_joint},
 };
 
+constexpr Quantity of_springs[] = {
+    {"tension", "N", 1, "of a spring with its damper, positive where it pulls", Of::spring},
+    {"length", "m", 1, "of a spring: the distance of its points", Of::spring},
+    {"length_rate", "m/s", 1, "of a spring: the rate of the length", Of::spring},
+    {"force", "N", 3, "of a bushing with its damping on b, axes of its frame on b", Of::bushing},
+    {"moment", "N.m", 3, "the same, about the bushing's point of b", Of::bushing},
+    {"joint_moment", "N.m", 1, "of a joint spring with its damper on b about the axis",
+     Of::joint_spring},
+    {"joint_force", "N", 1, "of a joint spring with its damper on b along the axis",
+     Of::joint_spring},
+};
+
 constexpr Quantity of_system[] = {
     {"linear_momentum", "N.s", 3, "of everything, added mass included, inertial axes",
      Of::whole_system},
     {"angular_momentum", "N.m.s", 3, "the same about the inertial origin, inertial axes",
      Of::whole_system},
     {"kinetic_energy", "J", 1, "of everything, added mass included", Of::whole_system},
-    {"strain_energy", "J", 1, "of all beams", Of::whole_system},
+    {"strain_energy", "J", 1, "of all beams, springs and bushings", Of::whole_system},
     {"potential_energy", "J", 1, "of gravity, zero at the inertial origin", Of::whole_system},
     {"total_energy", "J", 1, "kinetic, strain and potential", Of::whole_system},
     {"work_of_loads", "J", 1, "since the start, gravity excepted", Of::whole_system},
@@ -843,6 +856,7 @@ std::span<const Element> elements() { return table(); }
 std::span<const JointKind> joint_kinds() { return joints(); }
 std::span<const Quantity> place_quantities() { return of_places; }
 std::span<const Quantity> joint_quantities() { return of_joints; }
+std::span<const Quantity> spring_quantities() { return of_springs; }
 std::span<const Quantity> system_quantities() { return of_system; }
 
 const Element* find_element(std::string_view name) { return find(table(), name); }
@@ -941,7 +955,9 @@ std::string_view usual_word(std::string_view word) {
       {"moment", "write <load at=… moment=\"…\"/>"},
       {"material", "write <section> with <stiffness EA=… …/> and <mass per_length=… …/>"},
       {"deflection", "write displacement"},
-      {"torque", "write moment (of a beam) or reaction_moment (of a joint)"},
+      {"torque",
+       "write moment (of a beam) or reaction_moment (of a joint); what turns a joint is "
+       "<joint_torque …/>"},
       {"reaction", "write reaction_force and reaction_moment"},
       {"stress", "this version has resultants, force and moment; stress follows from the section"},
       {"strain", "this version has resultants, force and moment; strain follows from the section"},

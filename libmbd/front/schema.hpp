@@ -88,6 +88,9 @@ struct Quantity {
     any_joint,
     joint_with_angle,
     joint_with_displacement,
+    spring,  // <spring>
+    bushing,
+    joint_spring,
     whole_system
   } of = Of::any_place;
 };
@@ -96,6 +99,7 @@ std::span<const Element> elements();
 std::span<const JointKind> joint_kinds();
 std::span<const Quantity> place_quantities();
 std::span<const Quantity> joint_quantities();
+std::span<const Quantity> spring_quantities();
 std::span<const Quantity> system_quantities();
 
 const Element* find_element(std::string_view name);  // nullptr when there is none; so below

@@ -2,14 +2,30 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/laws.hpp"
 #include "libmbd/front/reference_line.hpp"
+#include "libmbd/front/spelling.hpp"
 
 namespace mbd {
+
+namespace {
+
+// f(shared, data, states of the nodes) of the element added last.
+template <class E, class F>
+auto reader_of(const ElementBatch<E>& batch, const F& f) {
+  return [all = &batch, e = batch.size() - 1, f](const State& state) {
+    typename ElementBatch<E>::NodeStates x;
+    all->gather(state, static_cast<std::size_t>(e), x);
+    return f(all->shared(), all->data(e), x.data());
+  };
+}
+
+}  // namespace
 
 template <class E>
 ElementBatch<E>& Springs::batch(std::unique_ptr<ElementBatch<E>>& made) {
@@ -63,16 +79,30 @@ void Springs::add(const SpringScene& spring) {
   const two_points::Ends points{inverse(system_.reference_pose(P.node)) * a,
                                 inverse(system_.reference_pose(Q.node)) * b, distance};
   const std::string name = fmt::format("spring '{}'", spring.name);
+  Reading& reading = readings_[spring.name];
+  reading.what = who;
+  reading.length = [P = P.node, Q = Q.node, points,
+                    rates = rates_](const State& state) -> std::array<double, 2> {
+    std::array<NodeState<double>, 2> x;
+    for (const auto& [node, at] : {std::pair{P, &x[0]}, {Q, &x[1]}}) {
+      const auto n = static_cast<std::size_t>(node);
+      *at = {state.pose[n], rates ? state.V[n] : Vec6(Vec6::Zero()), Vec6::Zero()};
+    }
+    const two_points::Line<double> line(points, x.data());
+    return {line.l, line.rate(x.data())};
+  };
   if (spring.stiffness > 0.0 || spring.force) {
     ElementBatch<Spring>& all = batch(springs_);
     all.add({points, spring.length.value_or(distance),
              characteristic(spring.stiffness, spring.force, all.shared().laws)},
             ends_of, name);
+    reading.efforts.push_back(reader_of(all, Spring::tension));
   }
   if (rates_ && (spring.damping > 0.0 || spring.damping_force)) {
     ElementBatch<Damper>& all = batch(dampers_);
     all.add({points, characteristic(spring.damping, spring.damping_force, all.shared().laws)},
             ends_of, name);
+    reading.efforts.push_back(reader_of(all, Damper::tension));
   }
 }
 
@@ -90,6 +120,9 @@ void Springs::add(const BushingScene& bushing) {
   const two_frames::Ends frames{relative(system_.reference_pose(P.node), H),
                                 relative(system_.reference_pose(Q.node), H)};
   const std::string name = fmt::format("bushing '{}'", bushing.name);
+  Reading& reading = readings_[bushing.name];
+  reading.what = who;
+  reading.of = schema::Quantity::Of::bushing;
   if (!bushing.stiffness.isZero(0.0) || !bushing.laws.empty()) {
     ElementBatch<Bushing>& all = batch(bushings_);
     Bushing::Data data{.ends = frames, .K = bushing.stiffness};
@@ -99,9 +132,13 @@ void Springs::add(const BushingScene& bushing) {
       all.shared().laws.push_back(make_law(law.force));
     }
     all.add(data, ends_of, name);
+    reading.wrenches.push_back(reader_of(all, Bushing::wrench));
   }
-  if (rates_ && !bushing.damping.isZero(0.0))
-    batch(bushing_dampers_).add({frames, bushing.damping}, ends_of, name);
+  if (rates_ && !bushing.damping.isZero(0.0)) {
+    ElementBatch<BushingDamper>& all = batch(bushing_dampers_);
+    all.add({frames, bushing.damping}, ends_of, name);
+    reading.wrenches.push_back(reader_of(all, BushingDamper::wrench));
+  }
 }
 
 template <>
@@ -118,15 +155,30 @@ void Springs::add_along(const JointSpringScene& spring, const joint::Definition&
   const joint::Axis axis{{d.a, d.b}, d.angle};
   const std::array nodes{d.P, d.Q};
   const std::string name = fmt::format("joint spring '{}'", spring.name);
+  Reading& reading = readings_[spring.name];
+  reading.what = label(spring);
+  reading.of = schema::Quantity::Of::joint_spring;
+  reading.turns = std::is_same_v<Coordinate, joint::Turning>;
+  // At the angle that the joint has now.
+  const auto read = [&reading, axis]<class E>(const ElementBatch<E>& all, auto effort) {
+    reading.efforts.push_back([batch = &all, e = all.size() - 1, axis, effort](const State& state) {
+      typename ElementBatch<E>::NodeStates x;
+      batch->gather(state, static_cast<std::size_t>(e), x);
+      const double near = axis.angle < 0 ? 0.0 : state.angles[static_cast<std::size_t>(axis.angle)];
+      return -effort(batch->shared(), batch->data(e), x.data(), near);
+    });
+  };
   if (spring.stiffness > 0.0 || spring.force) {
     auto& all = batch(along<Coordinate>().springs);
     all.add({axis, spring.rest, characteristic(spring.stiffness, spring.force, all.shared().laws)},
             nodes, name);
+    read(all, joint::JointSpring<Coordinate>::effort);
   }
   if (rates_ && (spring.damping > 0.0 || spring.damping_force)) {
     auto& all = batch(along<Coordinate>().dampers);
     all.add({axis, characteristic(spring.damping, spring.damping_force, all.shared().laws)}, nodes,
             name);
+    read(all, joint::JointDamper<Coordinate>::effort);
   }
 }
 
@@ -159,6 +211,44 @@ void Springs::add_torque(const JointTorqueScene& torque, const Expression& law,
 void Springs::add(const JointTorqueScene& torque) {
   if (torque.moment) add_torque<joint::Turning>(torque, *torque.moment, "moment");
   if (torque.force) add_torque<joint::Sliding>(torque, *torque.force, "force");
+}
+
+std::function<void(const State&, std::span<double>)> Springs::sample(
+    const RecordScene& record, const schema::Quantity& quantity) const {
+  const auto found = readings_.find(*record.spring);
+  if (found == readings_.end()) {
+    std::vector<std::string_view> names;
+    for (const auto& [known, r] : readings_) names.push_back(known);
+    throw Error(record.source,
+                fmt::format("{}: there is no spring \"{}\"{}", label(record),
+                            excerpt(*record.spring), suggest(*record.spring, names, "springs")));
+  }
+  const Reading& reading = found->second;
+  const std::string_view name = quantity.name;
+  const bool joint = quantity.of == schema::Quantity::Of::joint_spring;
+  if (quantity.of != reading.of || (joint && reading.turns != (name == "joint_moment"))) {
+    std::vector<std::string_view> own;
+    for (const schema::Quantity& q : schema::spring_quantities())
+      if (q.of == reading.of && (q.of != schema::Quantity::Of::joint_spring ||
+                                 reading.turns == (q.name == "joint_moment")))
+        own.push_back(q.name);
+    throw Error(record.source, fmt::format("{}: {} has no {}; it has: {}", label(record),
+                                           reading.what, name, list(own)));
+  }
+  if (name == "length" || name == "length_rate")
+    return [f = reading.length, i = name == "length" ? 0u : 1u](
+               const State& s, std::span<double> out) { out[0] = f(s)[i]; };
+  if (reading.of == schema::Quantity::Of::bushing)
+    return [all = reading.wrenches, first = name == "force" ? 0 : 3](const State& s,
+                                                                     std::span<double> out) {
+      Vec6 sum = Vec6::Zero();
+      for (const auto& one : all) sum -= one(s);
+      std::copy_n(sum.data() + first, 3, out.begin());
+    };
+  return [all = reading.efforts](const State& s, std::span<double> out) {
+    out[0] = 0.0;
+    for (const auto& one : all) out[0] += one(s);
+  };
 }
 
 void Springs::finish() {

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +41,22 @@ class Springs {
 
   void finish();  // hands the batches to the system
 
+  // Writes one of schema::spring_quantities() of the record's spring; valid as long as the system. Throws Error for
+  // an unknown spring, or one without the quantity.
+  std::function<void(const State&, std::span<double>)> sample(
+      const RecordScene& record, const schema::Quantity& quantity) const;
+
  private:
+  // How output reads a spring: with its damper, what it exerts.
+  struct Reading {
+    std::string what;
+    schema::Quantity::Of of = schema::Quantity::Of::spring;
+    bool turns = false;  // of a joint spring
+    std::vector<std::function<double(const State&)>>
+        efforts;                                              // tensions, or moments or forces on b
+    std::vector<std::function<Vec6(const State&)>> wrenches;  // on b
+    std::function<std::array<double, 2>(const State&)> length{};  // and its rate
+  };
   template <class E>
   ElementBatch<E>& batch(std::unique_ptr<ElementBatch<E>>& made);
   // Puts the law, if there is one, among those of a batch.
@@ -70,6 +88,7 @@ class Springs {
   bool rates_;
   const JointCompiler& joints_;
   JointCompiler::Find find_;
+  std::map<std::string, Reading> readings_;
   Made<Spring> springs_;
   Made<Damper> dampers_;
   Made<Bushing> bushings_;

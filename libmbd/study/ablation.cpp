@@ -251,10 +251,22 @@ Scene named(Scene scene) {
   return scene;
 }
 
-// Of what a rigid beam does not have.
+// Of sectional forces in a rigid beam, and of springs that were left out.
 void leave_out_records(Scene& scene) {
   std::vector<std::string> gone;
+  const auto exists = [&](const std::string& spring) {
+    const auto among = [&](const auto& items) {
+      return std::any_of(items.begin(), items.end(),
+                         [&](const auto& item) { return item.name == spring; });
+    };
+    return among(scene.springs) || among(scene.bushings) || among(scene.joint_springs);
+  };
   for (RecordScene& record : scene.records) {
+    if (record.spring && !exists(*record.spring)) {
+      for (const std::string& q : record.quantities) gone.push_back(record.name + "." + q);
+      record.quantities.clear();
+      continue;
+    }
     if (!record.at || record.at->kind != Place::Kind::beam ||
         rigid_with(scene, record.at->name) == nullptr)
       continue;

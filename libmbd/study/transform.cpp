@@ -95,9 +95,10 @@ Meaning meaning_of(const Scene& scene, std::string_view column) {
     std::string_view name = column.substr(record.name.size() + 1);
     if (const std::size_t dot = name.find('.'); dot != std::string_view::npos)
       name = name.substr(0, dot);
-    const auto known = record.joint ? schema::joint_quantities()
-                       : record.at  ? schema::place_quantities()
-                                    : schema::system_quantities();
+    const auto known = record.joint    ? schema::joint_quantities()
+                       : record.at     ? schema::place_quantities()
+                       : record.spring ? schema::spring_quantities()
+                                       : schema::system_quantities();
     return {&record, schema::find_quantity(known, name)};
   }
   return {};
@@ -107,6 +108,7 @@ Meaning meaning_of(const Scene& scene, std::string_view column) {
 bool is_inertial(const Meaning& meaning) {
   if (meaning.quantity == nullptr || meaning.quantity->components != 3) return false;
   const std::string_view name = meaning.quantity->name;
+  if (meaning.record->spring) return false;  // in axes that move with it
   if (meaning.record->joint)
     return true;  // in axes that started along inertial ones, or their like
   if (meaning.record->at) return !name.ends_with("_local") && name != "force" && name != "moment";

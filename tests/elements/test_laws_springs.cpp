@@ -224,7 +224,7 @@ TYPED_TEST_SUITE(SpringLaws, Types);
 
 TYPED_TEST(SpringLaws, TangentsAreDerivatives) {
   using E = TypeParam;
-  Worst K("K", 1e-11), D("D", 1e-12);
+  Worst K("K", 1e-13), D("D", 1e-13);
   double mutated = INFINITY;
   TestFixture::sample([&](Rng&, auto& s) {
     const auto out = TestFixture::template evaluate<Want::tangent>(s, s.x);
@@ -257,7 +257,7 @@ TYPED_TEST(SpringLaws, ResidualIsTheSameWithAndWithoutTangent) {
 // Body-frame forces do not change under a rigid motion of both nodes; what acts on both sides balances; a rigid
 // velocity makes no force of rates.
 TYPED_TEST(SpringLaws, IsObjectiveAndBalanced) {
-  Worst objective("objective", 1e-9), balance("balance", 1e-11), rest("rest", 1e-11);
+  Worst objective("objective", 1e-11), balance("balance", 1e-13), rest("rest", 1e-11);
   TestFixture::sample([&](Rng& rng, auto& s) {
     const VecX r = TestFixture::template evaluate<Want::residual>(s, s.x).r;
     const double size = force_size(r, s.length);
@@ -282,7 +282,7 @@ TYPED_TEST(SpringLaws, IsObjectiveAndBalanced) {
 // Springs: the force is the gradient of the energy. Others: its power is what they say.
 TYPED_TEST(SpringLaws, EnergyAndPowerAreThoseOfTheForce) {
   using E = TypeParam;
-  Worst power("power", 1e-9);
+  Worst power("power", 1e-10);
   int mutated = 0, total = 0;
   TestFixture::sample([&](Rng&, auto& s) {
     const auto stated = [&] {

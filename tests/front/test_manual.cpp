@@ -61,8 +61,8 @@ TEST(Manual, ListsJointsAndQuantities) {
   const std::string page = to_markdown();
   for (const schema::JointKind& joint : schema::joint_kinds())
     EXPECT_HAS(page, "| `" + std::string(joint.name) + "` ");
-  for (const auto& all :
-       {schema::place_quantities(), schema::joint_quantities(), schema::system_quantities()})
+  for (const auto& all : {schema::place_quantities(), schema::joint_quantities(),
+                          schema::spring_quantities(), schema::system_quantities()})
     for (const schema::Quantity& quantity : all)
       EXPECT_HAS(page, "| `" + std::string(quantity.name) + "` ");
   const std::string transient = to_markdown(*schema::find_element("transient"));

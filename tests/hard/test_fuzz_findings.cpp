@@ -201,8 +201,8 @@ std::string dictionary() {
       add(attribute.choices);
     }
   }
-  for (const auto quantities :
-       {schema::place_quantities(), schema::joint_quantities(), schema::system_quantities()})
+  for (const auto quantities : {schema::place_quantities(), schema::joint_quantities(),
+                                schema::spring_quantities(), schema::system_quantities()})
     for (const schema::Quantity& quantity : quantities) add(quantity.name);
   add("sin( cos( sqrt( exp( log( abs( min( max( pi deg t s ground .start .end @0.5 1e9 1e-9 1e308 "
       "nan mm kN rad/s");

@@ -35,10 +35,12 @@ struct Case {
 constexpr Case cases[] = {
     {"arch", 0, true},
     {"bend45", 0, false},
+    {"bushing", 0, false},
     {"cart_pole", 2.0, false},  // of 10
     {"chain", 0, false},
     {"composite", 0, false},
-    {"damped_beam", 0.005, false},  // of 0.02
+    {"damped_beam", 0.005, false},       // of 0.02
+    {"damped_oscillator", 0.25, false},  // of 1
     {"double_pendulum", 0, false},
     {"double_pendulum_beams", 1.0, false},  // of 2
     {"dzhanibekov", 5.0, false},            // of 10
@@ -63,6 +65,7 @@ constexpr Case cases[] = {
     {"submerged_beam", 0, false},
     {"swept_cantilever", 0, false},
     {"terminal_velocity", 1.0, false},  // of 4
+    {"torsion_pendulum", 1.0, false},   // of 5
     {"windows", 0.3, false},            // of 10: before its first singular configuration (case 2)
 };
 

@@ -152,7 +152,8 @@ TEST_P(AllocationFree, StepsThatAreSampled) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,
-                         testing::Values("four_bar", "shaft", "heavy_top", "free_beam"),
+                         testing::Values("four_bar", "shaft", "heavy_top", "free_beam",
+                                         "damped_oscillator"),
                          [](const auto& model) { return std::string(model.param); });
 
 // What the models above do not have: drag along a beam and at a place, still and flowing, added mass, a moving base,
