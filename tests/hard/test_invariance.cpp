@@ -39,7 +39,6 @@ constexpr Case cases[] = {
     {"cart_pole", 2.0, false},  // of 10
     {"chain", 0, false},
     {"composite", 0, false},
-    {"damped_beam", 0.005, false},       // of 0.02
     {"damped_oscillator", 0.25, false},  // of 1
     {"double_pendulum", 0, false},
     {"double_pendulum_beams", 1.0, false},  // of 2

@@ -17,6 +17,7 @@
 #include <numbers>
 #include <vector>
 
+#include "libmbd/study/transform.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_damping {
@@ -333,7 +334,43 @@ TEST(InternalDamping, WhirlGrowsAboveTheThreshold) {
   }
 }
 
-// --- what is not there ---
+// In other units: C = beta D is the same whether beta or its entries were given.
+TEST(StructuralDamping, IsRescaled) {
+  Scene scene = damped_beam({18, 4.5e-5});
+  SectionDamping& damping = *scene.sections.front().damping;
+  damping.viscous = damping.stiffness_proportional * scene.sections.front().stiffness;
+  const Scene other = rescaled(scene, {.length = 10.0, .mass = 3.0, .time = 1e3}).scene;
+  const SectionDamping& d = *other.sections.front().damping;
+  EXPECT_DOUBLE_EQ(d.stiffness_proportional, 4.5e-2);
+  EXPECT_DOUBLE_EQ(d.mass_proportional, 18e-3);
+  EXPECT_TRUE(
+      d.viscous.isApprox(d.stiffness_proportional * other.sections.front().stiffness, 1e-14));
+  EXPECT_FALSE(d.viscous.isApprox(damping.viscous, 0.1));
+}
+
+// --- what is read, and what is not there ---
+
+TEST(StructuralDamping, IsRead) {
+  const auto damping = [](const std::string& attributes) {
+    return read_model_text(R"(<mbd name="one"><section name="s">
+        <stiffness EA="1" GA2="1" GA3="1" GJ="1" EI2="1" EI3="1"/>
+        <damping )" + attributes +
+                           R"(/></section></mbd>)")
+        .sections.at(0)
+        .damping.value();
+  };
+  const SectionDamping d =
+      damping(R"(stiffness_proportional="2 ms" mass_proportional="3" EA="5" EI3="7" D16="-0.5")");
+  EXPECT_DOUBLE_EQ(d.stiffness_proportional, 2e-3);
+  EXPECT_EQ(d.mass_proportional, 3.0);
+  Mat6 want = Mat6::Zero();
+  want(0, 0) = 5.0;
+  want(5, 5) = 7.0;
+  want(0, 5) = want(5, 0) = -0.5;
+  EXPECT_EQ(d.viscous, want);
+  EXPECT_EQ(d.source.line, 3);
+  EXPECT_EQ(damping(R"(mass_proportional="0")").mass_proportional, 0.0);
+}
 
 TEST(StructuralDamping, IsNotThereInStatics) {
   Scene scene = model_scene("damped_beam");
