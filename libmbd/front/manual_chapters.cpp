@@ -446,8 +446,14 @@ neither side is preferred. It reaches to 0.9 of half a turn; what turns further 
 )md",
      R"xml(<mbd name="gate">
   <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
-  <bushing name="mount" between="ground leaf" stiffness="2e6 2e6 2e6" damping="2e3 2e3 2e3"
-           angular_stiffness="4e4 4e4 0" angular_damping="40 40 0"/>
+  <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+           angular_damping="40 40 0">
+    <matrix of="stiffness">
+      2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+      0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+    </matrix>
+    <law component="6" moment="50*x^3"/>
+  </bushing>
   <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
           stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
   <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>

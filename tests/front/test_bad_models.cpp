@@ -336,6 +336,18 @@ void forget_sources(Scene& scene) {
   clear(scene.drags);
   clear(scene.added_masses);
   if (scene.base_motion) scene.base_motion->source = Source{};
+  const auto clear_law = [](std::optional<LawScene>& law) {
+    if (TableScene* const table = law ? std::get_if<TableScene>(&*law) : nullptr)
+      table->source = Source{};
+  };
+  clear(scene.springs);
+  for (SpringScene& spring : scene.springs)
+    clear_law(spring.force), clear_law(spring.damping_force);
+  clear(scene.bushings);
+  for (BushingScene& bushing : scene.bushings) clear(bushing.laws);
+  clear(scene.joint_springs);
+  clear(scene.joint_torques);
+  clear(scene.rigids);
   scene.source = Source{};
   if (scene.gravity) scene.gravity->source = Source{};
   if (scene.statics) scene.statics->source = Source{};
