@@ -94,7 +94,8 @@ TEST_P(AllocationFree, Steps) {
       for (int k = 0; k < 400; ++k) converged = converged && stepper.step(state).converged;
     });
     EXPECT_TRUE(converged);
-    EXPECT_GT(stepper.counters().tangents, tangents);  // refactorisations are among the steps
+    if (GetParam() != std::string_view("damped_oscillator"))  // which is linear
+      EXPECT_GT(stepper.counters().tangents, tangents);  // refactorisations are among the steps
     EXPECT_EQ(c.news, 0);
     EXPECT_EQ(c.mallocs, 0);
   }

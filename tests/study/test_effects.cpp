@@ -38,7 +38,7 @@ std::vector<std::string> keys_of(const Scene& scene) {
 TEST(Ablation, NamesWhatTheSceneHas) {
   EXPECT_EQ(keys_of(scene_of(cantilever)),
             (std::vector<std::string>{"rigid:b", "axial", "shear", "load:push", "load:load2"}));
-  EXPECT_EQ(keys_of(model_scene("heavy_top")), std::vector<std::string>{"gravity"});
+  EXPECT_EQ(keys_of(model_scene("heavy_top")), (std::vector<std::string>{"gyroscopic", "gravity"}));
   const std::vector<std::string> shaft = keys_of(model_scene("shaft"));
   for (const char* const key : {"rigid:shaft", "D14:tube", "rotary_inertia", "gravity"})
     EXPECT_EQ(std::count(shaft.begin(), shaft.end(), key), 1) << key;
