@@ -308,7 +308,7 @@ Axis axis_of(const EffectsStudy& study) {
 std::string svg_of(const EffectsStudy& study, bool with_title) {
   const Axis axis = axis_of(study);
   const double second = left + bars + 40.0, top = with_title ? 74.0 : 48.0;
-  const double height = top + (row + 12.0) * static_cast<double>(study.runs.size()) + 36.0;
+  const double height = top + (row + 12.0) * static_cast<double>(study.runs.size()) + 52.0;
   double most_share = 0.1;
   for (const EffectRun& run : study.runs)
     if (run.complete()) most_share = std::max(most_share, std::abs(1.0 - run.cpu.median()));
@@ -334,10 +334,11 @@ std::string svg_of(const EffectsStudy& study, bool with_title) {
     write(left, 24.0, study.model + ": what each effect changes and costs", "font-weight=\"bold\"");
   write(left, top - 20.0, "largest change");
   write(second, top - 20.0, "CPU time it takes, % of the whole model's");
-  const double bottom = height - 34.0;
+  const double bottom = height - 50.0;
   for (double p = axis.low; p <= axis.high + 0.5; p += axis.high - axis.low > 6.0 ? 2.0 : 1.0)
-    write(left + bars * (p - axis.low) / (axis.high - axis.low), bottom + 20.0,
-          fmt::format("1e{:.0f}", p), "text-anchor=\"middle\" font-size=\"11\"");
+    write(left + bars * (p - axis.low) / (axis.high - axis.low), bottom + 16.0,
+          fmt::format("1e{:.0f}", p),
+          p == axis.low ? "font-size=\"11\"" : "text-anchor=\"middle\" font-size=\"11\"");
   const double tolerance = left + axis.at(study.tolerance);
   line(tolerance, top - 10.0, bottom, "4 3");
   line(zero, top - 10.0, bottom, "none");
@@ -365,7 +366,7 @@ std::string svg_of(const EffectsStudy& study, bool with_title) {
     write(share >= 0.0 ? zero - 5.0 : zero + 5.0, y + 30.0, percent(run.cpu.median()),
           share >= 0.0 ? "font-size=\"11\" text-anchor=\"end\"" : "font-size=\"11\"");
   }
-  write(left, height - 2.0,
+  write(left, height - 10.0,
         "Dashed: the tolerance; white bars on the left are within it. On the right what is left of "
         "zero "
         "costs time to leave out.",

@@ -141,7 +141,7 @@ TEST(EffectsSlow, TheCheapestModelKeepsItsTolerance) {
 
 TEST(Effects, OfALongModelAreThoseOfItsBeginning) {
   Scene scene = model_scene("double_pendulum");
-  scene.transient->duration = 2000.0;
+  scene.transient->duration = 4000.0;
   scene.transient->step.reset();
   scene.transient->method = TimeMethod::radau;
   scene.transient->rho_infinity.reset();
@@ -149,7 +149,7 @@ TEST(Effects, OfALongModelAreThoseOfItsBeginning) {
   scene.transient->newton_tolerance.reset();
   scene.transient->tolerance = 1e-6;
   std::atomic<bool> stop = false;
-  EffectsOptions options{.budget = 1.0};
+  EffectsOptions options{.budget = 5.0};
   options.interrupted = &stop;
   options.progress = [&](const std::string& what, std::size_t, std::size_t) {
     if (what.find("without") != std::string::npos) stop = true;  // what comes then is known
