@@ -57,8 +57,8 @@ double count_instructions(const std::vector<std::string>& command) {
   if (text.find("unrecognised instruction") != std::string::npos ||
       text.find("SIGILL") != std::string::npos)
     throw Error(
-        "valgrind does not know the instructions of this build; count them in one of "
-        "cmake --preset x86-64-v3");
+        "valgrind does not know the instructions of this build; count them in one with "
+        "-DCMAKE_CXX_FLAGS=-march=x86-64-v2");
   constexpr std::string_view label = "Collected : ";
   const std::size_t at = text.rfind(label);
   double count = 0.0;

@@ -27,6 +27,8 @@ struct Before {
   std::vector<BatchSize> batches;
 };
 
+void PrintTo(const Before& before, std::ostream* out) { *out << before.model; }
+
 const Before all_before[] = {
     {"four_bar",
      183,
