@@ -139,7 +139,7 @@ TEST(EffectsSlow, TheCheapestModelKeepsItsTolerance) {
   EXPECT_NE(to_json(study).find("\"verified\": true"), std::string::npos);
 }
 
-TEST(Effects, OfALongModelAreThoseOfItsBeginning) {
+TEST(EffectsSlow, OfALongModelAreThoseOfItsBeginning) {
   Scene scene = model_scene("double_pendulum");
   scene.transient->duration = 4000.0;
   scene.transient->step.reset();
