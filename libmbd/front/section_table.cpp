@@ -14,15 +14,6 @@
 namespace mbd {
 namespace {
 
-// As scaled_definiteness, of a matrix whose rows may be zero.
-double definiteness_of_some(Mat6 M) {
-  for (Index i = 0; i < 6; ++i)
-    if (M.row(i).isZero(0.0)) M(i, i) = 1.0;
-  for (Index i = 0; i < 6; ++i)
-    if (!(M(i, i) > 0.0)) return -1.0;  // couplings without a diagonal entry, or a negative one
-  return scaled_definiteness(M);
-}
-
 // The first pair of entries that should be equal and are not.
 std::optional<std::array<Index, 2>> unsymmetric(const Mat6& M) {
   const Vec6 d = M.diagonal().cwiseAbs().cwiseSqrt();
@@ -150,6 +141,14 @@ double scaled_definiteness(const Mat6& M) {
   const Eigen::Matrix<double, 6, 6> scaled = s.asDiagonal() * M * s.asDiagonal();
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(scaled, Eigen::EigenvaluesOnly)
       .eigenvalues()(0);
+}
+
+double definiteness_of_some(Mat6 M) {
+  for (Index i = 0; i < 6; ++i)
+    if (M.row(i).isZero(0.0)) M(i, i) = 1.0;
+  for (Index i = 0; i < 6; ++i)
+    if (!(M(i, i) > 0.0)) return -1.0;  // couplings without a diagonal entry, or a negative one
+  return scaled_definiteness(M);
 }
 
 void check_section(const Section& section) {

@@ -13,6 +13,10 @@ inline constexpr double definite = 1e-12;
 // Smallest eigenvalue of a symmetric matrix scaled to a unit diagonal: independent of units.
 double scaled_definiteness(const Mat6& M);
 
+// The same of a matrix whose rows may be zero: they do not count. -1 for a diagonal entry that is negative, or zero and
+// coupled.
+double definiteness_of_some(Mat6 M);
+
 // C = beta D + viscous entries, where the elastic stiffness is D [N.s, N.m.s, N.m2.s].
 Mat6 viscosity(const SectionDamping& damping, const Mat6& D);
 
