@@ -96,8 +96,8 @@ struct Inertia {
   // Not inlined: the same to the last bit with and without the tangent. All it calls is, which a compiler
   // does not promise by itself (tools/instructions saw it stop when a variant of this kernel was added).
   template <class S>
-  [[gnu::noinline, gnu::flatten]] static void residual(const Data& data, const NodeState<S>& x, double rate,
-                                         Vector6<S>& p, Output<S>& out) {
+  [[gnu::noinline, gnu::flatten]] static void residual(const Data& data, const NodeState<S>& x,
+                                                       double rate, Vector6<S>& p, Output<S>& out) {
     const Matrix6<S> M = data.M.template cast<S>();
     p = times<S>(M, x.V);
     if (rate != 0.0)

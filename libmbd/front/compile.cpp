@@ -20,6 +20,7 @@
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/loads.hpp"
 #include "libmbd/front/model.hpp"
+#include "libmbd/front/places.hpp"
 #include "libmbd/front/redundancy.hpp"
 #include "libmbd/front/reference_line.hpp"
 #include "libmbd/front/schema.hpp"
@@ -118,39 +119,7 @@ class Compiler {
   void find_boundaries(const BeamScene& beam) {
     CompiledBeam compiled{&beam, {}, {}, {}, {}};
     const int elements = rigid_of(beam.name) != nullptr ? 1 : beam.elements;
-    for (int e = 0; e <= elements; ++e)
-      compiled.boundaries.push_back(static_cast<double>(e) / elements);
-    const auto add = [&](const Place& place) {
-      if (place.kind != Place::Kind::beam || place.name != beam.name) return;
-      for (const double s : compiled.boundaries)
-        if (std::abs(s - place.parameter) < same_parameter) return;
-      compiled.boundaries.push_back(place.parameter);
-    };
-    for (const BodyScene& b : scene_.bodies)
-      if (b.attached_to) add(*b.attached_to);
-    for (const JointScene& j : scene_.joints) {
-      add(j.a);
-      add(j.b);
-    }
-    for (const MotionScene& m : scene_.motions) add(m.of);
-    for (const LoadScene& l : scene_.loads) add(l.at);
-    for (const PointMassScene& m : scene_.point_masses) add(m.at);
-    for (const SpringScene& s : scene_.springs) add(s.a), add(s.b);
-    for (const BushingScene& b : scene_.bushings) add(b.a), add(b.b);
-    for (const DistributedLoadScene& l : scene_.distributed_loads) {
-      for (const double s : {l.from, l.to})
-        if (s >= 0.0 && s <= 1.0) add({Place::Kind::beam, l.beam, s});
-    }
-    const auto add_part = [&](const auto& along) {
-      if (along.at) add(*along.at);
-      for (const double s : {along.from.value_or(0.0), along.to.value_or(1.0)})
-        add({Place::Kind::beam, along.beam, s});
-    };
-    for (const DragScene& d : scene_.drags) add_part(d);
-    for (const AddedMassScene& m : scene_.added_masses) add_part(m);
-    for (const RecordScene& r : scene_.records)
-      if (r.at) add(*r.at);
-    std::sort(compiled.boundaries.begin(), compiled.boundaries.end());
+    compiled.boundaries = element_ends(scene_, beam, elements);
     beams_.push_back(std::move(compiled));
   }
 

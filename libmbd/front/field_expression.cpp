@@ -1,27 +1,48 @@
 #include "libmbd/front/field_expression.hpp"
 
+#include <fmt/format.h>
+
 #include "libmbd/core/error.hpp"
 
 namespace mbd {
 namespace {
 
-bool starts_word(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool continues_word(char c) { return starts_word(c) || (c >= '0' && c <= '9'); }
+bool is_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (c >= '0' && c <= '9') ||
+         c == '.';
+}
 
 }  // namespace
 
-bool FieldExpression::varies() const {
+std::string FieldExpression::reworded(
+    const std::function<std::string(std::string_view)>& word) const {
+  std::string result;
   for (std::size_t i = 0; i < text.size();) {
-    if (!continues_word(text[i]) && text[i] != '.') {
-      ++i;
+    std::size_t end = i;
+    while (end < text.size() && is_word(text[end])) ++end;
+    if (end == i) {
+      result += text[i++];
       continue;
     }
-    std::size_t end = i;  // of a word or a number
-    while (end < text.size() && (continues_word(text[end]) || text[end] == '.')) ++end;
-    if (text.compare(i, end - i, "s") == 0) return true;
+    result += word(std::string_view(text).substr(i, end - i));
     i = end;
   }
-  return false;
+  return result;
+}
+
+bool FieldExpression::varies() const {
+  bool found = false;
+  reworded([&](std::string_view word) {
+    found |= word == "s";
+    return std::string();
+  });
+  return found;
+}
+
+FieldExpression FieldExpression::on_part(double from, double to) const {
+  const std::string place = fmt::format("({}+{}*s)", from, to - from);
+  return {reworded([&](std::string_view word) { return word == "s" ? place : std::string(word); }),
+          parameters};
 }
 
 Expression FieldExpression::at(double s) const {

@@ -4,7 +4,9 @@
 // conditions and kinks in s are settled place by place, and only those in t make breakpoints.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <string_view>
 
 #include "libmbd/core/expression.hpp"
 
@@ -20,6 +22,13 @@ struct FieldExpression {
 
   // Whether the text mentions s.
   bool varies() const;
+
+  // The same field with the place as a fraction of the part between two fractions of the beam.
+  FieldExpression on_part(double from, double to) const;
+
+  // The text with word(name) in place of each of its names and numbers; of a number with a signed exponent, 1e-3, the
+  // two words 1e and 3.
+  std::string reworded(const std::function<std::string(std::string_view)>& word) const;
 };
 
 }  // namespace mbd

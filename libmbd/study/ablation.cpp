@@ -11,6 +11,7 @@
 #include "libmbd/front/model.hpp"
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/spelling.hpp"
+#include "libmbd/study/straightened.hpp"
 
 namespace mbd::ablation_list {
 namespace {
@@ -111,6 +112,7 @@ class Effects {
     inertia();
     damping();
     forces();
+    curvature();
   }
 
   const std::vector<Effect>& all() const { return all_; }
@@ -234,6 +236,22 @@ class Effects {
     add_each(scene_.joint_torques, "joint_torque", &Scene::joint_torques);
   }
 
+  // Last, as it renames beams and copies sections.
+  void curvature() {
+    for (const BeamScene& beam : scene_.beams) {
+      if (!can_be_straightened(scene_, beam)) continue;
+      const std::vector<std::string> names = names_of_pieces(scene_, beam);
+      add("curvature:" + beam.name, "initial curvature of " + label(beam) + " (straight pieces)",
+          fmt::format(
+              "<beam name=\"{}\" …/> to {}, straight between the ends of the elements of {}, "
+              "joined by <fixed>",
+              names.front(), names.back(), label(beam)),
+          [name = beam.name](Scene& s) {
+            if (rigid_with(s, name) == nullptr) straighten(s, name);
+          });
+    }
+  }
+
   const Scene& scene_;
   std::vector<Effect> all_;
 };
@@ -306,16 +324,16 @@ Scene without(const Scene& scene, std::span<const std::string> keys) {
   const Scene all = result;
   const Effects effects(all);
   for (const std::string& key : keys) {
-    const auto it = std::find_if(effects.all().begin(), effects.all().end(),
-                                 [&](const Effect& e) { return e.ablation.key == key; });
-    if (it == effects.all().end()) {
-      std::vector<std::string_view> known;
-      for (const Effect& e : effects.all()) known.push_back(e.ablation.key);
-      throw Error(fmt::format("without: {} has no effect \"{}\"{}", label("mbd", scene.name),
-                              excerpt(key), suggest(key, known, "effects")));
-    }
-    it->leave_out(result);
+    const auto is_key = [&](const Effect& e) { return e.ablation.key == key; };
+    if (std::any_of(effects.all().begin(), effects.all().end(), is_key)) continue;
+    std::vector<std::string_view> known;
+    for (const Effect& e : effects.all()) known.push_back(e.ablation.key);
+    throw Error(fmt::format("without: {} has no effect \"{}\"{}", label("mbd", scene.name),
+                            excerpt(key), suggest(key, known, "effects")));
   }
+  for (const Effect& effect : effects.all())
+    if (std::find(keys.begin(), keys.end(), effect.ablation.key) != keys.end())
+      effect.leave_out(result);
   leave_out_records(result);
   return result;
 }

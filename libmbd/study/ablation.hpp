@@ -23,11 +23,11 @@ struct Ablation {
 };
 
 // Everything that can be left out of the scene, in the order of tables: flexibility beam by beam, axial and shear
-// flexibility, couplings, rotary inertia, masses, damping, gravity, loads, springs.
+// flexibility, couplings, rotary inertia, masses, damping, gravity, loads, springs, initial curvature.
 std::vector<Ablation> ablations_of(const Scene& scene);
 
 // The scene without the effects of these keys. Records, plots and expectations of what no longer exists (sectional
-// forces of a rigid beam) are left out. Throws Error for keys that are none of ablations_of(scene), naming them.
+// forces of a rigid beam) are left out. Their order does not matter. Throws Error for keys that are none of ablations_of(scene), naming them.
 Scene without(const Scene& scene, std::span<const std::string> keys);
 
 }  // namespace mbd

@@ -35,30 +35,11 @@ LawVector scaled_law(const LawVector& laws, double factor, double stretch = 1.0)
 
 // The text with numbers in place of parameters, and t/stretch in place of t.
 std::string self_contained(const FieldExpression& field, double stretch) {
-  const auto is_word = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (c >= '0' && c <= '9') ||
-           c == '.';
-  };
-  std::string text;
-  for (std::size_t i = 0; i < field.text.size();) {
-    std::size_t end = i;
-    while (end < field.text.size() && is_word(field.text[end])) ++end;
-    if (end == i) {
-      text += field.text[i++];
-      continue;
-    }
-    const std::string word =
-        field.text.substr(i, end - i);  // a name or (the beginning of) a number
+  return field.reworded([&](std::string_view word) {
     const auto parameter = field.parameters.find(word);
-    if (parameter != field.parameters.end())
-      text += fmt::format("({})", parameter->second);
-    else if (word == "t" && stretch != 1.0)
-      text += fmt::format("(t/{})", stretch);
-    else
-      text += word;
-    i = end;
-  }
-  return text;
+    if (parameter != field.parameters.end()) return fmt::format("({})", parameter->second);
+    return word == "t" && stretch != 1.0 ? fmt::format("(t/{})", stretch) : std::string(word);
+  });
 }
 
 FieldVector scaled_law(const FieldVector& fields, double factor, double stretch) {

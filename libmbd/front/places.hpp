@@ -1,0 +1,37 @@
+// The places of a scene, and where they divide its beams.
+#pragma once
+
+#include <type_traits>
+#include <vector>
+
+#include "libmbd/front/scene.hpp"
+
+namespace mbd {
+
+// Calls look(place) for every place that an item is at or joins; of a Scene that is not const they may be changed.
+template <class SomeScene, class Look>
+requires std::is_same_v<std::remove_const_t<SomeScene>, Scene>
+void each_place(SomeScene& scene, const Look& look) {
+  const auto some = [&](auto& place) {
+    if (place) look(*place);
+  };
+  const auto pairs = [&](auto& items) {
+    for (auto& item : items) look(item.a), look(item.b);
+  };
+  for (auto& body : scene.bodies) some(body.attached_to);
+  pairs(scene.joints);
+  for (auto& motion : scene.motions) look(motion.of);
+  for (auto& load : scene.loads) look(load.at);
+  for (auto& mass : scene.point_masses) look(mass.at);
+  pairs(scene.springs);
+  pairs(scene.bushings);
+  for (auto& drag : scene.drags) some(drag.at);
+  for (auto& mass : scene.added_masses) some(mass.at);
+  for (auto& record : scene.records) some(record.at);
+}
+
+// Where elements of the beam end, as fractions of its reference length from 0 to 1: its ends, those of `elements` equal
+// parts, its places, and the ends of what lies along a part of it.
+std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int elements);
+
+}  // namespace mbd
