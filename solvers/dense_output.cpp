@@ -2,7 +2,6 @@
 
 #include "libmbd/core/dual.hpp"
 #include "libmbd/core/se3.hpp"
-#include "libmbd/core/spectral.hpp"
 
 namespace mbd {
 namespace {
@@ -25,14 +24,17 @@ void HermiteStep::set(const State& begin, const State& end, std::span<const Vec6
   prepared_ = false;
 }
 
-void HermiteStep::set_inner_multipliers(const std::array<double, 2>& times,
-                                        const std::array<const VecX*, 2>& values) {
+void HermiteStep::set_inside(const std::array<double, 2>& times,
+                             const std::array<const VecX*, 2>& multipliers,
+                             const std::array<Work, 2>& powers) {
   times_ = times;
-  inner_ = values;
+  inner_ = multipliers;
+  inner_powers_ = powers;
 }
 
 void HermiteStep::prepare() const {
   const double h = end_->t - begin_->t;
+  powers_ = {system_.power(*begin_), system_.power(*end_)};
   c_.resize(Q_.size());
   for (std::size_t n = 1; n < Q_.size(); ++n) {
     const Vec6& Q = Q_[n];
@@ -85,11 +87,14 @@ void HermiteStep::at(double t, State& out) const {
   }
   if (inner_[0] == nullptr) {
     out.lambda = (1.0 - s) * begin_->lambda + s * end_->lambda;
+    out.work = work_inside<2>(s, h, {0.0, 1.0}, powers_, begin_->work, end_->work);
   } else {
     const auto w = lagrange<3>({times_[0], times_[1], end_->t}, t);
     out.lambda = w[0] * *inner_[0] + w[1] * *inner_[1] + w[2] * end_->lambda;
+    out.work = work_inside<4>(
+        s, h, {0.0, (times_[0] - begin_->t) / h, (times_[1] - begin_->t) / h, 1.0},
+        {powers_[0], inner_powers_[0], inner_powers_[1], powers_[1]}, begin_->work, end_->work);
   }
-  out.work = (1.0 - s) * begin_->work + s * end_->work;
   out.angles = begin_->angles;
   system_.follow_angles(out);
 }

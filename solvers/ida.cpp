@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <stdexcept>
 
 #include "libmbd/core/error.hpp"
+#include "solvers/dense_output.hpp"
 #include "solvers/increments.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/redundancy.hpp"
@@ -30,6 +32,8 @@ constexpr double multiplier_slack = 10;  // on the relative one, for what they l
 // cj = dydot/dy may change by this factor before the matrix is factorised anew. IDA's own 0.25 makes up for it
 // by scaling the increments, which is wrong for constraints and multipliers.
 constexpr double cj_change = 0.1;
+// Where powers are taken in a step: Gauss's points, 1/2 -+ sqrt(0.15).
+constexpr std::array<double, 3> work_nodes = {0.11270166537925831, 0.5, 0.88729833462074169};
 
 struct IdaDeleter {
   void operator()(void* memory) const { IDAFree(&memory); }
@@ -136,8 +140,11 @@ class Ida::Integrator final : public DenseStep {
   void accepted(const State& begin, const State& end) {
     begin_ = &begin;
     end_ = &end;
+    powers_ = {};
     equations_.follow(end);
   }
+  // At work_nodes of the last step.
+  void set_powers(const std::array<Work, 3>& powers) { powers_ = powers; }
 
   double begin() const override { return begin_->t; }
   double end() const override { return end_->t; }
@@ -163,7 +170,7 @@ class Ida::Integrator final : public DenseStep {
     }
     system_.set_time(out, t, t < end_->t ? Side::right : Side::left);
     const double s = t < end_->t ? (t - begin_->t) / (end_->t - begin_->t) : 1.0;
-    out.work = (1.0 - s) * begin_->work + s * end_->work;
+    out.work = work_inside(s, end_->t - begin_->t, work_nodes, powers_, begin_->work, end_->work);
     out.angles = begin_->angles;
     system_.follow_angles(out);
   }
@@ -325,6 +332,7 @@ class Ida::Integrator final : public DenseStep {
   int iterations_ = 0;
   const State* begin_ = nullptr;
   const State* end_ = nullptr;
+  std::array<Work, 3> powers_{};  // at work_nodes
   sundials::Context context_ = sundials::make_context();
   Vector y_, ydot_, kinds_, work_, rates_;
   sundials::OwnSolver linear_{*this, context_};
@@ -406,13 +414,15 @@ StepReport Ida::step(State& state) {
   const double h = state.t - begin_.t;
   record_size(h, landed);
 
-  const double outer = 0.5 * std::sqrt(0.6);
+  std::array<Work, 3> powers;
   Work work = begin_.work;
-  for (const double s : {0.5 - outer, 0.5, 0.5 + outer}) {
-    integrator_->at(begin_.t + s * h, scratch_);
-    work += h * (s == 0.5 ? 8.0 : 5.0) / 18.0 * system_.power(scratch_);
+  for (std::size_t k = 0; k < powers.size(); ++k) {
+    integrator_->at(begin_.t + work_nodes[k] * h, scratch_);
+    powers[k] = system_.power(scratch_);
+    work += h * (k == 1 ? 8.0 : 5.0) / 18.0 * powers[k];
   }
   state.work = work;
+  integrator_->set_powers(powers);
   if (observer_) observer_(*integrator_);
 
   if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, report)) return report;

@@ -14,7 +14,7 @@
 // Accelerations and multipliers of accepted states satisfy the equations of motion to that tolerance, and are
 // less accurate than V by 1/h. Dense output: IDA's interpolant, of the order of the step; inside a step
 // accelerations are its derivative, which jumps from step to step by about the tolerance over h.
-// Work: Gauss's rule of three points over each step.
+// Work: Gauss's rule of three points over each step, and inside it the polynomial through these.
 // Idle rows stay those of the start. BDF of order 3 and more amplifies some undamped oscillations,
 // until the steps resolve them: stiff elastic scenes (four_bar.xml) need max_order 2.
 #pragma once

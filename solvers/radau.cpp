@@ -531,14 +531,17 @@ void Radau::accept() {
     carry_[n] = change - (end_.V[n] - begin_.V[n]);
   }
   system_.follow_angles(end_);
-  for (std::size_t j = 0; j < stages; ++j)
-    end_.work +=
-        h_ * t.b(static_cast<Index>(j)) * system_.power(j + 1 == stages ? end_ : stage_[j]);
+  std::array<Work, stages> power;
+  for (std::size_t j = 0; j < stages; ++j) {
+    power[j] = system_.power(j + 1 == stages ? end_ : stage_[j]);
+    end_.work += h_ * t.b(static_cast<Index>(j)) * power[j];
+  }
   if (observer_) {
     for (std::size_t n = 1; n < Q_.size(); ++n)
       Q_[n] = log_se3<double>(relative(begin_.pose[n], end_.pose[n]));
     dense_.set(begin_, end_, Q_);
-    dense_.set_inner_multipliers({time_of(0), time_of(1)}, {&stage_[0].lambda, &stage_[1].lambda});
+    dense_.set_inside({time_of(0), time_of(1)}, {&stage_[0].lambda, &stage_[1].lambda},
+                      {power[0], power[1]});
     observer_(dense_);
   }
   std::swap(q_, q_old_);
