@@ -614,7 +614,7 @@ struct BeamLaws {
     double smallest = 1;
     sample(4, [&](Rng&, const Beam& b) {
       BeamSystem s(b, false);
-      const VecX sigma = scaled(s(b.reference).K, b.length).jacobiSvd().singularValues();
+      const VecX sigma = test::dense::singular_values(scaled(s(b.reference).K, b.length));
       const Index n = sigma.size();
       zero.add(sigma(n - 6) / sigma(0), name(b));
       smallest = std::min(smallest, sigma(n - 7) / sigma(0));

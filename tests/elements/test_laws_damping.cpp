@@ -178,9 +178,7 @@ TYPED_TEST(DampingLaws, Power) {
         force_size(out.D * V / this->weights.V - r, s.beam.length) / this->force_unit(s, out),
         this->name(s));
     symmetric.add((D - D.transpose()).cwiseAbs().maxCoeff() / D.cwiseAbs().maxCoeff());
-    const VecX values =
-        Eigen::SelfAdjointEigenSolver<MatrixXd>(0.5 * (D + D.transpose()), Eigen::EigenvaluesOnly)
-            .eigenvalues();
+    const VecX values = test::dense::eigenvalues(0.5 * (D + D.transpose()));
     least = std::min(least, values(0) / values(values.size() - 1));
     auto mutant = s;
     mutant.set(this->mutated(s.beam.D));

@@ -59,7 +59,7 @@ Complex eigenvalue(const std::vector<Complex>& z, double every, std::size_t firs
     N += row.adjoint() * row;
     f -= row.adjoint() * z[i + 2 * shift];
   }
-  const Eigen::Vector2cd cb = N.fullPivLu().solve(f);
+  const Eigen::Vector2cd cb = dense::solve(N, f);
   const Complex root = std::sqrt(0.25 * cb(1) * cb(1) - cb(0));
   const double T = every * static_cast<double>(shift);
   const Complex one = std::log(-0.5 * cb(1) + root) / T, other = std::log(-0.5 * cb(1) - root) / T;

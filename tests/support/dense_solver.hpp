@@ -2,7 +2,8 @@
 // LU with full pivoting of the matrix scaled to largest entries of 1 in rows and columns.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "libmbd/core/linear_solver.hpp"
@@ -36,26 +37,11 @@ class DenseSolver : public LinearSolver {
   std::span<const Slot> slots() const override { return slots_; }
   void set_zero() override { S_.setZero(); }
 
-  FactorStatus factor() override {
-    const auto inverse = [](double x) { return x > 0.0 ? 1.0 / x : 1.0; };
-    rows_ = S_.cwiseAbs().rowwise().maxCoeff().unaryExpr(inverse);
-    columns_ =
-        (rows_.asDiagonal() * S_).cwiseAbs().colwise().maxCoeff().transpose().unaryExpr(inverse);
-    lu_.compute(rows_.asDiagonal() * S_ * columns_.asDiagonal());
-    return lu_.isInvertible() ? FactorStatus::ok : FactorStatus::singular;
-  }
+  FactorStatus factor() override;
   // The unknown with the largest share in the first vector of the kernel.
-  Index singular_row() const override {
-    if (lu_.isInvertible()) return -1;
-    Index row = 0;
-    lu_.kernel().col(0).cwiseAbs().maxCoeff(&row);
-    return row;
-  }
-  void solve(std::span<double> x) const override {
-    Eigen::Map<VecX> v(x.data(), static_cast<Index>(x.size()));
-    v = columns_.cwiseProduct(VecX(lu_.solve(rows_.cwiseProduct(VecX(v)))));
-  }
-  double reciprocal_condition() const override { return lu_.rcond(); }
+  Index singular_row() const override;
+  void solve(std::span<double> x) const override;
+  double reciprocal_condition() const override { return rcond_; }
   Index nonzeros() const override { return S_.size(); }
 
   const Eigen::MatrixXd& matrix() const { return S_; }
@@ -63,7 +49,9 @@ class DenseSolver : public LinearSolver {
  private:
   Eigen::MatrixXd S_, trash_;
   VecX rows_, columns_;  // scales
-  Eigen::FullPivLU<Eigen::MatrixXd> lu_;
+  struct Factors;
+  std::shared_ptr<const Factors> lu_;
+  double rcond_ = 0.0;
   std::vector<Slot> slots_;
 };
 

@@ -99,7 +99,7 @@ struct CircularArch {
       const RodSection<S> left = sections<S>(z.cast<S>(), Three<S>(w))[2];
       return Unknowns<S>(Three<S>(left.r(2) / radius, left.R(2, 0), left.R(2, 1)));
     };
-    return jacobian(end, Eigen::VectorXd::Zero(3)).determinant();
+    return dense::determinant(jacobian(end, Eigen::VectorXd::Zero(3)));
   }
 };
 
@@ -140,7 +140,7 @@ struct SymmetricArch {
       at << c.r(1) / arch.radius, c.m(2) / (arch.force * arch.radius);
       return at;
     };
-    return jacobian(middle, Eigen::VectorXd::Zero(2)).determinant();
+    return dense::determinant(jacobian(middle, Eigen::VectorXd::Zero(2)));
   }
 };
 
@@ -185,7 +185,7 @@ struct RightAngleFrame {
       return Unknowns<S>(Three<S>(end<S>(z.cast<S>(), Three<S>(w(0), w(1), S(0))).m).head(2) /
                          (force * leg));
     };
-    return jacobian(moment, Eigen::VectorXd::Zero(2)).determinant();
+    return dense::determinant(jacobian(moment, Eigen::VectorXd::Zero(2)));
   }
 };
 

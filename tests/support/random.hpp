@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -13,6 +13,7 @@
 #include <string>
 
 #include "libmbd/core/se3.hpp"
+#include "tests/support/dense.hpp"
 
 namespace mbd::test {
 
@@ -68,7 +69,7 @@ inline Pose<double> random_relative(Rng& rng, double angle, double distance) {
 inline Mat6 random_spd(Rng& rng, double scale, double length) {
   Mat6 A;
   for (Index i = 0; i < 36; ++i) A(i) = uniform(rng, -1, 1);
-  const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(A).householderQ();
+  const Eigen::MatrixXd Q = dense::orthonormal(A);
   Vec6 value, unit;
   for (Index i = 0; i < 6; ++i) value(i) = scale * log_uniform(rng, 0.1, 1);
   unit << 1, 1, 1, length, length, length;

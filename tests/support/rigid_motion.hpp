@@ -24,7 +24,7 @@ struct FixedPointState {
 
 inline Eigen::Vector3d angular_acceleration(const FixedPointBody& b, const FixedPointState& s) {
   const Eigen::Vector3d g = s.p.conjugate() * b.gravity, L = b.inertia * s.w;
-  return b.inertia.ldlt().solve(b.mass * b.center.cross(g) - s.w.cross(L));
+  return b.inertia.inverse() * (b.mass * b.center.cross(g) - s.w.cross(L));
 }
 
 inline Eigen::Vector3d position(const FixedPointBody& b, const FixedPointState& s) {

@@ -9,6 +9,8 @@
 #include <Eigen/Dense>
 #include <functional>
 
+#include "tests/support/dense.hpp"
+
 namespace mbd::test {
 
 using RodVector = Eigen::Matrix<double, 6, 1>;
@@ -41,7 +43,7 @@ inline RodState integrate(const Rod& rod, RodState x, int steps, bool backward =
     return M;
   };
   const auto rate = [&](double s, const RodState& y) {
-    const RodVector K = rod.K0(s) + rod.D(s).ldlt().solve(y.sectional());
+    const RodVector K = rod.K0(s) + dense::solve_definite(rod.D(s), y.sectional());
     RodState d;
     d.R = y.R * hat(K.tail<3>());
     d.r = y.R * K.head<3>();
@@ -79,7 +81,7 @@ inline Eigen::VectorXd root(const std::function<Eigen::VectorXd(const Eigen::Vec
       const Eigen::VectorXd e = 1e-5 * scale(c) * Eigen::VectorXd::Unit(x.size(), c);
       J.col(c) = (f(x + e) - f(x - e)) / (2e-5 * scale(c));
     }
-    const Eigen::VectorXd step = J.fullPivLu().solve(y);
+    const Eigen::VectorXd step = dense::solve(J, y);
     x -= step;
     if ((step.cwiseQuotient(scale)).norm() < 1e-13) break;
   }

@@ -55,7 +55,7 @@ struct RodPiece {
   int steps = 16;        // of the integration
 };
 
-inline RodMatrix compliance_of(const RodMatrix& D) { return D.inverse(); }
+inline RodMatrix compliance_of(const RodMatrix& D) { return dense::inverse(D); }
 inline RodMatrix compliance_of(double EA, double GA2, double GA3, double GJ, double EI2,
                                double EI3) {
   RodVector d;
@@ -147,7 +147,7 @@ template <class F>
 Eigen::VectorXd solve_shooting(const F& f, Eigen::VectorXd z, int iterations = 40) {
   double last = 0.0;
   for (int k = 0; k < iterations; ++k) {
-    const Eigen::VectorXd step = jacobian(f, z).fullPivLu().solve(Unknowns<double>(f(z)));
+    const Eigen::VectorXd step = dense::solve(jacobian(f, z), f(z));
     const double size = step.norm() / (1.0 + z.norm());
     if (!std::isfinite(size)) break;
     z -= step * std::min(1.0, 1.0 / size);
@@ -234,10 +234,10 @@ class EquilibriumPath {
     Eigen::MatrixXd J(guess.size(), guess.size());
     J.topRows(guess.size() - 1) = jacobian(f_, p.z);
     J.bottomRows(1) = direction.transpose();
-    p.t = J.fullPivLu().solve(Eigen::VectorXd::Unit(guess.size(), guess.size() - 1));
+    p.t = dense::solve(J, Eigen::VectorXd::Unit(guess.size(), guess.size() - 1));
     p.t.normalize();
     J.bottomRows(1) = p.t.transpose();
-    p.bordered = J.determinant();
+    p.bordered = dense::determinant(J);
     return p;
   }
 

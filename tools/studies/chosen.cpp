@@ -23,7 +23,6 @@
 namespace mbd::studies {
 namespace {
 
-constexpr double accuracies[] = {1e-3, 1e-4, 1e-6};
 constexpr double reference_limit = 3.0;  // times that of choosing
 constexpr double within = 10.0;          // factor, estimate to true error
 
@@ -142,7 +141,7 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
     const std::string name =
         model.duration > 0.0 ? fmt::format("{}, {:g} s", model.name, model.duration) : model.name;
     std::vector<Row> rows;
-    for (const double accuracy : accuracies) {
+    for (const double accuracy : options.accuracies) {
       Row row;
       row.accuracy = accuracy;
       row.choice = choose(scene, {.accuracy = accuracy, .limit = options.limit});
@@ -178,7 +177,8 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
       const Trial less =
           run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
       if (less.complete)
-        reference_error = disagreement(less.findings, truth.findings, accuracies[2]).rms;
+        reference_error =
+            disagreement(less.findings, truth.findings, options.accuracies.back()).rms;
       for (Row& row : rows) {
         if (!row.run.complete) continue;
         row.error = disagreement(row.run.findings, truth.findings, row.accuracy).rms;

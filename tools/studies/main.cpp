@@ -36,6 +36,9 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   chosen->add_option("--model", choosing.models, "these models alone, without .xml");
+  chosen->add_option("--accuracy", choosing.accuracies, "these accuracies alone, falling")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   chosen->callback([&out, &choosing] {
     mbd::make_directory(out);
     mbd::studies::chosen(out, choosing);

@@ -66,8 +66,9 @@ void locking(const std::filesystem::path& directory);
 void dynamic(const std::filesystem::path& directory);
 void time(const std::filesystem::path& directory);
 struct ChosenOptions {
-  double limit = 20.0;              // CPU time for choosing, each [s]
-  std::vector<std::string> models;  // names; none: all
+  double limit = 20.0;                                  // CPU time for choosing, each [s]
+  std::vector<std::string> models;                      // names; none: all
+  std::vector<double> accuracies = {1e-3, 1e-4, 1e-6};  // falling
 };
 void chosen(const std::filesystem::path& directory, const ChosenOptions& options);
 
