@@ -16,6 +16,7 @@
 #include "elements/element.hpp"
 #include "libmbd/core/dual.hpp"
 #include "libmbd/core/system.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
 

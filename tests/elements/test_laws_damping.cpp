@@ -5,6 +5,7 @@
 #include "elements/beam_damping.hpp"
 #include "elements/beam_damping_batch.hpp"
 #include "tests/elements/laws.hpp"
+#include "tests/support/dense.hpp"
 
 namespace mbd::test::test_laws_damping {
 namespace {

@@ -17,6 +17,7 @@
 #include "solvers/generalized_alpha.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/hard/whirl.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/stepping.hpp"

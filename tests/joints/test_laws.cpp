@@ -10,6 +10,7 @@
 #include "joints/joint_list.hpp"
 #include "libmbd/core/expression.hpp"
 #include "tests/elements/laws.hpp"
+#include "tests/support/dense.hpp"
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include "solvers/generalized_alpha.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/statics.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rod.hpp"
 #include "tests/support/scenes.hpp"
@@ -594,7 +595,7 @@ TEST(Joined, PortalFrame) {
   Eigen::Matrix<double, 6, 6> K = Member{2 * EA, 2 * GA, 2, 1.5, 1, 0}.K();
   K.topLeftCorner<3, 3>() += Member{EA, GA, 1, 1, 0, 1}.K().bottomRightCorner<3, 3>();
   K.bottomRightCorner<3, 3>() += Member{EA, GA, 1, 1, 0, -1}.K().topLeftCorner<3, 3>();
-  const Eigen::VectorXd u = dense::solve(K, Eigen::VectorXd::Unit(6, 0));
+  const Eigen::VectorXd u = dense::solve(K, Eigen::VectorXd(Eigen::VectorXd::Unit(6, 0)));
   std::vector<double> error;
   for (const double H : {1e-2, 1e-3}) {
     const Result r = solve(scene_of(portal(EA, GA, H)));

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "libmbd/study/transform.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_damping {
@@ -59,7 +60,7 @@ Complex eigenvalue(const std::vector<Complex>& z, double every, std::size_t firs
     N += row.adjoint() * row;
     f -= row.adjoint() * z[i + 2 * shift];
   }
-  const Eigen::Vector2cd cb = dense::solve(N, f);
+  const Eigen::Vector2cd cb = dense::solve(Eigen::MatrixXcd(N), Eigen::VectorXcd(f));
   const Complex root = std::sqrt(0.25 * cb(1) * cb(1) - cb(0));
   const double T = every * static_cast<double>(shift);
   const Complex one = std::log(-0.5 * cb(1) + root) / T, other = std::log(-0.5 * cb(1) - root) / T;

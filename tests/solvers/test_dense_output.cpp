@@ -197,7 +197,7 @@ TEST(WorkInside, HasItsOrders) {
     }
     return error;
   };
-  const std::vector<double> h = {0.8, 0.4, 0.2};
+  const std::vector<double> h = {0.2, 0.1, 0.05};
   std::vector<double> two, three, four;
   for (const double step : h) {
     two.push_back(worst(std::array{0.0, 1.0}, step));

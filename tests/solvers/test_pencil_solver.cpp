@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"

@@ -11,6 +11,7 @@
 #include "solvers/equilibrium.hpp"
 #include "solvers/klu_solver.hpp"
 #include "solvers/stability.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"

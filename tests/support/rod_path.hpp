@@ -147,7 +147,7 @@ template <class F>
 Eigen::VectorXd solve_shooting(const F& f, Eigen::VectorXd z, int iterations = 40) {
   double last = 0.0;
   for (int k = 0; k < iterations; ++k) {
-    const Eigen::VectorXd step = dense::solve(jacobian(f, z), f(z));
+    const Eigen::VectorXd step = dense::solve(jacobian(f, z), Unknowns<double>(f(z)));
     const double size = step.norm() / (1.0 + z.norm());
     if (!std::isfinite(size)) break;
     z -= step * std::min(1.0, 1.0 / size);
@@ -234,7 +234,7 @@ class EquilibriumPath {
     Eigen::MatrixXd J(guess.size(), guess.size());
     J.topRows(guess.size() - 1) = jacobian(f_, p.z);
     J.bottomRows(1) = direction.transpose();
-    p.t = dense::solve(J, Eigen::VectorXd::Unit(guess.size(), guess.size() - 1));
+    p.t = dense::solve(J, Eigen::VectorXd(Eigen::VectorXd::Unit(guess.size(), guess.size() - 1)));
     p.t.normalize();
     J.bottomRows(1) = p.t.transpose();
     p.bordered = dense::determinant(J);
