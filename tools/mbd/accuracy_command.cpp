@@ -53,15 +53,8 @@ std::string fingerprint(const Scene& scene, const std::vector<std::string>& set)
 
 std::string command_of(const AccuracyArguments& arguments) {
   std::string text = "mbd accuracy " + arguments.model;
-  const auto add = [&](std::string_view option, const std::vector<std::string>& words) {
-    for (const std::string& word : words)
-      text += fmt::format(
-          " {} {}", option,
-          word.find_first_of(" \t'\"") == std::string::npos ? word : "\"" + word + "\"");
-  };
-  add("--set", arguments.set);
-  add("--quantity", arguments.quantities);
-  add("--vary", arguments.vary);
+  text += given("--set", arguments.set) + given("--quantity", arguments.quantities) +
+          given("--vary", arguments.vary);
   if (arguments.reference != "auto") text += " --reference " + arguments.reference;
   return text + fmt::format(" --budget {:g}", arguments.budget);
 }
@@ -88,8 +81,7 @@ int study_model(const AccuracyArguments& arguments) {
     options.progress = [](const std::string& what, std::size_t done, std::size_t all, double eta) {
       const std::string count =
           all > 0 ? fmt::format("{} of {}, about {:.0f} s left: ", done + 1, all, eta) : "";
-      fmt::print(stderr, "\r\033[K{}{}", count, what);
-      std::fflush(stderr);
+      show_progress(count + what);
     };
   options.interrupted = &InterruptHandler::flag();
   AccuracyStudy study;
@@ -97,7 +89,7 @@ int study_model(const AccuracyArguments& arguments) {
     const InterruptHandler handler;
     study = study_accuracy(scene, options);
   }
-  if (shown) fmt::print(stderr, "\r\033[K");
+  if (shown) show_progress({});
   write_file(output / "accuracy.csv", to_csv(study));
   write_file(output / "accuracy.json", to_json(study));
   write_file(output / "accuracy.svg", accuracy_svg(study));

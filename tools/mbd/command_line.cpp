@@ -183,4 +183,18 @@ int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {
   return result;
 }
 
+std::string given(std::string_view option, const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words)
+    text +=
+        fmt::format(" {} {}", option,
+                    word.find_first_of(" \t'\"") == std::string::npos ? word : "\"" + word + "\"");
+  return text;
+}
+
+void show_progress(const std::string& text) {
+  fmt::print(stderr, "\r\033[K{}", text);
+  std::fflush(stderr);
+}
+
 }  // namespace mbd

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace mbd {
 
@@ -24,5 +26,11 @@ void set_examples(CLI::App& command, std::string_view examples,
 // (`status`); 1 if it threw, or if what it printed could not be written; 100 and more for wrong use, which is
 // answered with the nearest command or option.
 int run_command_line(CLI::App& app, int argc, char** argv, const int& status);
+
+// " --set a=1 --set b=2": an option as often as it was given, as a shell reads it; words with blanks or quotes in quotes.
+std::string given(std::string_view option, const std::vector<std::string>& words);
+
+// Overwrites the line on a terminal that says what a study is doing.
+void show_progress(const std::string& text);
 
 }  // namespace mbd

@@ -30,10 +30,8 @@ struct EffectsArguments {
 };
 
 std::string command_of(const EffectsArguments& arguments) {
-  std::string text = "mbd effects " + arguments.model;
-  for (const std::string& one : arguments.set) text += " --set " + one;
-  for (const std::string& one : arguments.quantities) text += " --quantity " + one;
-  return text +
+  return "mbd effects " + arguments.model + given("--set", arguments.set) +
+         given("--quantity", arguments.quantities) +
          fmt::format(" --tolerance {:g} --budget {:g}", arguments.tolerance, arguments.budget);
 }
 
@@ -58,8 +56,7 @@ int study_model(const EffectsArguments& arguments) {
   if (shown)
     options.progress = [](const std::string& what, std::size_t done, std::size_t all) {
       const std::string count = all > 0 ? fmt::format("{} of {}: ", done + 1, all) : "";
-      fmt::print(stderr, "\r\033[K{}{}", count, what);
-      std::fflush(stderr);
+      show_progress(count + what);
     };
   if (arguments.instructions)
     options.instructions = [&](const std::vector<std::string>& keys) {
@@ -82,7 +79,7 @@ int study_model(const EffectsArguments& arguments) {
     const InterruptHandler handler;
     study = study_effects(scene, options);
   }
-  if (shown) fmt::print(stderr, "\r\033[K");
+  if (shown) show_progress({});
   write_file(output / "effects.csv", to_csv(study));
   write_file(output / "effects.json", to_json(study));
   write_file(output / "effects.svg", effects_svg(study));

@@ -66,7 +66,7 @@ class ProgressLine {
     dirty_ = true;
   }
   ~ProgressLine() {
-    if (dirty_) fmt::print(stderr, "\r\033[K");
+    if (dirty_) show_progress({});
   }
 
  private:
@@ -113,10 +113,9 @@ void choose_settings(const RunArguments& arguments, Scene& scene, RunOptions& op
       choose(scene, {.accuracy = requested_accuracy(arguments.accuracy),
                      .limit = arguments.choose_within,
                      .progress = [&](const std::string& what) {
-                       if (terminal) fmt::print(stderr, "\r\033[Kpilot {}: {}", ++count, what);
-                       std::fflush(stderr);
+                       if (terminal) show_progress(fmt::format("pilot {}: {}", ++count, what));
                      }});
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (terminal) show_progress({});
   options.accuracy = summary_of(choice);
   options.notes.insert(options.notes.end(), choice.notes.begin(), choice.notes.end());
   if (!arguments.quiet) {
@@ -147,11 +146,10 @@ void certify_run(const RunArguments& arguments, const Scene& scene,
           {.within = arguments.certify_within,
            .progress =
                [&](const std::string& what) {
-                 if (terminal) fmt::print(stderr, "\r\033[Kcertificate: {}", what);
-                 std::fflush(stderr);
+                 if (terminal) show_progress("certificate: " + what);
                }},
           report);
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (terminal) show_progress({});
   write_file(output / "report.json", to_json(report));
 }
 

@@ -40,11 +40,7 @@ int torture_models(const TortureArguments& arguments) {
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
   TortureOptions options{
       .kinds = arguments.trials, .budget = arguments.budget, .seed = arguments.seed};
-  if (shown)
-    options.progress = [](const std::string& what) {
-      fmt::print(stderr, "\r\033[K{}", what);
-      std::fflush(stderr);
-    };
+  if (shown) options.progress = show_progress;
   options.interrupted = &InterruptHandler::flag();
   const InterruptHandler handler;
   std::vector<Torture> all;
@@ -58,7 +54,7 @@ int torture_models(const TortureArguments& arguments) {
       status = 1;
       continue;
     }
-    if (shown) fmt::print(stderr, "\r\033[K");
+    if (shown) show_progress({});
     const Torture& one = all.back();
     write_file(output / (std::filesystem::path(file).stem().string() + ".json"), to_json(one));
     write_file(output / "torture.csv", to_csv(all));
