@@ -27,7 +27,8 @@ struct Ablation {
 std::vector<Ablation> ablations_of(const Scene& scene);
 
 // The scene without the effects of these keys. Records, plots and expectations of what no longer exists (sectional
-// forces of a rigid beam) are left out. Their order does not matter. Throws Error for keys that are none of ablations_of(scene), naming them.
+// forces of a rigid beam) are left out. The order of keys does not matter. Throws Error for keys that are none of
+// ablations_of(scene), naming them.
 Scene without(const Scene& scene, std::span<const std::string> keys);
 
 }  // namespace mbd

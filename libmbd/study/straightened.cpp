@@ -13,9 +13,11 @@
 namespace mbd {
 namespace {
 
-const Section& section_of(const Scene& scene, const BeamScene& beam) {
-  return *std::find_if(scene.sections.begin(), scene.sections.end(),
-                       [&](const Section& s) { return s.name == beam.section; });
+// Null where there is none of that name, which compile says.
+const Section* section_of(const Scene& scene, const BeamScene& beam) {
+  const auto it = std::find_if(scene.sections.begin(), scene.sections.end(),
+                               [&](const Section& s) { return s.name == beam.section; });
+  return it == scene.sections.end() ? nullptr : &*it;
 }
 
 bool is_taken(const Scene& scene, const std::string& name) {
@@ -87,8 +89,9 @@ void divide(std::vector<Along>& items, const std::string& beam, const std::vecto
 bool can_be_straightened(const Scene& scene, const BeamScene& beam) {
   if (std::holds_alternative<Straight>(beam.line) || rigid_with(scene, beam.name) != nullptr)
     return false;
-  const Section& section = section_of(scene, beam);
-  if (!section.stations.empty() && section.interpolation == Section::Interpolation::smooth)
+  const Section* const section = section_of(scene, beam);
+  if (section == nullptr || beam.elements < 1) return false;
+  if (!section->stations.empty() && section->interpolation == Section::Interpolation::smooth)
     return false;
   const ReferenceLine line = make_reference_line(beam);
   const auto start = line.at(0.0).p;
@@ -113,7 +116,7 @@ void straighten(Scene& scene, const std::string& name) {
   const std::vector<double> ends = element_ends(scene, beam, beam.elements);
   const std::vector<std::string> names = names_of_pieces(scene, beam);
   const ReferenceLine line = make_reference_line(beam);
-  const Section section = section_of(scene, beam);
+  const Section section = *section_of(scene, beam);
 
   std::vector<BeamScene> pieces;
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -267,7 +267,12 @@ TEST(InvarianceSlow, ResidualAndTangentFarAway) {
     a.linearize(at, weights, ra, A);
     const double k = std::max(largest_stiffness(a, A), 1e-3);
     at = random_state(a, spacing, 0.01 * k * spacing, 11);
-    State moved_at = at;
+    State moved_at = b.reference_state();  // with its own signals, of which there may be more
+    moved_at.pose = at.pose;
+    moved_at.V = at.V;
+    moved_at.Vdot = at.Vdot;
+    moved_at.lambda = at.lambda;
+    moved_at.angles = at.angles;
     for (std::size_t n = 1; n < at.pose.size(); ++n) moved_at.pose[n].r += far.shift;
     ASSERT_TRUE(a.linearize(at, weights, ra, A));
     ASSERT_TRUE(b.linearize(moved_at, weights, rb, B));

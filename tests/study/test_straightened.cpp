@@ -122,6 +122,10 @@ TEST(Straightened, OnlyWhatIsCurvedFlexibleAndOfPieces) {
   EXPECT_FALSE(offered(model_scene("four_bar")));
   scene.rigids.push_back({{}, "all", {"bend"}});
   EXPECT_FALSE(offered(scene));
+  // What compile refuses is left to it.
+  scene = model_scene("bend45");
+  scene.beams[0].section = "none";
+  EXPECT_FALSE(offered(scene));
   // Of a beam that is left out as rigid, nothing is left to make straight.
   const Scene both =
       without(model_scene("bend45"), std::vector<std::string>{"curvature:bend", "rigid:bend"});
