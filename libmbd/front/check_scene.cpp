@@ -8,6 +8,7 @@
 
 #include "libmbd/front/label.hpp"
 #include "libmbd/front/laws.hpp"
+#include "libmbd/front/places.hpp"
 #include "libmbd/front/schema.hpp"
 #include "libmbd/front/section_table.hpp"
 #include "libmbd/front/spelling.hpp"
@@ -443,9 +444,10 @@ void check_beam_or_place(const Checked& item, const Item& x, std::initializer_li
     if (own.needed) item.required(own.attribute, own.given);
   item.number("from", x.from);
   item.number("to", x.to);
-  const double from = x.from.value_or(0.0), to = x.to.value_or(1.0);
-  item.fail_if(!(from < to), "to is " + schema::shortest(to) + ", must lie behind from, " +
-                                 schema::shortest(from));
+  const Part part = part_of(x);
+  item.fail_if(!(part.from < part.to), "to is " + schema::shortest(part.to) +
+                                           ", must lie behind from, " +
+                                           schema::shortest(part.from));
   item.place("at", x.at);
 }
 

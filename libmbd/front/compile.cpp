@@ -560,8 +560,8 @@ class Compiler {
       }
       const double m = *added.density * *added.coefficient * 0.25 * std::numbers::pi *
                        *added.diameter * *added.diameter;
-      for (const BeamNode& here :
-           nodes_between(beam_nodes(added), added.from.value_or(0.0), added.to.value_or(1.0))) {
+      const Part part = part_of(added);
+      for (const BeamNode& here : nodes_between(beam_nodes(added), part.from, part.to)) {
         Mat6 M = Mat6::Zero();
         M(1, 1) = M(2, 2) = here.weight * m;
         all[static_cast<std::size_t>(here.node)] +=

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "libmbd/front/label.hpp"
+#include "libmbd/front/places.hpp"
 
 namespace mbd {
 namespace {
@@ -67,8 +68,8 @@ void Drags::add(const DragScene& drag, std::span<const BeamNode> nodes) {
                along = half * std::numbers::pi * *drag.tangential_coefficient;
   const bool flowing = flows(drag), rigid = nodes.front().node == nodes.back().node;
   const drag::Flow velocity = flowing ? flow(drag) : drag::Flow{};
-  for (const BeamNode& here :
-       nodes_between(nodes, drag.from.value_or(0.0), drag.to.value_or(1.0))) {
+  const Part part = part_of(drag);
+  for (const BeamNode& here : nodes_between(nodes, part.from, part.to)) {
     const std::string name = fmt::format("drag on {}", system_.node_name(here.node));
     const double n = here.weight * across, t = here.weight * along;
     const drag::Frame frame{here.frame.R(), here.frame.r};

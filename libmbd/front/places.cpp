@@ -17,13 +17,17 @@ std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int 
   each_place(scene, [&](const Place& place) {
     if (place.kind == Place::Kind::beam && place.name == beam.name) add(place.parameter);
   });
-  const auto add_part = [&](const std::string& along, double from, double to) {
-    if (along == beam.name) add(from), add(to);
+  const auto add_parts = [&](const auto& items) {
+    for (const auto& item : items) {
+      if (item.beam != beam.name) continue;
+      const Part part = part_of(item);
+      add(part.from);
+      add(part.to);
+    }
   };
-  for (const DistributedLoadScene& l : scene.distributed_loads) add_part(l.beam, l.from, l.to);
-  for (const DragScene& d : scene.drags) add_part(d.beam, d.from.value_or(0.0), d.to.value_or(1.0));
-  for (const AddedMassScene& m : scene.added_masses)
-    add_part(m.beam, m.from.value_or(0.0), m.to.value_or(1.0));
+  add_parts(scene.distributed_loads);
+  add_parts(scene.drags);
+  add_parts(scene.added_masses);
   std::sort(ends.begin(), ends.end());
   return ends;
 }

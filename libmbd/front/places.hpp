@@ -30,6 +30,18 @@ void each_place(SomeScene& scene, const Look& look) {
   for (auto& record : scene.records) some(record.at);
 }
 
+// What lies along a part of a beam: from where to where, fractions of its reference length.
+struct Part {
+  double from = 0.0, to = 1.0;
+};
+inline Part part_of(const DistributedLoadScene& load) { return {load.from, load.to}; }
+inline Part part_of(const DragScene& drag) {
+  return {drag.from.value_or(0.0), drag.to.value_or(1.0)};
+}
+inline Part part_of(const AddedMassScene& mass) {
+  return {mass.from.value_or(0.0), mass.to.value_or(1.0)};
+}
+
 // Where elements of the beam end, as fractions of its reference length from 0 to 1: its ends, those of `elements` equal
 // parts, its places, and the ends of what lies along a part of it.
 std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int elements);

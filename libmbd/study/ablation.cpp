@@ -136,24 +136,13 @@ class Effects {
   void flexibility() {
     for (const BeamScene& beam : scene_.beams) {
       if (rigid_with(scene_, beam.name) != nullptr) continue;
-      const std::string name = rigid_name(beam.name);
+      const std::string name = free_name(scene_, beam.name + "_rigid");
       add("rigid:" + beam.name, "flexibility of " + label(beam),
           fmt::format("<rigid name=\"{}\" of=\"{}\"/>", name, beam.name),
           [name, of = beam.name](Scene& s) {
             s.rigids.push_back({{}, name, {of}});
           });
     }
-  }
-
-  std::string rigid_name(const std::string& beam) const {
-    std::string name = beam + "_rigid";
-    const auto taken = [&](const auto& items) {
-      return std::any_of(items.begin(), items.end(), [&](const auto& x) { return x.name == name; });
-    };
-    while (taken(scene_.beams) || taken(scene_.bodies) || taken(scene_.joints) ||
-           taken(scene_.motions) || taken(scene_.rigids))
-      name += "_";
-    return name;
   }
 
   void sections() {

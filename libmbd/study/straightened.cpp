@@ -28,11 +28,6 @@ bool is_taken(const Scene& scene, const std::string& name) {
          among(scene.joints) || among(scene.motions) || among(scene.rigids);
 }
 
-std::string free_name(const Scene& scene, std::string name) {
-  while (is_taken(scene, name)) name += "_";
-  return name;
-}
-
 // Of the section between two places: linear tables stay what they are.
 Section piece_of(const Section& section, double from, double to) {
   const SectionTable table(section);
@@ -60,14 +55,10 @@ void divide(std::vector<Along>& items, const std::string& beam, const std::vecto
       divided.push_back(std::move(item));
       continue;
     }
-    double from = 0.0, to = 1.0;
-    if constexpr (std::is_same_v<decltype(item.from), double>)
-      from = item.from, to = item.to;
-    else
-      from = item.from.value_or(0.0), to = item.to.value_or(1.0);
+    const Part part = part_of(item);
     for (std::size_t i = 0; i < names.size(); ++i) {
       const double middle = 0.5 * (ends[i] + ends[i + 1]);
-      if (middle < from || middle > to) continue;
+      if (middle < part.from || middle > part.to) continue;
       Along piece = item;
       piece.beam = names[i];
       piece.from = 0.0;
@@ -85,6 +76,11 @@ void divide(std::vector<Along>& items, const std::string& beam, const std::vecto
 }
 
 }  // namespace
+
+std::string free_name(const Scene& scene, std::string name) {
+  while (is_taken(scene, name)) name += "_";
+  return name;
+}
 
 bool can_be_straightened(const Scene& scene, const BeamScene& beam) {
   if (std::holds_alternative<Straight>(beam.line) || rigid_with(scene, beam.name) != nullptr)

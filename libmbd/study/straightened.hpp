@@ -14,6 +14,9 @@
 
 namespace mbd {
 
+// `name`, or where a part of the scene has it, `name` with as many _ after it as are needed.
+std::string free_name(const Scene& scene, std::string name);
+
 // Whether the named beam has initial curvature or twist, is flexible, and can be made of straight ones: not where its
 // section is interpolated by a spline through stations, of which pieces are none.
 bool can_be_straightened(const Scene& scene, const BeamScene& beam);

@@ -1,4 +1,4 @@
-// Dense linear algebra of the tests. Decompositions are compiled here once: each of them costs a compiler three to
+// Dense linear algebra of the tests. Decompositions are compiled here once: each of them costs a compiler two to
 // eight seconds in every file that has it.
 #pragma once
 

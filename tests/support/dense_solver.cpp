@@ -16,7 +16,6 @@ FactorStatus DenseSolver::factor() {
   const auto factors = std::make_shared<Factors>();
   factors->lu.compute(rows_.asDiagonal() * S_ * columns_.asDiagonal());
   lu_ = factors;
-  rcond_ = factors->lu.rcond();
   return factors->lu.isInvertible() ? FactorStatus::ok : FactorStatus::singular;
 }
 
@@ -31,5 +30,7 @@ void DenseSolver::solve(std::span<double> x) const {
   Eigen::Map<VecX> v(x.data(), static_cast<Index>(x.size()));
   v = columns_.cwiseProduct(VecX(lu_->lu.solve(rows_.cwiseProduct(VecX(v)))));
 }
+
+double DenseSolver::reciprocal_condition() const { return lu_->lu.rcond(); }
 
 }  // namespace mbd::test

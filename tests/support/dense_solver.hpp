@@ -41,7 +41,7 @@ class DenseSolver : public LinearSolver {
   // The unknown with the largest share in the first vector of the kernel.
   Index singular_row() const override;
   void solve(std::span<double> x) const override;
-  double reciprocal_condition() const override { return rcond_; }
+  double reciprocal_condition() const override;
   Index nonzeros() const override { return S_.size(); }
 
   const Eigen::MatrixXd& matrix() const { return S_; }
@@ -51,7 +51,6 @@ class DenseSolver : public LinearSolver {
   VecX rows_, columns_;  // scales
   struct Factors;
   std::shared_ptr<const Factors> lu_;
-  double rcond_ = 0.0;
   std::vector<Slot> slots_;
 };
 
