@@ -8,7 +8,7 @@
 // A force tau along x is the wrench f = tau w on b, with L = w dtau^T + tau H.
 #pragma once
 
-#include "elements/two_frames.hpp"
+#include "elements/pair/two_frames.hpp"
 #include "joints/joint.hpp"
 
 namespace mbd::joint {

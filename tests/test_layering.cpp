@@ -34,16 +34,69 @@ struct SourceFile {
 
 // ---- rules ------------------------------------------------------------------------------------
 
+// A room is the files of its folder and of the folders in it that are no rooms of their own; or one file.
 struct Room {
   std::string_view folder;
-  int level;  // a file may include from its own room and from rooms of a lower level
+  std::vector<std::string_view> uses;  // earlier rooms; of a folder of rooms: all of them
 };
 
-constexpr std::array rooms{
-    Room{"libmbd/core/", 0},  Room{"elements/", 1},     Room{"joints/", 2}, Room{"solvers/", 3},
-    Room{"libmbd/front/", 4}, Room{"libmbd/study/", 5}, Room{"tools/", 6},  Room{"tests/", 6},
-};
-constexpr int outside_the_library = 6;                   // level of tools/ and tests/
+constexpr std::string_view solvers = "solvers/", study = "libmbd/study/";
+
+// Each room uses itself and rooms above it only. Scenes are plain data: they know neither kernels nor solvers; and
+// what computes knows nothing of scenes.
+const std::vector<Room>& rooms() {
+  static const std::vector<Room> table = [] {
+    const std::vector<std::string_view> core{"libmbd/core/"};
+    const auto with = [](std::vector<std::string_view> some,
+                         std::initializer_list<std::string_view> more) {
+      some.insert(some.end(), more);
+      return some;
+    };
+    const auto elements = with(core, {"elements/"}), joints = with(elements, {"joints/"});
+    const auto newton = with(joints, {"solvers/newton/"});
+    const auto constraints = with(newton, {"solvers/linear/", "solvers/constraints/"});
+    const auto scene = with(core, {"libmbd/text/", "libmbd/scene/"});
+    const auto language = with(scene, {"joints/", "libmbd/language/"});
+    const auto compile = with(language, {"elements/", "elements/beam/", "elements/node/",
+                                         "elements/pair/", solvers, "libmbd/compile/"});
+    const auto results = with(compile, {"libmbd/results/"});
+    const auto pictures = with(results, {"libmbd/pictures/"});
+    const auto run = with(pictures, {"libmbd/run/"});
+    const auto trial = with(run, {"libmbd/study/trial/"});
+    const auto accuracy = with(trial, {"libmbd/study/accuracy/"});
+    const auto library = with(accuracy, {study});
+    return std::vector<Room>{
+        {"libmbd/core/", {}},
+        {"libmbd/text/", core},
+        {"elements/", core},
+        {"elements/beam/", elements},
+        {"elements/node/", elements},
+        {"elements/pair/", elements},
+        {"joints/", with(elements, {"elements/pair/"})},
+        {"solvers/newton/", joints},
+        {"solvers/linear/", newton},
+        {"solvers/constraints/", constraints},
+        {"solvers/statics/", constraints},
+        {"solvers/time/", constraints},
+        {"libmbd/scene/", scene},
+        {"libmbd/language/", language},
+        {"libmbd/compile/", compile},
+        {"libmbd/results/", results},
+        {"libmbd/pictures/", pictures},
+        {"libmbd/run/", run},
+        {"libmbd/study/trial/", trial},
+        {"libmbd/study/accuracy/", accuracy},
+        {"libmbd/study/effects/", accuracy},
+        {"libmbd/study/trust/", trial},
+        {"tools/", library},
+        {"tests/", library},
+    };
+  }();
+  return table;
+}
+bool is_outside_the_library(const Room& room) {
+  return room.folder == "tools/" || room.folder == "tests/";
+}
 constexpr std::string_view umbrella = "libmbd/mbd.hpp";  // includes the library, for its users
 
 struct ThirdParty {
@@ -56,18 +109,24 @@ struct ThirdParty {
 const std::vector<ThirdParty>& third_parties() {
   static const std::vector<std::string_view> everywhere{""};
   static const std::vector<ThirdParty> table{
-      {"tinyxml2.h", {"libmbd/front/"}, true, true},
-      {"udunits2.h", {"libmbd/front/"}, true, true},
-      {"klu.h", {"solvers/"}, true, true},
-      {"suitesparse/klu.h", {"solvers/"}, true, true},
-      {"dmumps_c.h", {"solvers/"}, true, true},
-      {"kinsol/", {"solvers/"}, true, true},
-      {"ida/", {"solvers/"}, true, true},
-      {"nvector/", {"solvers/sundials.hpp"}, false, true},
-      {"sundials/", {"solvers/sundials.hpp"}, false, true},
-      {"solvers/sundials.hpp", {"solvers/ida.cpp", "solvers/kinsol.cpp"}, true, false},  // ours
+      {"tinyxml2.h", {"libmbd/language/"}, true, true},
+      {"udunits2.h", {"libmbd/language/"}, true, true},
+      {"klu.h", {"solvers/linear/"}, true, true},
+      {"suitesparse/klu.h", {"solvers/linear/"}, true, true},
+      {"dmumps_c.h", {"solvers/linear/"}, true, true},
+      {"kinsol/", {"solvers/statics/"}, true, true},
+      {"ida/", {"solvers/time/"}, true, true},
+      {"nvector/", {"solvers/newton/sundials.hpp"}, false, true},
+      {"sundials/", {"solvers/newton/sundials.hpp"}, false, true},
+      {"solvers/newton/sundials.hpp",  // ours
+       {"solvers/time/ida.cpp", "solvers/statics/kinsol.cpp"},
+       true,
+       false},
       {"CLI/", {"tools/"}, false, false},
-      {"nlohmann/", {"libmbd/front/", "libmbd/study/", "tools/", "tests/"}, true, false},
+      {"nlohmann/",
+       {"libmbd/results/", "libmbd/pictures/", "libmbd/run/", "libmbd/study/", "tools/", "tests/"},
+       true,
+       false},
       {"fmt/", everywhere, true, false},
       {"gtest/", {"tests/"}, false, false},
       {"gmock/", {"tests/"}, false, false},
@@ -103,9 +162,12 @@ bool begins_with_any(std::string_view path, const std::vector<std::string_view>&
 }
 
 const Room* room_of(std::string_view path) {
-  const auto* room = std::find_if(rooms.begin(), rooms.end(),
-                                  [&](const Room& r) { return path.starts_with(r.folder); });
-  return room == rooms.end() ? nullptr : room;
+  const Room* best = nullptr;
+  for (const Room& room : rooms())
+    if (path.starts_with(room.folder) &&
+        (best == nullptr || room.folder.size() > best->folder.size()))
+      best = &room;
+  return best;
 }
 
 bool is_cpp(std::string_view path) { return path.ends_with(".cpp"); }
@@ -154,22 +216,24 @@ std::vector<Include> includes_of(const std::string& text) {
 std::string room_violation(std::string_view path, std::string_view target) {
   const Room* from = room_of(path);
   const Room* to = room_of(target);
-  const bool library_user = from != nullptr && from->level == outside_the_library;
   if (target == umbrella) {
-    return library_user ? "" : "the umbrella is for users of the library; include what is needed";
+    return from != nullptr && is_outside_the_library(*from)
+               ? ""
+               : "the umbrella is for users of the library; include what is needed";
   }
   if (path == umbrella) {
-    return to != nullptr && to->level < outside_the_library
-               ? ""
-               : "the umbrella takes in the library only";
+    return to != nullptr && !is_outside_the_library(*to) ? ""
+                                                         : "the umbrella takes in the library only";
   }
   if (to == nullptr) return "no such room";
   if (from == to) return "";
-  if (to->level == outside_the_library) return "tools/ and tests/ are included by nobody else";
-  if (to->level > from->level) {
-    return std::string(to->folder) + " comes after " + std::string(from->folder) +
-           "; move what is needed to an earlier room";
-  }
+  if (is_outside_the_library(*to)) return "tools/ and tests/ are included by nobody else";
+  if (std::none_of(from->uses.begin(), from->uses.end(), [&](std::string_view used) {
+        return used == to->folder ||
+               ((used == solvers || used == study) && to->folder.starts_with(used));
+      }))
+    return std::string(from->folder) + " does not use " + std::string(to->folder) +
+           "; move what is needed to a room that both use";
   return "";
 }
 
@@ -274,14 +338,15 @@ TEST(Layering, AcceptsWhatIsAllowed) {
       {"elements/beam.hpp",
        include("\"libmbd/core/se3.hpp\"") + include("\"elements/section.hpp\"")},
       {"joints/revolute.hpp", include("\"elements/rigid_body.hpp\"")},
-      {"solvers/klu_solver.cpp", include("<suitesparse/klu.h>") + include("<fmt/format.h>")},
-      {"solvers/sundials.hpp", include("<sundials/sundials_matrix.h>")},
-      {"solvers/ida.cpp", include("<ida/ida.h>") + include("\"solvers/sundials.hpp\"")},
-      {"libmbd/front/xml_reader.cpp", include("<tinyxml2.h>") + include("\"solvers/newton.hpp\"")},
-      {"libmbd/front/report.cpp", include("<nlohmann/json.hpp>")},
-      {"libmbd/study/accuracy_report.cpp",
-       include("\"libmbd/front/text.hpp\"") + include("<nlohmann/json.hpp>")},
-      {"libmbd/mbd.hpp", include("\"libmbd/front/compile.hpp\"")},
+      {"solvers/linear/klu_solver.cpp", include("<suitesparse/klu.h>") + include("<fmt/format.h>")},
+      {"solvers/newton/sundials.hpp", include("<sundials/sundials_matrix.h>")},
+      {"solvers/time/ida.cpp", include("<ida/ida.h>") + include("\"solvers/newton/sundials.hpp\"")},
+      {"libmbd/language/xml_reader.cpp",
+       include("<tinyxml2.h>") + include("\"joints/joint_list.hpp\"")},
+      {"libmbd/results/report.cpp", include("<nlohmann/json.hpp>")},
+      {"libmbd/study/accuracy/accuracy_report.cpp",
+       include("\"libmbd/text/text.hpp\"") + include("<nlohmann/json.hpp>")},
+      {"libmbd/mbd.hpp", include("\"libmbd/compile/compile.hpp\"")},
       {"tools/mbd/main.cpp", include("\"libmbd/mbd.hpp\"") + include("<CLI/CLI.hpp>")},
       {"tests/test_beam.cpp", include("\"tests/laws.hpp\"") + include("<gtest/gtest.h>")},
       {"README.md", "Some text.\n"},
@@ -293,14 +358,28 @@ TEST(Layering, FindsEachViolation) {
   const std::vector<Case> cases{
       {"earlier room includes later room",
        {{"elements/beam.hpp", "// text\n" + include("\"joints/revolute.hpp\"")}}},
-      {"core includes front", {{"libmbd/core/state.cpp", include("\"libmbd/front/scene.hpp\"")}}},
-      {"blanks do not hide it", {{"elements/a.hpp", " #  include  \"solvers/newton.hpp\"\n"}}},
-      {"front includes study", {{"libmbd/front/run.cpp", include("\"libmbd/study/trial.hpp\"")}}},
-      {"XML in a study", {{"libmbd/study/a.cpp", include("<tinyxml2.h>")}}},
-      {"JSON in a header of a study", {{"libmbd/study/a.hpp", include("<nlohmann/json.hpp>")}}},
-      {"library includes a test", {{"solvers/newton.cpp", include("\"tests/laws.hpp\"")}}},
+      {"core includes a scene", {{"libmbd/core/state.cpp", include("\"libmbd/scene/scene.hpp\"")}}},
+      {"a scene includes a kernel",
+       {{"libmbd/scene/scene.hpp", include("\"elements/element.hpp\"")}}},
+      {"a kernel includes a scene",
+       {{"elements/element.hpp", include("\"libmbd/scene/scene.hpp\"")}}},
+      {"the language includes a solver",
+       {{"libmbd/language/a.cpp", include("\"solvers/time/radau.hpp\"")}}},
+      {"statics include steps in time",
+       {{"solvers/statics/a.cpp", include("\"solvers/time/radau.hpp\"")}}},
+      {"trust includes effects",
+       {{"libmbd/study/trust/a.cpp", include("\"libmbd/study/effects/a.hpp\"")}}},
+      {"blanks do not hide it",
+       {{"elements/beam/a.hpp", " #  include  \"joints/revolute.hpp\"\n"}}},
+      {"a run includes a study",
+       {{"libmbd/run/run.cpp", include("\"libmbd/study/trial/trial.hpp\"")}}},
+      {"XML in a study", {{"libmbd/study/trial/a.cpp", include("<tinyxml2.h>")}}},
+      {"JSON in a header of a study",
+       {{"libmbd/study/trial/a.hpp", include("<nlohmann/json.hpp>")}}},
+      {"library includes a test", {{"solvers/newton/newton.cpp", include("\"tests/laws.hpp\"")}}},
       {"a test includes a tool", {{"tests/test_beam.cpp", include("\"tools/mbd/plot.hpp\"")}}},
-      {"library includes the umbrella", {{"solvers/newton.cpp", include("\"libmbd/mbd.hpp\"")}}},
+      {"library includes the umbrella",
+       {{"solvers/newton/newton.cpp", include("\"libmbd/mbd.hpp\"")}}},
       {"umbrella includes a tool", {{"libmbd/mbd.hpp", include("\"tools/mbd/plot.hpp\"")}}},
       {"include not from the root", {{"elements/beam.hpp", include("\"section.hpp\"")}}},
       {"include through a parent", {{"elements/beam.hpp", include("\"../joints/revolute.hpp\"")}}},
@@ -309,19 +388,22 @@ TEST(Layering, FindsEachViolation) {
       {"include of no room", {{"elements/a.hpp", include("\"libmbd/extra.hpp\"")}}},
       {"foreign extension", {{"elements/a.h", "\n"}}},
       {"XML in the core", {{"libmbd/core/a.cpp", include("<tinyxml2.h>")}}},
-      {"XML in a header", {{"libmbd/front/a.hpp", include("<tinyxml2.h>")}}},
+      {"XML in a header", {{"libmbd/language/a.hpp", include("<tinyxml2.h>")}}},
       {"two XML readers",
-       {{"libmbd/front/a.cpp", include("<tinyxml2.h>")},
-        {"libmbd/front/b.cpp", include("<tinyxml2.h>")}}},
+       {{"libmbd/language/a.cpp", include("<tinyxml2.h>")},
+        {"libmbd/language/b.cpp", include("<tinyxml2.h>")}}},
       {"two users of KLU, two spellings",
-       {{"solvers/a.cpp", include("<klu.h>")}, {"solvers/b.cpp", include("<suitesparse/klu.h>")}}},
-      {"SUNDIALS in another header", {{"solvers/a.hpp", include("<nvector/nvector_serial.h>")}}},
-      {"SUNDIALS in another solver", {{"solvers/a.cpp", include("\"solvers/sundials.hpp\"")}}},
-      {"command line in the library", {{"libmbd/front/a.cpp", include("<CLI/CLI.hpp>")}}},
-      {"JSON in a header", {{"libmbd/front/a.hpp", include("<nlohmann/json.hpp>")}}},
+       {{"solvers/linear/a.cpp", include("<klu.h>")},
+        {"solvers/linear/b.cpp", include("<suitesparse/klu.h>")}}},
+      {"SUNDIALS in another header",
+       {{"solvers/time/a.hpp", include("<nvector/nvector_serial.h>")}}},
+      {"SUNDIALS in another solver",
+       {{"solvers/time/a.cpp", include("\"solvers/newton/sundials.hpp\"")}}},
+      {"command line in the library", {{"libmbd/results/a.cpp", include("<CLI/CLI.hpp>")}}},
+      {"JSON in a header", {{"libmbd/results/a.hpp", include("<nlohmann/json.hpp>")}}},
       {"JSON in a kernel", {{"elements/a.cpp", include("<nlohmann/json.hpp>")}}},
       {"fmt in a header", {{"libmbd/core/error.hpp", include("<fmt/format.h>")}}},
-      {"GPL", {{"solvers/a.cpp", include("<Eigen/SPQRSupport>")}}},
+      {"GPL", {{"solvers/time/a.cpp", include("<Eigen/SPQRSupport>")}}},
       {"path outside, relative", {{"README.md", "line\nsee " + outside_paths[0] + "/x\n"}}},
       {"path outside, absolute", {{"tools/run", outside_paths[1] + "main\n"}}},
   };
@@ -336,8 +418,8 @@ TEST(Layering, SaysWhereAndWhy) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(
       found[0],
-      "elements/beam.hpp:2: includes joints/revolute.hpp: joints/ comes after elements/; move "
-      "what is needed to an earlier room");
+      "elements/beam.hpp:2: includes joints/revolute.hpp: elements/ does not use joints/; move "
+      "what is needed to a room that both use");
 }
 
 // ---- the repository ---------------------------------------------------------------------------
@@ -348,6 +430,32 @@ TEST(Layering, RepositoryKeepsToItsRooms) {
                                      [](const SourceFile& file) { return is_source(file.path); });
   EXPECT_GT(sources, 1) << "the repository was not found in " << MBD_SOURCE_DIR;
   EXPECT_EQ(joined(violations(files)), "");
+}
+
+TEST(Layering, RoomsAreListedAfterThoseTheyUse) {
+  std::set<std::string_view> before;
+  for (const Room& room : rooms()) {
+    for (const std::string_view used : room.uses)
+      EXPECT_TRUE(used == room.folder || used == solvers || used == study || before.contains(used))
+          << room.folder << " uses " << used;
+    before.insert(room.folder);
+  }
+}
+
+// So many that one can still look around in it.
+TEST(Layering, NoRoomIsTooLarge) {
+  std::map<const Room*, std::pair<int, std::ptrdiff_t>> sizes;
+  for (const SourceFile& file : read_repository(MBD_SOURCE_DIR)) {
+    const Room* const room = room_of(file.path);
+    if (room == nullptr || is_outside_the_library(*room) || !is_source(file.path)) continue;
+    auto& [count, lines] = sizes[room];
+    ++count;
+    lines += std::count(file.text.begin(), file.text.end(), '\n');
+  }
+  for (const auto& [room, size] : sizes) {
+    EXPECT_LE(size.first, 30) << room->folder;
+    EXPECT_LE(size.second, 6000) << room->folder;
+  }
 }
 
 TEST(Layering, NothingElseAtTheTopLevel) {

@@ -10,7 +10,7 @@
 // form.
 //
 // Symbols: x [m, rad] or v [m/s, rad/s]; f [N, N.m]; F [J] (of a law of v: [W], not used).
-// At a kink f' is the one on the right. Laws are continuous (front/laws.hpp refuses others): a jump would
+// At a kink f' is the one on the right. Laws are continuous (libmbd/scene/laws.hpp refuses others): a jump would
 // leave equilibria and steps without a solution.
 #pragma once
 

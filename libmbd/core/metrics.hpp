@@ -14,11 +14,10 @@
 // are refused beyond 0.9 of that.
 #pragma once
 
+#include "libmbd/core/choices.hpp"
 #include "libmbd/core/se3.hpp"
 
 namespace mbd {
-
-enum class Metric { matrix, quaternion, geodesic };
 
 // Equation (2): force and moment on k, and minus those on j. Three-vectors, because joining two of them
 // and reading the six at once waits for the stores.

@@ -7,11 +7,10 @@
 #include <array>
 #include <vector>
 
+#include "libmbd/core/choices.hpp"
 #include "libmbd/core/types.hpp"
 
 namespace mbd {
-
-enum class Rule { gauss, gauss_lobatto };
 
 // Points in ]-1, 1[ or [-1, 1] in rising order, and weights that sum to 2.
 template <class T>

@@ -40,7 +40,7 @@ struct State {
   std::vector<Vec6> V;     // [v; w], body frame of the node            [m/s, rad/s]
   std::vector<Vec6> Vdot;  // its time derivative, body frame            [m/s2, rad/s2]
   VecX lambda;             // constraint multipliers, as each joint's file defines them [N, N.m]
-  // Rows of lambda, rising, that repeat others (solvers/redundancy.hpp): not imposed, their multipliers 0. Only of
+  // Rows of lambda, rising, that repeat others (solvers/constraints/redundancy.hpp): not imposed, their multipliers 0. Only of
   // a System that allows them.
   std::vector<Index> idle;
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)

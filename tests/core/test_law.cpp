@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/laws.hpp"
+#include "libmbd/scene/laws.hpp"
 
 namespace mbd::test::test_law {
 namespace {
@@ -38,9 +38,7 @@ TEST(Law, OfAnExpression) {
 }
 
 LawScene table(std::vector<std::array<double, 2>> points, bool smooth) {
-  return TableScene{{},
-                    std::move(points),
-                    smooth ? TableScene::Interpolation::smooth : TableScene::Interpolation::linear};
+  return TableScene{{}, std::move(points), smooth ? Interpolation::smooth : Interpolation::linear};
 }
 
 TEST(Law, OfALinearTable) {

@@ -8,11 +8,11 @@
 #include <set>
 
 #include "elements/element_batch.hpp"
-#include "elements/mass.hpp"
+#include "elements/node/mass.hpp"
 #include "joints/any_joint_batch.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
-#include "solvers/klu_solver.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/language/reader.hpp"
+#include "solvers/linear/klu_solver.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
 

@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "elements/beam_classical.hpp"
-#include "elements/beam_elastic.hpp"
-#include "elements/beam_elastic_batch.hpp"
+#include "elements/beam/beam_classical.hpp"
+#include "elements/beam/beam_elastic.hpp"
+#include "elements/beam/beam_elastic_batch.hpp"
 #include "elements/element.hpp"
 #include "libmbd/core/dual.hpp"
 #include "libmbd/core/system.hpp"

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <vector>
 
-#include "elements/beam_field.hpp"
-#include "elements/beam_motion.hpp"
-#include "libmbd/front/model.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/statics.hpp"
+#include "elements/beam/beam_field.hpp"
+#include "elements/beam/beam_motion.hpp"
+#include "libmbd/compile/model.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/statics.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 

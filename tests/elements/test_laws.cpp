@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "elements/element_batch.hpp"
-#include "elements/gravity.hpp"
-#include "elements/mass.hpp"
-#include "elements/mass_damping.hpp"
-#include "elements/point_load.hpp"
+#include "elements/node/gravity.hpp"
+#include "elements/node/mass.hpp"
+#include "elements/node/mass_damping.hpp"
+#include "elements/node/point_load.hpp"
 
 namespace {
 

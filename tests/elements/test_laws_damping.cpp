@@ -2,8 +2,8 @@
 // one, and random velocities: tangents, objectivity, power; and that its rates are those of the elastic strains.
 #include <gtest/gtest.h>
 
-#include "elements/beam_damping.hpp"
-#include "elements/beam_damping_batch.hpp"
+#include "elements/beam/beam_damping.hpp"
+#include "elements/beam/beam_damping_batch.hpp"
 #include "tests/elements/laws.hpp"
 #include "tests/support/dense.hpp"
 

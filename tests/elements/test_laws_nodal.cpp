@@ -1,11 +1,11 @@
 // Laws of what acts on one node and is stated by few scenes: drag, motion of the base, variants of inertia.
 #include <gtest/gtest.h>
 
-#include "elements/base_motion.hpp"
-#include "elements/drag.hpp"
 #include "elements/element_batch.hpp"
-#include "elements/gravity.hpp"
-#include "elements/mass.hpp"
+#include "elements/node/base_motion.hpp"
+#include "elements/node/drag.hpp"
+#include "elements/node/gravity.hpp"
+#include "elements/node/mass.hpp"
 #include "tests/elements/laws.hpp"
 
 namespace mbd::test::test_laws_nodal {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
-#include "elements/bushing.hpp"
-#include "elements/bushing_damper.hpp"
-#include "elements/damper.hpp"
-#include "elements/spring.hpp"
+#include "elements/pair/bushing.hpp"
+#include "elements/pair/bushing_damper.hpp"
+#include "elements/pair/damper.hpp"
+#include "elements/pair/spring.hpp"
 #include "joints/joint_damper.hpp"
 #include "joints/joint_spring.hpp"
 #include "joints/joint_torque.hpp"

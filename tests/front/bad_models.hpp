@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "libmbd/front/scene.hpp"
+#include "libmbd/scene/scene.hpp"
 
 namespace mbd::test {
 

@@ -395,7 +395,7 @@ const std::vector<BadModel>& bad_models() {
        not_used},
       {"interpolation_without_stations", "cantilever", {4},
         R"(section "strip")", {"interpolation", "station"},
-       [](Scene& s) { s.sections[0].interpolation = Section::Interpolation::smooth; }},
+       [](Scene& s) { s.sections[0].interpolation = Interpolation::smooth; }},
       {"section_without_mass", "blade", {3, 14},
         R"(section "taper"|beam "blade")", {"mass", "transient"},
        [](Scene& s) { for (Station& at : s.sections[0].stations) at.mass.reset(); }, "", 20},

@@ -27,9 +27,9 @@
 #include <set>
 #include <thread>
 
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/run/run.hpp"
+#include "libmbd/text/files.hpp"
 #include "tests/front/bad_models.hpp"
 #include "tests/support/program.hpp"
 

@@ -6,9 +6,9 @@
 #include <sstream>
 #include <vector>
 
-#include "libmbd/front/build_facts.hpp"
-#include "libmbd/front/manual.hpp"
-#include "libmbd/front/report.hpp"
+#include "libmbd/language/manual.hpp"
+#include "libmbd/results/build_facts.hpp"
+#include "libmbd/results/report.hpp"
 #include "tests/support/shell.hpp"
 
 namespace mbd::test::test_commands {

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/compare.hpp"
+#include "libmbd/pictures/compare.hpp"
 #include "tests/support/program.hpp"
 
 namespace mbd::test::test_compare {

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "libmbd/front/describe.hpp"
+#include "libmbd/run/describe.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/files.hpp"
+#include "libmbd/text/files.hpp"
 
 namespace mbd::test::test_files {
 namespace {

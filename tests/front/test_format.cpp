@@ -8,8 +8,8 @@
 #include <numbers>
 #include <string>
 
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/units.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/language/units.hpp"
 #include "tests/support/read_text.hpp"
 
 namespace mbd::test::test_format {

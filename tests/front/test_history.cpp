@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/history.hpp"
+#include "libmbd/results/history.hpp"
 
 namespace mbd::test::test_history {
 namespace {

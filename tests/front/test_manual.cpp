@@ -8,10 +8,10 @@
 #include <set>
 
 #include "libmbd/core/expression.hpp"
-#include "libmbd/front/manual.hpp"
-#include "libmbd/front/manual_chapters.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
+#include "libmbd/language/manual.hpp"
+#include "libmbd/language/manual_chapters.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/run/run.hpp"
 #include "tests/support/shell.hpp"
 
 namespace mbd::test::test_manual {
@@ -46,7 +46,7 @@ TEST(Manual, DescribesEachElementOnce) {
     const std::string section = to_markdown(element);
     const std::size_t first = page.find(section);
     ASSERT_NE(first, std::string::npos)
-        << "<" << element.name << "> is in no group of libmbd/front/manual_chapters.cpp";
+        << "<" << element.name << "> is in no group of libmbd/language/manual_chapters.cpp";
     EXPECT_EQ(page.find("### " + std::string(element.name) + "\n", first + 5), std::string::npos)
         << element.name;
     for (const schema::Attribute& attribute : element.attributes) {

@@ -13,11 +13,11 @@
 #include <set>
 #include <string>
 
-#include "libmbd/front/expect.hpp"
-#include "libmbd/front/history.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
-#include "libmbd/front/summary.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/results/expect.hpp"
+#include "libmbd/results/history.hpp"
+#include "libmbd/results/summary.hpp"
+#include "libmbd/run/run.hpp"
 
 namespace mbd::test::test_models {
 namespace {

@@ -11,12 +11,12 @@
 #include <sstream>
 #include <string>
 
-#include "libmbd/front/expect.hpp"
-#include "libmbd/front/observers.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/report.hpp"
-#include "libmbd/front/run.hpp"
-#include "libmbd/front/summary.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/results/expect.hpp"
+#include "libmbd/results/observers.hpp"
+#include "libmbd/results/report.hpp"
+#include "libmbd/results/summary.hpp"
+#include "libmbd/run/run.hpp"
 
 namespace mbd::test::test_observers {
 namespace {

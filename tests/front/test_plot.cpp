@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "libmbd/front/plot.hpp"
+#include "libmbd/pictures/plot.hpp"
 
 namespace mbd::plot::test_plot {
 namespace {

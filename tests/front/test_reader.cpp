@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string>
 
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/schema.hpp"
-#include "libmbd/front/spelling.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/language/schema.hpp"
+#include "libmbd/text/spelling.hpp"
 #include "tests/support/read_text.hpp"
 
 namespace mbd::test::test_reader {

@@ -57,7 +57,7 @@ TEST(ReaderOfBeams, Stations) {
                            M + "</station><repeat count=\"2\"><station at=\"(i+1)/2\">" + D + M +
                            "</station></repeat></section>");
   const Section& s = scene.sections.at(0);
-  EXPECT_EQ(s.interpolation, Section::Interpolation::smooth);
+  EXPECT_EQ(s.interpolation, Interpolation::smooth);
   ASSERT_EQ(s.stations.size(), 3u);
   EXPECT_EQ(s.stations[1].at, 0.5);
   EXPECT_TRUE(s.stations[2].mass);

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "elements/mass.hpp"
+#include "elements/node/mass.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_rigid {

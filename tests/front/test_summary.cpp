@@ -6,8 +6,8 @@
 #include <sstream>
 #include <string>
 
-#include "libmbd/front/run.hpp"
-#include "libmbd/front/summary.hpp"
+#include "libmbd/results/summary.hpp"
+#include "libmbd/run/run.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_summary {

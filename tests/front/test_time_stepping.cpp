@@ -1,7 +1,8 @@
 // How a <transient> is carried out: methods and tolerances, when rows of results are written, what is said of
 // them, and what the command line changes. What the methods themselves are worth is tested in tests/solvers.
 
-#include "libmbd/front/time_stepping.hpp"
+#include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/scene/transient.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +10,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "libmbd/front/describe.hpp"
-#include "libmbd/front/summary.hpp"
+#include "libmbd/results/summary.hpp"
+#include "libmbd/run/describe.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
 

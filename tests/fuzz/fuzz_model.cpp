@@ -11,9 +11,9 @@
 #include <iterator>
 #include <string>
 
+#include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
+#include "libmbd/language/reader.hpp"
 #include "tests/fuzz/mutation.hpp"
 
 // Of libFuzzer; size of the result, at most `most`.

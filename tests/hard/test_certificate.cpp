@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "libmbd/front/certificate.hpp"
-#include "libmbd/front/time_stepping.hpp"
-#include "libmbd/study/certify.hpp"
-#include "libmbd/study/torture.hpp"
-#include "solvers/stepper.hpp"
+#include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/results/certificate.hpp"
+#include "libmbd/study/trust/certify.hpp"
+#include "libmbd/study/trust/torture.hpp"
+#include "solvers/time/stepper.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"

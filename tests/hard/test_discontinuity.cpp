@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/model.hpp"
+#include "libmbd/compile/model.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/csv.hpp"
 #include "tests/support/landings.hpp"

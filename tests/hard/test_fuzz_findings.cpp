@@ -16,10 +16,10 @@
 #include <string>
 #include <vector>
 
+#include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/schema.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/language/schema.hpp"
 #include "tests/fuzz/mutation.hpp"
 #include "tests/hard/hard_case.hpp"
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
-#include "libmbd/front/summary.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/results/summary.hpp"
+#include "libmbd/run/run.hpp"
 
 namespace mbd::test::test_hard_models {
 namespace {

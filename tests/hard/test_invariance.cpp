@@ -1,5 +1,5 @@
 // Case 8: a model gives the same wherever it stands, in whatever units and order it is written down, and however many
-// runs go on beside it. Bounds come from the runs themselves (study/sameness.hpp): what another tolerance and a
+// runs go on beside it. Bounds come from the runs themselves (libmbd/study/trust/sameness.hpp): what another tolerance and a
 // change in the twelfth digit make of the motion; where that is more than 1e-3, trajectories are not compared.
 
 #include <fmt/format.h>
@@ -15,9 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include "libmbd/study/sameness.hpp"
-#include "libmbd/study/transform.hpp"
-#include "solvers/increments.hpp"
+#include "libmbd/study/trust/sameness.hpp"
+#include "libmbd/study/trust/transform.hpp"
+#include "solvers/newton/increments.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"

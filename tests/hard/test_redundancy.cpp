@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <numbers>
 
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/time_stepping.hpp"
-#include "solvers/initial.hpp"
-#include "solvers/redundancy.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/compile/time_stepping.hpp"
+#include "solvers/constraints/initial.hpp"
+#include "solvers/constraints/redundancy.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"

@@ -15,9 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include "libmbd/front/history.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/results/history.hpp"
+#include "libmbd/run/run.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"

@@ -7,11 +7,11 @@
 #include <functional>
 #include <numbers>
 
+#include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/time_stepping.hpp"
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/klu_solver.hpp"
+#include "libmbd/scene/transient.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/scenes.hpp"
 

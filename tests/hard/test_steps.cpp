@@ -13,8 +13,8 @@
 #include <numbers>
 #include <vector>
 
-#include "libmbd/front/time_stepping.hpp"
-#include "solvers/generalized_alpha.hpp"
+#include "libmbd/compile/time_stepping.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/hard/whirl.hpp"
 #include "tests/support/dense.hpp"

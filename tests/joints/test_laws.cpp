@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "elements/element_batch.hpp"
-#include "elements/gravity.hpp"
+#include "elements/node/gravity.hpp"
 #include "joints/any_joint_batch.hpp"
 #include "joints/joint_list.hpp"
 #include "libmbd/core/expression.hpp"

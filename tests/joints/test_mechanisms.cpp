@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "libmbd/front/schema.hpp"
+#include "libmbd/language/schema.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 

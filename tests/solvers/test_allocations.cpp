@@ -3,9 +3,9 @@
 // makes its own arrays by malloc; the steps counted here have none, or the test says so.
 #include <gtest/gtest.h>
 
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/radau.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/generalized_alpha.hpp"
+#include "solvers/time/radau.hpp"
 #include "tests/support/scenes.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)

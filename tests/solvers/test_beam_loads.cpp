@@ -4,10 +4,10 @@
 
 #include <numbers>
 
-#include "libmbd/front/model.hpp"
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/statics.hpp"
+#include "libmbd/compile/model.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/statics.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tests/support/dense.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rod.hpp"
@@ -181,8 +181,7 @@ TEST_P(TaperOrder, RolledUp) {
         scene.beams[0].order = N;
         scene.beams[0].elements = elements;
         Section& section = scene.sections[0];
-        section.interpolation =
-            smooth ? Section::Interpolation::smooth : Section::Interpolation::linear;
+        section.interpolation = smooth ? Interpolation::smooth : Interpolation::linear;
         for (const double at : smooth ? std::vector{0.0, 0.25, 0.6, 1.0} : std::vector{0.0, 1.0}) {
           section.stations.push_back({{}, at, section.stiffness, {}});
           section.stations.back().stiffness(4, 4) = e(at);

@@ -10,8 +10,8 @@
 #include <functional>
 #include <numbers>
 
-#include "libmbd/front/describe.hpp"
-#include "libmbd/front/model.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/run/describe.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -8,9 +8,9 @@
 
 #include <numbers>
 
-#include "elements/beam_motion.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reference_line.hpp"
+#include "elements/beam/beam_motion.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/scene/reference_line.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 

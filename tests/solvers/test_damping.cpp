@@ -17,7 +17,7 @@
 #include <numbers>
 #include <vector>
 
-#include "libmbd/study/transform.hpp"
+#include "libmbd/study/trust/transform.hpp"
 #include "tests/support/dense.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -161,8 +161,7 @@ TEST(StructuralDamping, SectionsThatVaryAndEntriesByName) {
   thin.stiffness *= 0.3;
   *thin.mass *= 0.5;
   section.stations = {thick, thin};
-  for (const auto interpolation :
-       {Section::Interpolation::linear, Section::Interpolation::smooth}) {
+  for (const auto interpolation : {Interpolation::linear, Interpolation::smooth}) {
     section.interpolation = interpolation;
     const Table t = run_well(scene).table;
     const Complex s = eigenvalue(complex(t["bend.displacement.3"]), every, 100, 40);

@@ -1,5 +1,5 @@
 // Hermite interpolation on SE(3) against an analytic motion.
-#include "solvers/dense_output.hpp"
+#include "solvers/time/dense_output.hpp"
 
 #include <gtest/gtest.h>
 

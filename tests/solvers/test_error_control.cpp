@@ -1,5 +1,5 @@
 // Units of errors, first steps, what the controller makes of errors, and where steps land.
-#include "solvers/error_control.hpp"
+#include "solvers/time/error_control.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "libmbd/core/error.hpp"
-#include "solvers/stepper.hpp"
+#include "solvers/time/stepper.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_error_control {

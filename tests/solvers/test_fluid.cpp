@@ -6,9 +6,9 @@
 #include <numbers>
 #include <string>
 
-#include "libmbd/front/describe.hpp"
-#include "libmbd/front/drags.hpp"
-#include "libmbd/study/transform.hpp"
+#include "libmbd/compile/drags.hpp"
+#include "libmbd/run/describe.hpp"
+#include "libmbd/study/trust/transform.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_fluid {

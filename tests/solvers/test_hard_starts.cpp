@@ -8,11 +8,11 @@
 #include <limits>
 
 #include "elements/element_batch.hpp"
-#include "elements/mass.hpp"
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/initial.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/statics.hpp"
+#include "elements/node/mass.hpp"
+#include "solvers/constraints/initial.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/statics.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tests/support/rigid_motion.hpp"
 #include "tests/support/scenes.hpp"
 

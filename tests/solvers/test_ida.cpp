@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/model.hpp"
-#include "solvers/ida.hpp"
-#include "solvers/initial.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/stabilized_index2.hpp"
+#include "solvers/constraints/initial.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/ida.hpp"
+#include "solvers/time/stabilized_index2.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 

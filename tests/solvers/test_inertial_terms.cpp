@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "libmbd/front/describe.hpp"
+#include "libmbd/run/describe.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_inertial_terms {

@@ -8,9 +8,9 @@
 #include <set>
 #include <string>
 
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
-#include "solvers/mechanism.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/language/reader.hpp"
+#include "solvers/constraints/mechanism.hpp"
 
 namespace mbd::test::test_mechanism {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <ostream>
 
-#include "libmbd/front/time_stepping.hpp"
+#include "libmbd/compile/time_stepping.hpp"
 #include "tests/support/stepping.hpp"
 
 namespace mbd::test::test_methods_agree {

@@ -1,5 +1,5 @@
 // The systems of an implicit Runge-Kutta step by KLU against dense LU, real and complex.
-#include "solvers/pencil_solver.hpp"
+#include "solvers/linear/pencil_solver.hpp"
 
 #include <gtest/gtest.h>
 

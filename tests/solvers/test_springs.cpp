@@ -49,7 +49,7 @@ TEST(Springs, OscillatorConvergesAtTheOrderOfTheMethod) {
 TEST(Springs, SmoothTableOfDuffingsLaw) {
   Scene scene = model_scene("damped_oscillator");
   TableScene table;
-  table.interpolation = TableScene::Interpolation::smooth;
+  table.interpolation = Interpolation::smooth;
   for (const double x : {-0.12, -0.05, 0.02, 0.07, 0.13})
     table.points.push_back({x, 800 * x + 80000 * x * x * x});
   const History want = run_to_table(scene);

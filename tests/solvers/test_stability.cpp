@@ -8,9 +8,9 @@
 #include <numbers>
 #include <random>
 
-#include "solvers/equilibrium.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/stability.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/equilibrium.hpp"
+#include "solvers/statics/stability.hpp"
 #include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "solvers/klu_solver.hpp"
-#include "solvers/statics.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/statics.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_statics {

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/klu_solver.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tests/support/altered_solver.hpp"
 #include "tests/support/landings.hpp"
 #include "tests/support/scenes.hpp"

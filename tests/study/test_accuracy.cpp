@@ -1,5 +1,5 @@
 // The study of accuracy: its errors against numbers from elsewhere, its orders, and what it does when time is short.
-#include "libmbd/study/accuracy.hpp"
+#include "libmbd/study/accuracy/accuracy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <map>
 
-#include "libmbd/front/files.hpp"
+#include "libmbd/text/files.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_accuracy {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "libmbd/study/accuracy_page.hpp"
+#include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/support/synthetic_study.hpp"
 

@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "libmbd/study/accuracy_page.hpp"
-#include "libmbd/study/accuracy_report.hpp"
-#include "libmbd/study/accuracy_words.hpp"
+#include "libmbd/study/accuracy/accuracy_page.hpp"
+#include "libmbd/study/accuracy/accuracy_report.hpp"
+#include "libmbd/study/accuracy/accuracy_words.hpp"
 #include "tests/support/synthetic_study.hpp"
 
 namespace mbd::test::test_accuracy_report {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "libmbd/study/choose.hpp"
+#include "libmbd/study/accuracy/choose.hpp"
 #include "tests/support/rigid_cases.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"

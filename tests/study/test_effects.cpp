@@ -1,14 +1,14 @@
 // Ablations change what they say and nothing else; the study finds their worth in closed form, and the cheapest model
 // it suggests keeps its tolerance when it is run.
-#include "libmbd/study/effects.hpp"
+#include "libmbd/study/effects/effects.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "libmbd/front/loads.hpp"
-#include "libmbd/study/effects_report.hpp"
+#include "libmbd/compile/loads.hpp"
+#include "libmbd/study/effects/effects_report.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_effects {

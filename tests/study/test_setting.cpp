@@ -1,5 +1,5 @@
 // Knobs of accuracy: what a setting changes of a scene, how it is written, and lists of values.
-#include "libmbd/study/setting.hpp"
+#include "libmbd/study/trial/setting.hpp"
 
 #include <gtest/gtest.h>
 

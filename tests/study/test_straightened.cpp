@@ -1,6 +1,6 @@
 // Curved beams made of straight ones: geometry, mass, places and loads are those of the curved beam to the order of
 // polygons, h^2, and to round-off where nothing is curved.
-#include "libmbd/study/straightened.hpp"
+#include "libmbd/study/effects/straightened.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "libmbd/front/model.hpp"
-#include "libmbd/study/ablation.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/study/effects/ablation.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_straightened {

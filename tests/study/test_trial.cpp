@@ -1,5 +1,5 @@
 // Runs in processes of their own: what they find is what a run finds, and whatever becomes of them is told.
-#include "libmbd/study/trial.hpp"
+#include "libmbd/study/trial/trial.hpp"
 
 #include <gtest/gtest.h>
 

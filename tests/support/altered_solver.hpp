@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "solvers/klu_solver.hpp"
+#include "solvers/linear/klu_solver.hpp"
 
 namespace mbd::test {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "elements/beam_elastic.hpp"
+#include "elements/beam/beam_elastic.hpp"
 
 namespace mbd::test {
 namespace {

@@ -3,7 +3,7 @@
 // the displacement and errors of the discretisation show down to there.
 #pragma once
 
-#include "elements/beam_elastic_batch.hpp"
+#include "elements/beam/beam_elastic_batch.hpp"
 #include "libmbd/core/se3.hpp"
 
 namespace mbd::test {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "solvers/report.hpp"
+#include "solvers/newton/report.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test {

@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "libmbd/front/check_scene.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/language/check_scene.hpp"
+#include "libmbd/language/reader.hpp"
 
 namespace mbd::test {
 

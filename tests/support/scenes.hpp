@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/run/run.hpp"
 #include "tests/support/csv.hpp"
 
 namespace mbd::test {

@@ -8,14 +8,14 @@
 #include <functional>
 #include <memory>
 
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/observers.hpp"
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/increments.hpp"
-#include "solvers/initial.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/radau.hpp"
-#include "solvers/statics.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/results/observers.hpp"
+#include "solvers/constraints/initial.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/newton/increments.hpp"
+#include "solvers/statics/statics.hpp"
+#include "solvers/time/generalized_alpha.hpp"
+#include "solvers/time/radau.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test {

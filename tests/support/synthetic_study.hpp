@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "libmbd/study/accuracy.hpp"
+#include "libmbd/study/accuracy/accuracy.hpp"
 
 namespace mbd::test {
 

@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/build_facts.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/time_stepping.hpp"
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/klu_solver.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/results/build_facts.hpp"
+#include "libmbd/scene/transient.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tools/benchmark/sink.hpp"
 
 namespace mbd {

@@ -13,14 +13,14 @@
 #include <functional>
 #include <random>
 
-#include "elements/beam_damping_batch.hpp"
-#include "elements/beam_elastic_batch.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/time_stepping.hpp"
-#include "solvers/generalized_alpha.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/statics.hpp"
+#include "elements/beam/beam_damping_batch.hpp"
+#include "elements/beam/beam_elastic_batch.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/scene/transient.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/statics.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tools/benchmark/ladder.hpp"
 #include "tools/benchmark/sink.hpp"
 

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/build_facts.hpp"
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/study/accuracy.hpp"
-#include "libmbd/study/accuracy_page.hpp"
-#include "libmbd/study/accuracy_report.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/results/build_facts.hpp"
+#include "libmbd/study/accuracy/accuracy.hpp"
+#include "libmbd/study/accuracy/accuracy_page.hpp"
+#include "libmbd/study/accuracy/accuracy_report.hpp"
+#include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"

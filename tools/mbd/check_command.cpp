@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/describe.hpp"
-#include "libmbd/front/reader.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/run/describe.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/overrides.hpp"
 

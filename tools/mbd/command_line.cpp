@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/build_facts.hpp"
-#include "libmbd/front/manual.hpp"
-#include "libmbd/front/report.hpp"
-#include "libmbd/front/spelling.hpp"
+#include "libmbd/language/manual.hpp"
+#include "libmbd/results/build_facts.hpp"
+#include "libmbd/results/report.hpp"
+#include "libmbd/text/spelling.hpp"
 
 namespace mbd {
 namespace {

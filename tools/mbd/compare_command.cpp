@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/compare.hpp"
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/plot.hpp"
+#include "libmbd/pictures/compare.hpp"
+#include "libmbd/pictures/plot.hpp"
+#include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
 
 namespace mbd {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/schema.hpp"
+#include "libmbd/language/schema.hpp"
 #include "tools/mbd/command_line.hpp"
 
 namespace mbd {

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/study/effects.hpp"
-#include "libmbd/study/effects_report.hpp"
-#include "libmbd/study/instructions.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/study/effects/effects.hpp"
+#include "libmbd/study/effects/effects_report.hpp"
+#include "libmbd/study/trial/instructions.hpp"
+#include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"

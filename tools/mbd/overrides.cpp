@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "libmbd/front/schema.hpp"
-#include "libmbd/front/time_stepping.hpp"
-#include "libmbd/front/units.hpp"
+#include "libmbd/language/schema.hpp"
+#include "libmbd/language/units.hpp"
+#include "libmbd/scene/transient.hpp"
 
 namespace mbd {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/reader.hpp"
+#include "libmbd/language/reader.hpp"
 
 namespace mbd {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/history.hpp"
-#include "libmbd/front/plot.hpp"
+#include "libmbd/pictures/plot.hpp"
+#include "libmbd/results/history.hpp"
+#include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
 
 namespace mbd {

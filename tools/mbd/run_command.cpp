@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
-#include "libmbd/front/expect.hpp"
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
-#include "libmbd/front/summary.hpp"
-#include "libmbd/study/ablation.hpp"
-#include "libmbd/study/certify.hpp"
-#include "libmbd/study/choose.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/results/expect.hpp"
+#include "libmbd/results/summary.hpp"
+#include "libmbd/run/run.hpp"
+#include "libmbd/study/accuracy/choose.hpp"
+#include "libmbd/study/effects/ablation.hpp"
+#include "libmbd/study/trust/certify.hpp"
+#include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/manual.hpp"
-#include "libmbd/front/schema.hpp"
-#include "libmbd/front/spelling.hpp"
+#include "libmbd/language/manual.hpp"
+#include "libmbd/language/schema.hpp"
+#include "libmbd/text/spelling.hpp"
 #include "tools/mbd/command_line.hpp"
 
 namespace mbd {

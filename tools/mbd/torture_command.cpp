@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/study/torture.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/study/trust/torture.hpp"
+#include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"

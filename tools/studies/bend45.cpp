@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "elements/beam_field.hpp"
-#include "libmbd/front/reader.hpp"
+#include "elements/beam/beam_field.hpp"
+#include "libmbd/language/reader.hpp"
 #include "tools/studies/study.hpp"
 
 namespace mbd::studies {

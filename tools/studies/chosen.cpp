@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/study/choose.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/study/accuracy/choose.hpp"
 #include "tools/studies/study.hpp"
 
 namespace mbd::studies {

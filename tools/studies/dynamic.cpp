@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <ctime>
 
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/run.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/run/run.hpp"
 #include "tools/studies/study.hpp"
 
 namespace mbd::studies {

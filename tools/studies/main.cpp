@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "libmbd/front/files.hpp"
+#include "libmbd/text/files.hpp"
 #include "tools/studies/study.hpp"
 
 int main(int argc, char** argv) {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <ctime>
 
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/model.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/statics.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/text/files.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/statics.hpp"
 
 namespace mbd::studies {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "libmbd/core/state.hpp"
-#include "libmbd/front/plot.hpp"
-#include "libmbd/front/scene.hpp"
+#include "libmbd/pictures/plot.hpp"
+#include "libmbd/scene/scene.hpp"
 
 namespace mbd::studies {
 

@@ -13,14 +13,15 @@
 #include <memory>
 #include <optional>
 
+#include "libmbd/compile/model.hpp"
+#include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/error.hpp"
-#include "libmbd/front/files.hpp"
-#include "libmbd/front/model.hpp"
-#include "libmbd/front/reader.hpp"
-#include "libmbd/front/time_stepping.hpp"
-#include "libmbd/study/power_law.hpp"
-#include "solvers/klu_solver.hpp"
-#include "solvers/statics.hpp"
+#include "libmbd/language/reader.hpp"
+#include "libmbd/scene/transient.hpp"
+#include "libmbd/study/accuracy/power_law.hpp"
+#include "libmbd/text/files.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/statics.hpp"
 #include "tools/studies/study.hpp"
 
 namespace mbd::studies {

@@ -1,0 +1,273 @@
+// Elastic term of the spectral beam: sectional forces S_i = D E_i at the quadrature points, E_i = K_i - K0_i.
+//
+// Energy form (formulation.md 3). phi = 1/2 sum_i w_i J_i E_i^T D E_i. With (1) of beam_motion.hpp
+//   W_p = dphi/dq_p = sum_i w_i J_i c_ip S_i                                                       (1)
+//   F   = sum_p { F_k += T^-1(q_p)^T W_p,  F_j -= T^-1(-q_p)^T W_p }                               (2)
+//   dF  = sum_i w_i J_i Bbar_i^T D Bbar_i dU + sum_p (geometric stiffness of the pair, metrics.hpp (4)) (3)
+// Self-equilibrated and objective to round-off, the gradient of phi, conserves a discrete energy.
+// (3) is not symmetric, because body-frame increments do not commute; at equilibrium it is.
+//
+// Paper's form (HB 39, 41), a Petrov-Galerkin one; not the gradient of an energy:
+//   F_a  = sum_i w_i [ l'_a S_i + J_i l_a K_i~^T S_i ]                                              (4)
+//   dF_a = sum_i w_i [ l'_a D + J_i l_a (K_i~^T D + S_i^U) ] Bbar_i dU                              (5)
+//
+// Symbols: F nodal forces, node frames [N, N.m]; the rest as in beam_motion.hpp. D may vary from point to
+// point. Not used: interpolating displacement and rotation apart (needs a rule for objectivity).
+#pragma once
+
+#include <vector>
+
+#include "elements/beam/beam_motion.hpp"
+#include "elements/element.hpp"
+#include "libmbd/core/batch.hpp"
+
+namespace mbd::beam {
+
+struct EnergyForm {
+  static constexpr const char* name = "energy form";
+};
+struct PaperForm {
+  static constexpr const char* name = "paper's form";
+};
+
+// Real: the type of the constants, as in beam_motion.hpp.
+template <class Metric, class Form, int N, class Real = double>
+struct Elastic {
+  using Z = Sizes<N>;
+  static constexpr int nodes = Z::nodes;
+  static constexpr int max_nodes = Z::max_nodes;
+  static constexpr bool has_K = true;
+  static constexpr bool has_D = false;
+  static constexpr bool needs_rates = false;
+  static constexpr bool is_energy = std::is_same_v<Form, EnergyForm>;
+
+  struct Shared {
+    Table<N, Real> table;
+    std::vector<Matrix6<Real>> stiffness;  // D: [N; M] vs [gamma; kappa]  [N, N.m, N.m2]
+  };
+  using Data = beam::Data<N, Real>;
+  template <class S>
+  using Output = ElementOutput<S, nodes, max_nodes>;
+
+  static int node_count(const Shared& shared) { return shared.table.order() + 1; }
+
+  static const Matrix6<Real>& D_at(const Shared& shared, const Data& data, int i) {
+    return shared.stiffness[static_cast<std::size_t>(data.stiffness + i * data.stiffness_stride)];
+  }
+
+  // What residual and tangent share.
+  template <class S>
+  struct Work {
+    Motion<Metric, N, S> motion;
+    std::array<Vector6<S>, Z::max_points> force;  // S_i
+    std::array<Vector6<S>, Z::max_points> full;   // K_i (paper's form only)
+    std::array<Vector6<S>, Z::max_pairs> W;       // (energy form only)
+  };
+
+  template <Want want, class S>
+  static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x,
+                    const Environment&, RateWeights, Output<S>& out) {
+    Work<S> work;
+    residual(shared, data, x, work, out);
+    if constexpr (want == Want::tangent) tangent(shared, data, work, out);
+    return work.motion.margin;
+  }
+
+  template <class S>
+  static S energy(const Shared& shared, const Data& data, const NodeState<S>* x) {
+    const int order = shared.table.order();
+    Motion<Metric, N, S> motion;
+    motion.set(order, [x](int k) -> const Pose<S>& { return x[k].H; });
+    S phi = S(0);
+    for (int i = 0; i < shared.table.points; ++i) {
+      const Vector6<S> E = strain(data, i, order * (order + 1) / 2, motion);
+      const Vector6<S> DE = D_at(shared, data, i).template cast<S>() * E;
+      phi += S(0.5 * data.wJ[static_cast<std::size_t>(i)]) * E.dot(DE);
+    }
+    return phi;
+  }
+  static Energies energies(const Shared& shared, const Data& data, const NodeState<double>* x,
+                           const Environment&) {
+    return {.kinetic = 0.0, .strain = energy<double>(shared, data, x), .potential = 0.0};
+  }
+
+  // Sectional forces [N1 Q2 Q3 M1 M2 M3] at xi, section frame: the polynomial through the quadrature
+  // points, where the strains of a Gauss rule are most accurate.
+  static Vec6 resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
+                         const std::vector<double>& points, double xi) {
+    const int order = shared.table.order();
+    Motion<Metric, N, double> motion;
+    motion.set(order, [x](int k) -> const Pose<double>& { return x[k].H; });
+    const VecX l = lagrange(points, xi);
+    Vec6 sum = Vec6::Zero();
+    for (int i = 0; i < shared.table.points; ++i)
+      sum += l(i) * (D_at(shared, data, i) * strain(data, i, order * (order + 1) / 2, motion));
+    return sum;
+  }
+
+ private:
+  // Not inlined, so that the residual is the same machine code, and the same to the last bit, with and
+  // without the tangent.
+  template <class S>
+  [[gnu::noinline, gnu::flatten]] static void residual(const Shared& shared, const Data& data,
+                                                       const NodeState<S>* x, Work<S>& work,
+                                                       Output<S>& out) {
+    const int order = shared.table.order();
+    const int pairs = order * (order + 1) / 2;
+    const int points = shared.table.points;
+    work.motion.set(order, [x](int k) -> const Pose<S>& { return x[k].H; });
+    for (int i = 0; i < points; ++i) {
+      const auto I = static_cast<std::size_t>(i);
+      const Vector6<S> K = curvature<N, S>(data, i, pairs, work.motion.q);
+      const Vector6<S> E = K - data.K0[I].template cast<S>();
+      work.force[I] = times<S>(D_at(shared, data, i).template cast<S>(), E);
+      if constexpr (!is_energy) work.full[I] = K;
+    }
+    if constexpr (is_energy) {
+      pair_forces(data, pairs, points, work.force, work.W);
+      assemble_pairs(order, work.motion, work.W, out);
+    } else {
+      assemble_paper(shared.table, data, work.force, work.full, out);
+    }
+  }
+
+  template <class S>
+  static Vector6<S> strain(const Data& data, int i, int pairs, const Motion<Metric, N, S>& motion) {
+    return curvature<N, S>(data, i, pairs, motion.q) -
+           data.K0[static_cast<std::size_t>(i)].template cast<S>();
+  }
+
+  // (1)
+  template <class S>
+  static void pair_forces(const Data& data, int pairs, int points,
+                          const std::array<Vector6<S>, Z::max_points>& force,
+                          std::array<Vector6<S>, Z::max_pairs>& W) {
+    std::array<Vector6<S>, Z::max_points> weighted;
+    for (int i = 0; i < points; ++i) {
+      const auto I = static_cast<std::size_t>(i);
+      weighted[I] = S(data.wJ[I]) * force[I];
+    }
+    for (int p = 0; p < pairs; ++p) {
+      const auto P = static_cast<std::size_t>(p);
+      W[P].setZero();
+      for (int i = 0; i < points; ++i)
+        W[P] += S(data.c[static_cast<std::size_t>(i * Z::max_pairs + p)]) *
+                weighted[static_cast<std::size_t>(i)];
+    }
+  }
+
+  // (2)
+  template <class S>
+  static void assemble_pairs(int order, const Motion<Metric, N, S>& motion,
+                             const std::array<Vector6<S>, Z::max_pairs>& W, Output<S>& out) {
+    out.r.setZero(6 * (order + 1));
+    std::size_t p = 0;
+    for (int j = 0; j < order; ++j) {
+      for (int k = j + 1; k <= order; ++k, ++p) {
+        const PairForces<S> f = motion.pair[p].forces(W[p]);
+        out.r.template segment<3>(6 * k) += f.force_k;
+        out.r.template segment<3>(6 * k + 3) += f.moment_k;
+        out.r.template segment<3>(6 * j) -= f.minus_force_j;
+        out.r.template segment<3>(6 * j + 3) -= f.minus_moment_j;
+      }
+    }
+  }
+
+  // (4)
+  template <class S>
+  static void assemble_paper(const Table<N, Real>& table, const Data& data,
+                             const std::array<Vector6<S>, Z::max_points>& force,
+                             const std::array<Vector6<S>, Z::max_points>& full, Output<S>& out) {
+    const int order = table.order();
+    out.r.setZero(6 * (order + 1));
+    for (int i = 0; i < table.points; ++i) {
+      const auto I = static_cast<std::size_t>(i);
+      const Vector6<S> along = S(table.w[I]) * force[I];
+      const Vector6<S> turned = S(data.wJ[I]) * twist_hat_transpose_times(full[I], force[I]);
+      for (int a = 0; a <= order; ++a) {
+        const auto ia = static_cast<std::size_t>(i * Z::max_nodes + a);
+        out.r.template segment<6>(6 * a) += S(table.dl[ia]) * along + S(table.l[ia]) * turned;
+      }
+    }
+  }
+
+  // (3) or (5)
+  template <class S>
+  [[gnu::noinline, gnu::flatten]] static void tangent(const Shared& shared, const Data& data,
+                                                      const Work<S>& work, Output<S>& out) {
+    const auto& [motion, force, full, W] = work;
+    const int order = shared.table.order();
+    const int rows = 6 * (order + 1);
+    const int points = shared.table.points;
+    // Bbar_i^T: columns are contiguous and as long as the element has unknowns.
+    using Strip = Eigen::Matrix<S, Output<S>::size, 6, Eigen::ColMajor | Eigen::DontAlign,
+                                6 * Z::max_nodes, 6>;
+    std::array<Strip, Z::max_points> Bt, X;
+    std::array<DualMatrix<S>, Z::max_pairs> T;
+    for (int i = 0; i < points; ++i) Bt[static_cast<std::size_t>(i)].setZero(rows, 6);
+    std::size_t p = 0;
+    for (int j = 0; j < order; ++j) {
+      for (int k = j + 1; k <= order; ++k, ++p) {
+        T[p] = motion.pair[p].T_inverse();
+        const Matrix3<S> At = T[p].A.transpose(), Bdt = T[p].B.transpose();
+        for (int i = 0; i < points; ++i) {
+          const S c = S(data.c[static_cast<std::size_t>(i * Z::max_pairs) + p]);
+          Strip& b = Bt[static_cast<std::size_t>(i)];
+          b.template block<3, 3>(6 * k, 0) += c * At;
+          b.template block<3, 3>(6 * k + 3, 0) += c * Bdt;
+          b.template block<3, 3>(6 * k + 3, 3) += c * At;
+          b.template block<3, 3>(6 * j, 0) -= c * T[p].A;
+          b.template block<3, 3>(6 * j + 3, 0) -= c * T[p].B;
+          b.template block<3, 3>(6 * j + 3, 3) -= c * T[p].A;
+        }
+      }
+    }
+    for (int i = 0; i < points; ++i) {
+      const auto I = static_cast<std::size_t>(i);
+      const Matrix6<S> D = D_at(shared, data, i).template cast<S>();
+      if constexpr (is_energy) {
+        const Matrix6<S> wD = S(data.wJ[I]) * D.transpose();
+        X[I].noalias() = Bt[I].lazyProduct(wD);
+      } else {
+        // row blocks: w l'_a D Bbar + w J l_a (K~^T D + S^U) Bbar
+        const Matrix6<S> turned =
+            S(data.wJ[I]) * (twist_hat(full[I]).transpose().lazyProduct(D) + wrench_hat(force[I]));
+        const Matrix6<S> along = S(shared.table.w[I]) * D;
+        X[I].resize(rows, 6);
+        for (int a = 0; a <= order; ++a) {
+          const auto ia = static_cast<std::size_t>(i * Z::max_nodes + a);
+          X[I].template middleRows<6>(6 * a) =
+              S(shared.table.dl[ia]) * along + S(shared.table.l[ia]) * turned;
+        }
+      }
+    }
+    // K = sum_i X_i Bbar_i, column by column with the sum in registers.
+    out.K.resize(rows, rows);
+    for (Index c = 0; c < rows; ++c) {
+      typename Output<S>::Vector column;
+      column.setZero(rows);
+      for (int i = 0; i < points; ++i) {
+        const Strip& x = X[static_cast<std::size_t>(i)];
+        const Strip& b = Bt[static_cast<std::size_t>(i)];
+        column += x.col(0) * b(c, 0) + x.col(1) * b(c, 1) + x.col(2) * b(c, 2) +
+                  x.col(3) * b(c, 3) + x.col(4) * b(c, 4) + x.col(5) * b(c, 5);
+      }
+      out.K.col(c) = column;
+    }
+    if constexpr (is_energy) {
+      p = 0;
+      for (int j = 0; j < order; ++j) {
+        for (int k = j + 1; k <= order; ++k, ++p) {
+          const PairTangent<S> t = pair_tangent(motion.g[p], motion.pair[p].forces(W[p]).on_k(),
+                                                linearized_force(motion.pair[p], T[p], W[p]));
+          out.K.template block<6, 6>(6 * k, 6 * k) += t.kk;
+          out.K.template block<6, 6>(6 * k, 6 * j) += t.kj;
+          out.K.template block<6, 6>(6 * j, 6 * k) += t.jk;
+          out.K.template block<6, 6>(6 * j, 6 * j) += t.jj;
+        }
+      }
+    }
+  }
+};
+
+}  // namespace mbd::beam

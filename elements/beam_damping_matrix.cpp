@@ -1,5 +1,0 @@
-#include "elements/beam_damping_instances.hpp"
-
-namespace mbd::beam {
-template std::unique_ptr<BeamDampingBatch> make_damping<MatrixMetric>(const SpectralTable&);
-}

@@ -1,0 +1,932 @@
+// Scene -> Model: the only place that knows both what a scene says and which types exist.
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "elements/beam/beam_classical.hpp"
+#include "elements/beam/beam_damping_batch.hpp"
+#include "elements/beam/beam_elastic_batch.hpp"
+#include "elements/node/batches.hpp"
+#include "libmbd/compile/drags.hpp"
+#include "libmbd/compile/joints.hpp"
+#include "libmbd/compile/loads.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/compile/redundancy.hpp"
+#include "libmbd/compile/springs.hpp"
+#include "libmbd/language/check_scene.hpp"
+#include "libmbd/language/schema.hpp"
+#include "libmbd/scene/label.hpp"
+#include "libmbd/scene/places.hpp"
+#include "libmbd/scene/reference_line.hpp"
+#include "libmbd/scene/section_table.hpp"
+#include "libmbd/text/spelling.hpp"
+#include "solvers/constraints/initial.hpp"
+
+namespace mbd {
+namespace {
+
+// Where an element ends: for resultants.
+struct ElementEnd {
+  const BeamElasticBatch* batch;
+  Index element;
+  double xi;
+  const BeamDampingBatch* damping;  // null without damping
+  Index damping_element;
+};
+
+struct CompiledBeam {
+  const BeamScene* scene;
+  std::vector<double> boundaries;             // parameters, with 0 and 1
+  std::vector<Attachment> boundary_nodes;     // node at each
+  std::vector<std::vector<ElementEnd>> ends;  // elements that meet at each; none of a rigid beam
+  std::vector<BeamNode> nodes;  // those of each element in turn; ends of elements twice
+};
+
+class Compiler {
+ public:
+  explicit Compiler(const Scene& scene) : scene_(scene), system_(std::make_unique<System>()) {}
+
+  Model compile() {
+    check_scene(scene_);
+    if (!scene_.transient && !scene_.statics && !scene_.path)
+      throw Error(
+          scene_.source,
+          label("mbd", scene_.name) +
+              ": there is nothing to do; give <static/>, <transient …/> or both, or <path/>");
+    for (const BeamScene& beam : scene_.beams) find_boundaries(beam);
+    for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
+    for (const BodyScene& body : scene_.bodies) add_body(body);
+    for (CompiledBeam& beam : beams_) add_beam(beam);
+    for (const BodyScene& body : scene_.bodies) attach_body(body);
+    for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
+    measure();
+    const std::vector<Mat6> all = with_added_masses();
+    if (scene_.transient) add_inertia(all);
+    add_mass_damping();
+    if (scene_.gravity) add_gravity();
+    if (scene_.base_motion) add_base_motion();
+    add_loads();
+    if (!scene_.drags.empty()) add_drags();
+    joints_.emplace(scene_, *system_, length_,
+                    [this](const Place& place, const Source& source, std::string_view who) {
+                      return find(place, source, who);
+                    });
+    joints_->add_all();
+    add_springs();
+
+    for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
+    for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
+    system_->finish(scene_.transient.has_value(), length_);
+
+    Model model;
+    model.initial = system_->reference_state();
+    if (const std::string unusable = system_->unusable_signal(model.initial); !unusable.empty())
+      throw Error(unusable);
+    set_velocities(model.initial);
+    check(model.initial);
+    find_repetitions(model);
+    if (scene_.path) add_path_channel(model);
+    add_channels(model);
+    add_lines(model);
+    model.makers = joints_->makers();
+    for (const Mat6& M : masses_) model.mass += M(0, 0);
+    model.system = std::move(system_);
+    return model;
+  }
+
+ private:
+  // --- sections ---
+
+  const Section& section_of(const BeamScene& beam) const {
+    for (const Section& s : scene_.sections)
+      if (s.name == beam.section) return s;
+    std::vector<std::string_view> names;
+    for (const Section& s : scene_.sections) names.push_back(s.name);
+    throw Error(beam.source,
+                fmt::format("{}: there is no section \"{}\"{}", label(beam), excerpt(beam.section),
+                            suggest(beam.section, names, "sections")));
+  }
+
+  // --- beams ---
+
+  void find_boundaries(const BeamScene& beam) {
+    CompiledBeam compiled{&beam, {}, {}, {}, {}};
+    const int elements = rigid_of(beam.name) != nullptr ? 1 : beam.elements;
+    compiled.boundaries = element_ends(scene_, beam, elements);
+    beams_.push_back(std::move(compiled));
+  }
+
+  BeamElasticBatch& elastic_batch(const BeamScene& beam) {
+    const auto key = std::tuple(beam.kinematics, beam.metric, beam.form, beam.rule, beam.order);
+    auto& batch = elastic_[key];
+    if (!batch) {
+      try {
+        batch = beam.kinematics == Kinematics::classical
+                    ? make_beam_classical(beam.rule, beam.order)
+                    : make_beam_elastic(beam.metric, beam.form, beam.rule, beam.order);
+      } catch (const Error& e) {
+        throw Error(beam.source, fmt::format("{}: {}", label(beam), e.what()));
+      }
+    }
+    return *batch;
+  }
+
+  // Of rates of strain; null where there is none of it, and in statics.
+  BeamDampingBatch* damping_batch(const BeamScene& beam, const Section& section) {
+    if (!scene_.transient || !section.damping) return nullptr;
+    const SectionDamping& damping = *section.damping;
+    if (damping.stiffness_proportional == 0.0 && damping.viscous.isZero(0.0)) return nullptr;
+    if (beam.kinematics == Kinematics::classical)
+      throw Error(beam.source,
+                  fmt::format("{}: kinematics=\"classical\" has no viscous forces, which the "
+                              "damping of {} asks for; leave kinematics out, or give that damping "
+                              "mass_proportional only",
+                              label(beam), label(section)));
+    auto& batch = damping_[std::tuple(beam.metric, beam.rule, beam.order)];
+    if (!batch) batch = make_beam_damping(beam.metric, beam.rule, beam.order);
+    return batch.get();
+  }
+
+  double mass_proportional(const Section& section) const {
+    return scene_.transient && section.damping ? section.damping->mass_proportional : 0.0;
+  }
+
+  void add_mass_damping(int node, const Mat6& P) {
+    mass_damping_.try_emplace(node, Mat6::Zero()).first->second += P;
+  }
+
+  void add_beam(CompiledBeam& compiled) {
+    const BeamScene& beam = *compiled.scene;
+    const Section& scene_section = section_of(beam);
+    const SectionTable section(scene_section);
+    if (scene_.transient && !section.has_mass())
+      throw Error(
+          scene_section.source,
+          fmt::format("{}: the mass is missing, which beam \"{}\" needs in a <transient>; give "
+                      "<mass per_length=… inertia=…/>",
+                      label(scene_section), beam.name));
+    const ReferenceLine line = make_reference_line(beam);
+    if (const RigidScene* const rigid = rigid_of(beam.name)) {
+      add_rigid_beam(compiled, section, mass_proportional(scene_section), line, *rigid);
+      return;
+    }
+    if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
+    BeamElasticBatch& batch = elastic_batch(beam);
+    int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
+    BeamDampingBatch* const damping = damping_batch(beam, scene_section);
+    int viscosity =
+        damping && section.is_uniform() ? damping->add_viscosity(section.viscosity(0.0)) : -1;
+    const double alpha = mass_proportional(scene_section);
+    const SpectralTable& table = batch.table();
+    const auto order = static_cast<std::size_t>(beam.order);
+    int count = 0;
+    const auto add_node = [&](double s) {
+      const Pose<double> H = line.at(s);
+      include(H.r);
+      masses_.push_back(Mat6::Zero());
+      return static_cast<int>(
+          system_->add_node(fmt::format("beam '{}' node {}", beam.name, ++count), H));
+    };
+
+    const auto add_boundary = [&](int node) {
+      compiled.boundary_nodes.push_back({node, true, reference(node), nullptr});
+    };
+    add_boundary(add_node(0.0));
+    compiled.ends.resize(compiled.boundaries.size());
+    for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
+      const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+      const auto at = [&](double xi) { return s0 + 0.5 * (s1 - s0) * (1.0 + xi); };
+      std::vector<int> nodes{compiled.boundary_nodes.back().node};
+      std::vector<Pose<double>> poses{line.at(s0)};
+      std::vector<double> places{s0};
+      for (std::size_t k = 1; k <= order; ++k) {
+        places.push_back(k == order ? s1 : at(table.nodes.points[k]));
+        nodes.push_back(add_node(places[k]));
+        poses.push_back(line.at(places[k]));
+      }
+      const double J = 0.5 * (s1 - s0) * line.length;
+      const std::vector<double> Js(order + 1, J);
+      if (!section.is_uniform()) {
+        for (std::size_t i = 0; i < table.rule.points.size(); ++i) {
+          const int one = batch.add_stiffness(section.stiffness(at(table.rule.points[i])));
+          if (i == 0) stiffness = one;
+          if (!damping) continue;
+          const int viscous = damping->add_viscosity(section.viscosity(at(table.rule.points[i])));
+          if (i == 0) viscosity = viscous;
+        }
+      }
+      const std::string name = fmt::format("beam '{}' element {}", beam.name, e + 1);
+      const int stride = section.is_uniform() ? 0 : 1;
+      const Index element = batch.add_element(Js, poses, nodes, stiffness, stride, name);
+      const Index damped =
+          damping ? damping->add_element(Js, poses, nodes, viscosity, stride, name) : -1;
+      add_boundary(nodes.back());
+      compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
+      compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
+      for (std::size_t k = 0; k <= order; ++k) {
+        const double weight = table.nodes.weights[k] * J;
+        compiled.nodes.push_back({nodes[k], places[k], weight});
+        if (section.has_mass())
+          masses_[static_cast<std::size_t>(nodes[k])] += weight * section.mass(places[k]);
+        if (alpha > 0.0) add_mass_damping(nodes[k], alpha * weight * section.mass(places[k]));
+      }
+    }
+  }
+
+  // --- what is rigid ---
+
+  const RigidScene* rigid_of(const std::string& name) const { return rigid_with(scene_, name); }
+
+  void add_rigid(const RigidScene& rigid) {
+    const auto frame = [&]() -> Pose<double> {
+      for (const BodyScene& body : scene_.bodies)
+        if (body.name == rigid.of.front()) return make_pose(body.orientation, body.at);
+      return make_reference_line(*find_beam(rigid.of.front())->scene).at(0.0);
+    };
+    masses_.push_back(Mat6::Zero());
+    rigid_nodes_[&rigid] =
+        static_cast<int>(system_->add_node(fmt::format("rigid '{}'", rigid.name), frame()));
+  }
+
+  // Its mass and its loads are integrated between the boundaries by the finest rule there is, exactly where they vary
+  // as polynomials of degree 15 do.
+  void add_rigid_beam(CompiledBeam& compiled, const SectionTable& section, double alpha,
+                      const ReferenceLine& line, const RigidScene& rigid) {
+    const SpectralTable table = spectral_table(beam::max_order, Rule::gauss);
+    const int node = rigid_nodes_.at(&rigid);
+    for (const double s : compiled.boundaries)
+      compiled.boundary_nodes.push_back({node, true, line.at(s), &rigid});
+    compiled.ends.resize(compiled.boundaries.size());
+    for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
+      const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+      for (std::size_t k = 0; k < table.nodes.points.size(); ++k) {
+        const double s = k + 1 == table.nodes.points.size()
+                             ? s1
+                             : s0 + 0.5 * (s1 - s0) * (1.0 + table.nodes.points[k]);
+        const double weight = 0.5 * (s1 - s0) * line.length * table.nodes.weights[k];
+        const Pose<double> H = line.at(s);
+        include(H.r);
+        compiled.nodes.push_back({node, s, weight, relative(reference(node), H)});
+        if (!section.has_mass()) continue;
+        const Mat6 M = transformed_mass(weight * section.mass(s), compiled.nodes.back().frame);
+        masses_[static_cast<std::size_t>(node)] += M;
+        if (alpha > 0.0) add_mass_damping(node, alpha * M);
+      }
+    }
+  }
+
+  // The turn of an element between its ends is only known up to whole turns: so here it is followed along
+  // the line. The range is that of the metric, or of the classical interpolation.
+  static void check_turns(const CompiledBeam& compiled, const ReferenceLine& line) {
+    constexpr int pieces = 16;
+    const BeamScene& beam = *compiled.scene;
+    const bool classical = beam.kinematics == Kinematics::classical;
+    const double most = classical                           ? beam::ClassicalRange::max_angle
+                        : beam.metric == Metric::matrix     ? MatrixMetric::max_angle
+                        : beam.metric == Metric::quaternion ? QuaternionMetric::max_angle
+                                                            : GeodesicMetric::max_angle;
+    for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
+      const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+      double turn = 0.0;
+      Quaternion<double> before = line.at(s0).p;
+      for (int i = 1; i <= pieces; ++i) {
+        const Quaternion<double> here = line.at(s0 + (s1 - s0) * i / pieces).p;
+        turn += log_so3<double>(before.conjugate() * here).norm();
+        before = here;
+      }
+      if (!(turn < most))
+        throw Error(
+            beam.source,
+            fmt::format("{}: element {} of {} turns by {:.0f} degrees, beyond the {:.0f} of its "
+                        "{}; give the beam more elements",
+                        label(beam), e + 1, compiled.boundaries.size() - 1,
+                        turn * 180.0 / std::numbers::pi, most * 180.0 / std::numbers::pi,
+                        classical ? "interpolation" : "metric"));
+    }
+  }
+
+  const CompiledBeam* find_beam(const std::string& name) const {
+    for (const CompiledBeam& b : beams_)
+      if (b.scene->name == name) return &b;
+    return nullptr;
+  }
+
+  static std::size_t boundary_at(const CompiledBeam& beam, double s) {
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < beam.boundaries.size(); ++i)
+      if (std::abs(beam.boundaries[i] - s) < std::abs(beam.boundaries[best] - s)) best = i;
+    return best;
+  }
+
+  // --- places ---
+
+  Attachment find(const Place& place, const Source& source, std::string_view who) const {
+    switch (place.kind) {
+      case Place::Kind::ground:
+        return {};
+      case Place::Kind::body:
+        if (const auto it = body_nodes_.find(place.name); it != body_nodes_.end())
+          return it->second;
+        break;
+      case Place::Kind::beam:
+        if (const CompiledBeam* beam = find_beam(place.name))
+          return beam->boundary_nodes[boundary_at(*beam, place.parameter)];
+        break;
+    }
+    std::vector<std::string_view> names;
+    const bool is_body = place.kind == Place::Kind::body;
+    for (const BeamScene& b : scene_.beams) {
+      if (is_body && b.name == place.name)
+        throw Error(source, fmt::format("{}: \"{}\" is a beam; write {}.start, {}.end or {}@0.5",
+                                        who, place.name, place.name, place.name, place.name));
+      names.push_back(b.name);
+    }
+    for (const BodyScene& b : scene_.bodies) {
+      if (!is_body && b.name == place.name)
+        throw Error(source, fmt::format("{}: \"{}\" is a body, which has no parameter; write {}",
+                                        who, place.name, place.name));
+      names.push_back(b.name);
+    }
+    throw Error(source, fmt::format("{}: there is no {} \"{}\"{}", who, is_body ? "body" : "beam",
+                                    place.name, suggest(place.name, names, "beams and bodies")));
+  }
+
+  Pose<double> reference(int node) const { return system_->reference_pose(node); }
+
+  // The place in the frame of its node: the identity, but in something rigid.
+  Pose<double> frame_of(const Attachment& at) const {
+    return at.rigid != nullptr ? relative(reference(at.node), at.pose) : Pose<double>{};
+  }
+
+  // --- bodies ---
+
+  void add_body(const BodyScene& body) {
+    const std::string who = label(body);
+    const Mat3& I = body.inertia;
+    if (!(I - I.transpose()).isZero(1e-12 * (I.norm() + 1e-300)))
+      throw Error(body.source,
+                  who + ": inertia is not symmetric; it must be a matrix xx yy zz xy xz yz");
+    const Vec3 principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(I), Eigen::EigenvaluesOnly)
+            .eigenvalues();
+    if (principal(0) < -1e-12 * principal(2))
+      throw Error(
+          body.source,
+          fmt::format("{}: inertia: its principal values are {:g}, {:g}, {:g}, and none must be "
+                      "negative; check the signs",
+                      who, principal(0), principal(1), principal(2)));
+    // A mass distribution obeys the triangle inequality; allow what was rounded in print.
+    if (principal(0) + principal(1) < principal(2) * (1.0 - 1e-3) && principal(2) > 0.0)
+      throw Error(
+          body.source,
+          fmt::format("{}: inertia: no body has the principal values {:g}, {:g}, {:g}: each must "
+                      "be at most the sum of the others; check the numbers",
+                      who, principal(0), principal(1), principal(2)));
+    if (body.attached_to) return;
+    include(body.at);
+    include(body.at + body.orientation * body.center);
+    const Pose<double> pose = make_pose(body.orientation, body.at);
+    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+    if (const RigidScene* const rigid = rigid_of(body.name)) {
+      const int node = rigid_nodes_.at(rigid);
+      masses_[static_cast<std::size_t>(node)] +=
+          transformed_mass(M, relative(reference(node), pose));
+      body_nodes_[body.name] = {node, false, pose, rigid};
+      return;
+    }
+    masses_.push_back(M);
+    const auto node =
+        static_cast<int>(system_->add_node(fmt::format("body '{}'", body.name), pose));
+    body_nodes_[body.name] = {node, false, pose, nullptr};
+  }
+
+  // What a body is attached to may itself be an attached body, before or after it in the scene.
+  void attach_body(const BodyScene& body) {
+    if (!body.attached_to || body_nodes_.contains(body.name)) return;
+    const Place& to = *body.attached_to;
+    if (to.kind == Place::Kind::body) {
+      attaching_.push_back(body.name);
+      if (std::find(attaching_.begin(), attaching_.end(), to.name) != attaching_.end())
+        throw Error(body.source,
+                    fmt::format("{}: attached_to: it is attached to itself{}; give another place",
+                                label(body), to.name == body.name ? "" : ", through others"));
+      for (const BodyScene& other : scene_.bodies)
+        if (other.name == to.name) attach_body(other);
+      attaching_.pop_back();
+    }
+    const Attachment at = find(to, body.source, label(body));
+    if (at.node == 0)
+      throw Error(body.source, label(body) +
+                                   ": attached_to: on the ground it does nothing; leave "
+                                   "the body out");
+    include(at.pose * body.center);
+    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+    masses_[static_cast<std::size_t>(at.node)] +=
+        at.rigid != nullptr ? transformed_mass(M, frame_of(at)) : M;
+    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid};
+  }
+
+  void add_point_mass(const PointMassScene& point) {
+    const Attachment at = find(point.at, point.source, label(point));
+    if (at.node == 0)
+      throw Error(
+          point.source,
+          label(point) + ": on the ground it does nothing; give another place, or leave it out");
+    include(at.pose * point.offset);
+    masses_[static_cast<std::size_t>(at.node)] +=
+        rigid_mass(point.mass, frame_of(at) * point.offset, Mat3::Zero());
+  }
+
+  void set_velocities(State& state) const {
+    for (const BodyScene& body : scene_.bodies) {
+      if (body.velocity.isZero() && body.angular_velocity.isZero()) continue;
+      if (state.V.empty())
+        throw Error(body.source, label(body) +
+                                     ": velocity: there is no motion in statics; leave it "
+                                     "out or give <transient …/>");
+      const Attachment& at = body_nodes_.at(body.name);
+      Vec6& V = state.V[static_cast<std::size_t>(at.node)];
+      const Vec6 own =
+          six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
+      const Vec6 of_node = at.rigid != nullptr ? Vec6(adjoint(frame_of(at)).matrix() * own) : own;
+      if (at.rigid != nullptr && !V.isZero(0.0) && !V.isApprox(of_node, 1e-9))
+        throw Error(body.source,
+                    fmt::format("{}: velocity: {} moves otherwise by that of another of its "
+                                "bodies; leave one of them out",
+                                label(body), label(*at.rigid)));
+      V = of_node;
+    }
+  }
+
+  // --- the scene's size ---
+
+  void include(const Vec3& x) {
+    if (!x.allFinite())
+      throw Error(scene_.source, label("mbd", scene_.name) +
+                                     ": a position of the scene is not finite; check its numbers");
+    low_ = any_ ? Vec3(low_.cwiseMin(x)) : x;
+    high_ = any_ ? Vec3(high_.cwiseMax(x)) : x;
+    any_ = true;
+  }
+
+  void measure() {
+    for (const JointScene& j : scene_.joints)
+      for (const std::optional<Vec3>& point : {j.at, j.at_a, j.at_b})
+        if (point) include(*point);
+    for (const SpringScene& s : scene_.springs)
+      for (const std::optional<Vec3>& point : {s.at_a, s.at_b})
+        if (point) include(*point);
+    for (const BushingScene& b : scene_.bushings)
+      if (b.at) include(*b.at);
+    if (!any_)
+      throw Error(scene_.source,
+                  label("mbd", scene_.name) + ": the scene is empty; give it a beam or a body");
+    length_ = (high_ - low_).norm();
+    if (!(length_ > 0.0)) length_ = largest_gyration();
+  }
+
+  // Diameter of gyration of bodies about their own mass centre, which have no other size; 1 m of points.
+  double largest_gyration() const {
+    double most = 0.0;
+    for (const BodyScene& body : scene_.bodies)
+      if (body.mass > 0.0)
+        most = std::max(most, 2.0 * std::sqrt(0.5 * body.inertia.trace() / body.mass));
+    return most > 0.0 ? most : 1.0;
+  }
+
+  // --- nodal terms ---
+
+  // `all`: with_added_masses().
+  void add_inertia(const std::vector<Mat6>& all) {
+    const auto batch_of = [&]<class E>(const auto& data) {
+      auto batch = std::make_unique<ElementBatch<E>>(E::name, typename E::Shared{});
+      for (int n = 1; n < system_->nodes(); ++n)
+        batch->add(data(static_cast<std::size_t>(n)), std::array{n}, system_->node_name(n));
+      system_->add_batch(std::move(batch));
+    };
+    if (scene_.transient->inertia == InertiaTerms::full)
+      batch_of.operator()<Mass>([&](std::size_t n) { return Mass::Data{all[n]}; });
+    else
+      batch_of.operator()<MassNoGyroscopic>([&](std::size_t n) {
+        return MassNoGyroscopic::Data{all[n], central_inertia(masses_[n])};
+      });
+    for (const BodyScene& body : scene_.bodies) {
+      if (body.attached_to || body_nodes_.at(body.name).rigid != nullptr) continue;
+      const auto is_body = [&body](const Place& place) {
+        return place.kind == Place::Kind::body && place.name == body.name;
+      };
+      const bool held =
+          std::any_of(scene_.joints.begin(), scene_.joints.end(),
+                      [&](const JointScene& j) { return is_body(j.a) || is_body(j.b); }) ||
+          std::any_of(scene_.motions.begin(), scene_.motions.end(),
+                      [&](const MotionScene& m) { return is_body(m.of); });
+      if (!held && !(scaled_definiteness(
+                         all[static_cast<std::size_t>(body_nodes_.at(body.name).node)]) > definite))
+        throw Error(body.source,
+                    label(body) +
+                        ": it is free and lacks mass or inertia, so that nothing determines its "
+                        "motion; give it both, or a joint that holds it");
+    }
+  }
+
+  void add_mass_damping() {
+    if (mass_damping_.empty()) return;
+    auto batch =
+        std::make_unique<ElementBatch<MassDamping>>(MassDamping::name, MassDamping::Shared{});
+    for (const auto& [node, P] : mass_damping_)
+      batch->add({P}, std::array{node}, system_->node_name(node));
+    system_->add_batch(std::move(batch));
+  }
+
+  // masses_ and what the fluid adds to them.
+  std::vector<Mat6> with_added_masses() const {
+    std::vector<Mat6> all = masses_;
+    for (const AddedMassScene& added : scene_.added_masses) {
+      if (added.at) {
+        const Attachment at = find(*added.at, added.source, label(added));
+        if (at.node == 0)
+          throw Error(added.source,
+                      label(added) + ": on the ground it does nothing; give a beam or a body");
+        all[static_cast<std::size_t>(at.node)] +=
+            at.rigid != nullptr ? transformed_mass(*added.matrix, frame_of(at)) : *added.matrix;
+        continue;
+      }
+      const double m = *added.density * *added.coefficient * 0.25 * std::numbers::pi *
+                       *added.diameter * *added.diameter;
+      const Part part = part_of(added);
+      for (const BeamNode& here : nodes_between(beam_nodes(added), part.from, part.to)) {
+        Mat6 M = Mat6::Zero();
+        M(1, 1) = M(2, 2) = here.weight * m;
+        all[static_cast<std::size_t>(here.node)] +=
+            rigid_of(added.beam) != nullptr ? transformed_mass(M, here.frame) : M;
+      }
+    }
+    return all;
+  }
+
+  // Of what acts along a beam, whose name it checks.
+  template <class Along>
+  std::span<const BeamNode> beam_nodes(const Along& along) const {
+    find({Place::Kind::beam, along.beam, 0.0}, along.source, label(along));
+    return find_beam(along.beam)->nodes;
+  }
+
+  // Adds mass and static moment of each node that has mass.
+  template <class E>
+  void add_massive(ElementBatch<E>& batch, const Source& source, std::string_view who) const {
+    if (std::all_of(masses_.begin(), masses_.end(), [](const Mat6& M) { return M(0, 0) == 0.0; }))
+      throw Error(source, fmt::format("{}: nothing in the scene has a mass; give sections <mass "
+                                      "per_length=… inertia=…/> or bodies a mass, or leave it out",
+                                      who));
+    for (int n = 1; n < system_->nodes(); ++n) {
+      const Mat6& M = masses_[static_cast<std::size_t>(n)];
+      // M = [ m I, -m c~ ; m c~, J ]
+      const Vec3 mc = axial<double>(M.bottomLeftCorner<3, 3>());
+      if (M(0, 0) > 0.0) batch.add({M(0, 0), mc}, std::array{n}, system_->node_name(n));
+    }
+  }
+
+  void add_gravity() {
+    auto batch = std::make_unique<ElementBatch<NodalGravity>>(
+        NodalGravity::name, NodalGravity::Shared{scene_.gravity->acceleration});
+    add_massive(*batch, scene_.gravity->source, "gravity");
+    system_->add_batch(std::move(batch));
+  }
+
+  void add_base_motion() {
+    const BaseMotionScene& base = *scene_.base_motion;
+    using Law = BaseMotion::Law;
+    const Law law = base.acceleration ? Law::acceleration
+                    : base.velocity   ? Law::velocity
+                                      : Law::displacement;
+    const auto& components = base.acceleration ? *base.acceleration
+                             : base.velocity   ? *base.velocity
+                                               : *base.displacement;
+    const std::string_view name = base.acceleration ? "acceleration"
+                                  : base.velocity   ? "velocity"
+                                                    : "displacement";
+    BaseMotion::Shared shared{law, {-1, -1, -1}};
+    bool moves = false;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (components[i].is_constant() && (law != Law::acceleration || components[i].value() == 0.0))
+        continue;
+      moves = true;
+      shared.signals[i] = add_base_law(components[i], base, law, name, i);
+    }
+    if (!moves) return;
+    auto batch = std::make_unique<ElementBatch<BaseMotion>>(BaseMotion::name, shared);
+    add_massive(*batch, base.source, "base_motion");
+    system_->add_batch(std::move(batch));
+  }
+
+  // A law whose derivative is an acceleration everywhere in the run. Returns its signal.
+  int add_base_law(const Expression& law, const BaseMotionScene& base, BaseMotion::Law kind,
+                   std::string_view name, std::size_t i) {
+    const double duration = scene_.transient ? scene_.transient->duration : 0.0;
+    const Signal signal =
+        law.is_constant() ? Signal::constant(law.value()) : Signal::from_expression(law);
+    const int derivatives = static_cast<int>(kind);  // taken of the law
+    const std::string who =
+        fmt::format("base_motion: {} {} \"{}\"", name, i + 1, excerpt(law.text()));
+    std::vector<Jump> jumps = signal.jumps();
+    if (derivatives > 0 && duration > 0.0)
+      if (const auto hidden = signal.undeclared_jump(0.0, duration)) jumps.push_back(*hidden);
+    for (const Jump& jump : jumps)
+      if (jump.derivative < derivatives && jump.t >= 0.0 && jump.t <= duration)
+        throw Error(base.source,
+                    fmt::format("{}: {} jumps by {:.6g} at t = {:.9g} s, an impact; make the law "
+                                "continuous",
+                                who, jump.derivative == 0 ? "it" : "its rate", jump.size, jump.t));
+    const SignalValue start = signal(0.0);
+    const double acceleration = derivatives == 0   ? start.f
+                                : derivatives == 1 ? start.fdot
+                                                   : start.fddot;
+    if (!std::isfinite(acceleration))
+      throw Error(base.source,
+                  fmt::format("{}: the acceleration it asks for at t = 0 is {}, must be a finite "
+                              "number",
+                              who, schema::shortest(acceleration)));
+    return static_cast<int>(system_->add_signal(
+        signal, derivatives == 0 ? SignalUse::load : SignalUse::drive, said(base.source, who)));
+  }
+
+  void add_drags() {
+    Drags drags(*system_);
+    for (const DragScene& drag : scene_.drags) {
+      if (drag.at) {
+        const Attachment at = find(*drag.at, drag.source, label(drag));
+        if (scene_.transient || flows(drag) || at.node == 0) drags.add(drag, at.node, frame_of(at));
+      } else {
+        const std::span<const BeamNode> nodes = beam_nodes(drag);
+        if (scene_.transient || flows(drag)) drags.add(drag, nodes);
+      }
+    }
+    drags.finish();
+  }
+
+  void add_loads() {
+    Loads loads(*system_);
+    for (const LoadScene& load : scene_.loads) {
+      const Attachment at = find(load.at, load.source, label(load));
+      loads.add(load, at.node, frame_of(at));
+    }
+    for (const DistributedLoadScene& load : scene_.distributed_loads) {
+      // Checks the beam's name; its ends are places like any other.
+      find({Place::Kind::beam, load.beam, 0.0}, load.source, label(load));
+      loads.add(load, find_beam(load.beam)->nodes);
+    }
+    loads.finish();
+  }
+
+  void add_springs() {
+    springs_.emplace(*system_, length_, scene_.transient.has_value(), *joints_,
+                     [this](const Place& place, const Source& source, std::string_view who) {
+                       return find(place, source, who);
+                     });
+    for (const SpringScene& spring : scene_.springs) springs_->add(spring);
+    for (const BushingScene& bushing : scene_.bushings) springs_->add(bushing);
+    for (const JointSpringScene& spring : scene_.joint_springs) springs_->add(spring);
+    for (const JointTorqueScene& torque : scene_.joint_torques) springs_->add(torque);
+    springs_->finish();
+  }
+
+  // --- checks ---
+
+  // Without a transient prescribed motions grow with the load, from none.
+  void check(State initial) const {
+    if (!scene_.transient) initial.load_factor = 0.0;
+    if (const std::optional<OpenConstraint> open = find_open_constraint(
+            *system_, initial, scene_.transient ? 1.0 / scene_.transient->duration : 1.0)) {
+      const Model::Maker& maker = joints_->makers()[static_cast<std::size_t>(open->multiplier)];
+      throw Error(maker.source, fmt::format("{}: {}: {}", maker.label, open->row, open->what));
+    }
+  }
+
+  // Constraints that repeat others leave rows idle.
+  void find_repetitions(Model& model) {
+    if (!has_loops(*system_)) return;
+    Redundancy found = find_redundancy(*system_, model.initial);
+    if (found.rows.empty()) return;
+    refuse_contradictions(scene_, *system_, model.initial, joints_->makers(), found);
+    system_->allow_idle_rows();
+    model.initial.idle = std::move(found.idle);
+    model.redundant = std::move(found.rows);
+  }
+
+  // --- output ---
+
+  static Channel channel(const RecordScene& record, const schema::Quantity& q,
+                         std::function<void(const State&, std::span<double>)> sample) {
+    Channel c;
+    for (int i = 1; i <= q.components; ++i) {
+      c.columns.push_back({q.components == 1 ? fmt::format("{}.{}", record.name, q.name)
+                                             : fmt::format("{}.{}.{}", record.name, q.name, i),
+                           std::string(q.unit)});
+    }
+    c.sample = std::move(sample);
+    return c;
+  }
+
+  void add_lines(Model& model) const {
+    for (const CompiledBeam& beam : beams_) {
+      if (rigid_of(beam.scene->name) != nullptr) {
+        std::vector<Model::RigidPoint>& line = model.rigid_lines.emplace_back();
+        for (const BeamNode& node : beam.nodes) line.push_back({node.node, node.frame.r});
+        continue;
+      }
+      Model::Line line{beam.scene->name, {}};
+      for (const BeamNode& node : beam.nodes)
+        if (line.nodes.empty() || line.nodes.back() != node.node) line.nodes.push_back(node.node);
+      model.lines.push_back(std::move(line));
+    }
+    for (const BodyScene& body : scene_.bodies)
+      if (const Attachment& at = body_nodes_.at(body.name); !body.attached_to)
+        model.bodies.push_back({at.node, frame_of(at).r});
+  }
+
+  void add_path_channel(Model& model) const {
+    model.path = std::make_shared<PathPlace>();
+    Channel c;
+    c.columns = {{"arc_length", ""}, {"branch", ""}, {"event", ""}};
+    const bool counted = has_potential(scene_);
+    if (counted) c.columns.push_back({"negative_eigenvalues", ""});
+    c.sample = [place = model.path, counted](const State&, std::span<double> out) {
+      out[0] = place->arc_length;
+      out[1] = place->branch;
+      out[2] = static_cast<double>(place->event);
+      if (counted) out[3] = static_cast<double>(place->negative);
+    };
+    model.channels.push_back(std::move(c));
+  }
+
+  void add_channels(Model& model) const {
+    for (const RecordScene& record : scene_.records) {
+      for (const std::string& name : record.quantities) {
+        const auto known = record.joint    ? schema::joint_quantities()
+                           : record.at     ? schema::place_quantities()
+                           : record.spring ? schema::spring_quantities()
+                                           : schema::system_quantities();
+        const schema::Quantity* const q = schema::find_quantity(known, name);  // checked
+        model.channels.push_back(channel(record, *q,
+                                         record.joint    ? joints_->sample(record, name)
+                                         : record.at     ? place_sample(record, name)
+                                         : record.spring ? springs_->sample(record, *q)
+                                                         : system_sample(name)));
+      }
+    }
+  }
+
+  using Sample = std::function<void(const State&, std::span<double>)>;
+
+  static Sample vector(std::function<Vec3(const State&)> f) {
+    return [f = std::move(f)](const State& s, std::span<double> out) {
+      const Vec3 x = f(s);
+      std::copy(x.data(), x.data() + 3, out.begin());
+    };
+  }
+
+  Sample system_sample(const std::string& name) const {
+    const System* system = system_.get();
+    const bool rates = scene_.transient.has_value();
+    const auto momentum = [system, rates](const State& s) {
+      return rates ? system->momentum(s) : Vec6(Vec6::Zero());
+    };
+    if (name == "linear_momentum")
+      return vector([momentum](const State& s) { return linear(momentum(s)); });
+    if (name == "angular_momentum")
+      return vector([momentum](const State& s) { return angular(momentum(s)); });
+    if (name == "work_of_loads")
+      return [](const State& s, std::span<double> out) { out[0] = s.work.loads; };
+    if (name == "work_of_drives")
+      return [](const State& s, std::span<double> out) { out[0] = s.work.drives; };
+    if (name == "work_of_damping")
+      return [](const State& s, std::span<double> out) { out[0] = s.work.damping; };
+    return [system, name](const State& s, std::span<double> out) {
+      const Energies e = system->energies(s);
+      out[0] = name == "kinetic_energy"     ? e.kinetic
+               : name == "strain_energy"    ? e.strain
+               : name == "potential_energy" ? e.potential
+                                            : e.total();
+    };
+  }
+
+  Sample place_sample(const RecordScene& record, const std::string& name) const {
+    const std::string who = label(record);
+    if (!record.at)
+      throw Error(record.source, fmt::format("{} needs a place (at=) or a joint", who));
+    if (name == "force" || name == "moment")
+      return resultant_sample(record, name == "force" ? 0 : 3);
+    const Attachment at = find(*record.at, record.source, who);
+    const auto n = static_cast<std::size_t>(at.node);
+    const Pose<double> frame = frame_of(at), start = at.pose;
+    const auto pose = [n, frame](const State& s) { return s.pose[n] * frame; };
+    if (name == "position") return vector([pose](const State& s) { return pose(s).r; });
+    if (name == "displacement")
+      return vector([pose, start](const State& s) { return Vec3(pose(s).r - start.r); });
+    if (name == "displacement_local")
+      return vector([pose, start](const State& s) {
+        const Pose<double> H = pose(s);
+        return Vec3(H.p.conjugate() * Vec3(H.r - start.r));
+      });
+    if (name == "rotation")
+      return vector([pose, start](const State& s) {
+        return log_so3<double>(pose(s).p * start.p.conjugate());
+      });
+    // Rates are zero in a scene without a transient.
+    const bool rates = scene_.transient.has_value();
+    const auto V = [n, rates, Ad = adjoint_inverse(frame).matrix()](const State& s) {
+      return rates ? Vec6(Ad * s.V[n]) : Vec6(Vec6::Zero());
+    };
+    if (name == "velocity")
+      return vector([pose, V](const State& s) { return Vec3(pose(s).p * linear(V(s))); });
+    if (name == "velocity_local") return vector([V](const State& s) { return linear(V(s)); });
+    if (name == "angular_velocity")
+      return vector([pose, V](const State& s) { return Vec3(pose(s).p * angular(V(s))); });
+    if (name == "angular_velocity_local")
+      return vector([V](const State& s) { return angular(V(s)); });
+    if (name == "acceleration")
+      return vector([n, pose, V, rates, Ad = adjoint_inverse(frame).matrix()](const State& s) {
+        if (!rates) return Vec3(Vec3::Zero());
+        const Vec6 twist = V(s), change = Ad * s.Vdot[n];
+        return Vec3(pose(s).p * Vec3(linear(change) + angular(twist).cross(linear(twist))));
+      });
+    throw Error(record.source, fmt::format("{}: \"{}\" is not available at a place", who, name));
+  }
+
+  // Mean of the elements that meet at the place (formulation.md 2).
+  Sample resultant_sample(const RecordScene& record, Index first) const {
+    const CompiledBeam* beam =
+        record.at->kind == Place::Kind::beam ? find_beam(record.at->name) : nullptr;
+    if (beam == nullptr)
+      throw Error(record.source, label(record) +
+                                     ": only beams have sectional forces and moments; give "
+                                     "a place of one (beam@0.5)");
+    if (const RigidScene* const rigid = rigid_of(beam->scene->name))
+      throw Error(record.source,
+                  fmt::format("{}: {} is rigid (part of {}), so that its sectional forces and "
+                              "moments are not determined; leave them out",
+                              label(record), label(*beam->scene), label(*rigid)));
+    const auto ends = beam->ends[boundary_at(*beam, record.at->parameter)];
+    return vector([ends, first](const State& s) {
+      Vec3 sum = Vec3::Zero();
+      for (const ElementEnd& end : ends) {
+        sum += end.batch->resultants(s, end.element, end.xi).segment<3>(first);
+        if (end.damping)
+          sum += end.damping->resultants(s, end.damping_element, end.xi).segment<3>(first);
+      }
+      return Vec3(sum / static_cast<double>(ends.size()));
+    });
+  }
+
+  const Scene& scene_;
+  std::unique_ptr<System> system_;
+  std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
+      elastic_;
+  std::map<std::tuple<Metric, Rule, int>, std::unique_ptr<BeamDampingBatch>> damping_;
+  std::map<int, Mat6> mass_damping_;  // by node, of those that have any [kg/s, kg.m/s, kg.m2/s]
+  std::vector<CompiledBeam> beams_;
+  std::map<std::string, Attachment> body_nodes_;
+  std::map<const RigidScene*, int> rigid_nodes_;
+  std::vector<std::string> attaching_;  // each to the next
+  std::optional<JointCompiler> joints_;
+  std::optional<Springs> springs_;
+  std::vector<Mat6> masses_{Mat6::Zero()};  // by node, without added mass
+  Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
+  bool any_ = false;
+  double length_ = 1.0;
+};
+
+}  // namespace
+
+const RigidScene* rigid_with(const Scene& scene, std::string_view name) {
+  for (const RigidScene& rigid : scene.rigids)
+    if (std::find(rigid.of.begin(), rigid.of.end(), name) != rigid.of.end()) return &rigid;
+  return nullptr;
+}
+
+std::string without_potential(const Scene& scene) {
+  for (const BeamScene& beam : scene.beams)
+    if (beam.form == Form::paper && rigid_with(scene, beam.name) == nullptr)
+      return label(beam) + " has the paper's form, which is not the gradient of an energy";
+  const auto fault = [](const auto& load) -> std::string {
+    if (load.moment) return label(load) + " has a dead moment, whose work depends on the way";
+    if (load.follower_force || load.follower_moment)
+      return label(load) + " follows what it acts on, and its work depends on the way";
+    return {};
+  };
+  for (const LoadScene& load : scene.loads)
+    if (std::string what = fault(load); !what.empty()) return what;
+  for (const DistributedLoadScene& load : scene.distributed_loads)
+    if (std::string what = fault(load); !what.empty()) return what;
+  for (const DragScene& drag : scene.drags)
+    if (flows(drag)) return label(drag) + " is of a flow, whose work depends on the way";
+  return {};
+}
+
+Model compile(const Scene& scene) { return Compiler(scene).compile(); }
+
+}  // namespace mbd

@@ -1,0 +1,92 @@
+// Joints, drives and prescribed motions of a scene -> constraints of a System, and how output reads them.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "joints/any_joint_batch.hpp"
+#include "libmbd/compile/model.hpp"
+#include "libmbd/core/system.hpp"
+#include "libmbd/language/schema.hpp"
+#include "libmbd/scene/scene.hpp"
+
+namespace mbd {
+
+// What a place of a scene is attached to.
+struct Attachment {
+  int node = 0;
+  bool is_point = false;              // of a beam: joints act at the place itself
+  Pose<double> pose{};                // reference pose of the place, inertial
+  const RigidScene* rigid = nullptr;  // which the place is part of
+};
+
+// Axes of a joint: a rotation whose third column is `third`; the first is `first`, or one perpendicular to it that
+// depends on the inertial axes.
+Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {});
+
+// Throws Error for axes without direction, or not perpendicular.
+void check_axes(const std::optional<Vec3>& axis, const std::optional<Vec3>& second_axis,
+                const Source& source, const std::string& who);
+
+class JointCompiler {
+ public:
+  // Finds the node of a place; throws Error in the name of `who`.
+  using Find = std::function<Attachment(const Place&, const Source&, std::string_view who)>;
+
+  // `length`: size of the scene. All arguments must outlive the compiler.
+  JointCompiler(const Scene& scene, System& system, double length, Find find)
+      : scene_(scene), system_(system), length_(length), find_(std::move(find)) {}
+
+  void add_all();
+
+  const std::vector<Model::Maker>& makers() const { return makers_; }
+
+  // Frames, nodes and followed angle of a joint for what acts along its free coordinate. Throws Error in the name
+  // of `who` if there is no such joint, or it has no angle (`turns`) or displacement.
+  const joint::Definition& coordinate(const std::string& joint, bool turns, const Source& source,
+                                      const std::string& who) const;
+
+  // Writes one of schema::joint_quantities() of the record's joint or motion.
+  std::function<void(const State&, std::span<double>)> sample(const RecordScene& record,
+                                                              const std::string& quantity) const;
+
+ private:
+  struct Reading {  // how output reads a joint
+    std::string what;
+    std::string why_none;  // why there is nothing to read; empty if there is
+    std::function<double(const State&)> angle, displacement;
+    std::function<Vec6(const State&)> relative_velocity, reaction;
+  };
+  struct Added {
+    const joint::AnyJointBatch* batch;
+    Index index;
+    Index angle;  // followed
+  };
+
+  joint::AnyJointBatch* batch_of(std::string_view type);
+  Added add(std::string_view type, const std::string& name, const std::string& label,
+            const Source& source, joint::Definition definition);
+  void add_joint(const JointScene& joint);
+  void add_drive(const DriveScene& drive, const JointScene& joint,
+                 const joint::Definition& definition);
+  void add_motion(const MotionScene& motion);
+  int add_law(const Expression& law, bool is_rate, const Source& source, const std::string& who,
+              std::string_view what);
+  Vec3 own_point(const Place& place, const Attachment& at, const JointScene& joint,
+                 std::string_view attribute) const;
+  const Reading& reading(const std::string& name, const Source& source, std::string_view who) const;
+  Pose<double> reference(int node) const { return system_.reference_pose(node); }
+
+  const Scene& scene_;
+  System& system_;
+  double length_;
+  Find find_;
+  std::map<std::string, Reading> readings_;
+  std::map<std::string, joint::Definition> definitions_;  // of joints
+  std::vector<Model::Maker> makers_;
+};
+
+}  // namespace mbd

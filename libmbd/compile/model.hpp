@@ -1,0 +1,80 @@
+// A compiled scene: a const System, the State it starts from, and the columns a run writes.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libmbd/core/state.hpp"
+#include "libmbd/core/system.hpp"
+#include "libmbd/scene/scene.hpp"
+#include "solvers/constraints/redundancy.hpp"
+#include "solvers/newton/report.hpp"
+
+namespace mbd {
+
+// One number of a run at an accepted state, e.g. "C.displacement.3" [m].
+struct Column {
+  std::string name;
+  std::string unit;
+};
+
+// Some neighbouring columns, and how to read them from a state (a, of the model's System).
+struct Channel {
+  std::vector<Column> columns;
+  std::function<void(const State&, std::span<double>)> sample;
+};
+
+// Where on a path the state is that is being sampled.
+struct PathPlace {
+  double arc_length = 0.0;
+  int branch = 0;
+  PathEvent event = PathEvent::none;
+  Index negative = 0;  // eigenvalues; -1: not known, within round-off of a singular point
+};
+
+struct Model {
+  std::unique_ptr<const System> system;
+  State initial;  // reference configuration, initial velocities; not yet in equilibrium
+  std::vector<Channel> channels;  // in the order of the scene's records
+  // For pictures: the nodes of each flexible beam from its start to its end, points of each rigid one, and those of
+  // free bodies.
+  struct Line {
+    std::string name;
+    std::vector<int> nodes;
+  };
+  struct RigidPoint {
+    int node;
+    Vec3 point;  // node frame [m]
+  };
+  std::vector<Line> lines;
+  std::vector<std::vector<RigidPoint>> rigid_lines;
+  std::vector<RigidPoint> bodies;
+  double mass = 0.0;                // of everything that moves, without added mass [kg]
+  std::shared_ptr<PathPlace> path;  // of a scene with <path>: its first channel reads it
+  // Who made each row of State::lambda: a joint, a drive or a motion, as messages call it.
+  struct Maker {
+    Source source;
+    std::string label;  // `revolute "A"`
+  };
+  std::vector<Maker> makers;
+  // Constraints that repeat others (solvers/constraints/redundancy.hpp); `initial` leaves as many rows idle.
+  std::vector<RedundantRow> redundant;
+};
+
+// Checks the scene as a mechanism and builds it. Throws Error, naming file, line and item, for unknown
+// or duplicate names, open joints (with the gap), sections that are not positive definite, free massless
+// nodes in a transient, relative angles beyond the metric's range.
+Model compile(const Scene& scene);
+
+// What makes the beam or body of that name rigid; nullptr if nothing does.
+const RigidScene* rigid_with(const Scene& scene, std::string_view name);
+
+// Why the forces of a scene have no potential; empty if they have one. Where they have, equilibria are
+// stable or not by the inertia of their tangent (stability.hpp).
+std::string without_potential(const Scene& scene);
+inline bool has_potential(const Scene& scene) { return without_potential(scene).empty(); }
+
+}  // namespace mbd

@@ -1,0 +1,66 @@
+#include "libmbd/compile/time_stepping.hpp"
+
+#include <algorithm>
+
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/generalized_alpha.hpp"
+#include "solvers/time/ida.hpp"
+#include "solvers/time/radau.hpp"
+
+namespace mbd {
+namespace {
+
+// BDF of order 3 and more amplify undamped oscillations, of which beams have many.
+bool has_beams(const System& system) {
+  return std::any_of(system.batches().begin(), system.batches().end(),
+                     [](const auto& batch) { return batch->type().starts_with("beam"); });
+}
+
+}  // namespace
+
+NewtonOptions newton_options(const TransientScene& transient) {
+  NewtonOptions newton =
+      transient.method == TimeMethod::radau ? RadauOptions().newton : NewtonOptions();
+  if (transient.newton_tolerance) newton.tolerance = *transient.newton_tolerance;
+  return newton;
+}
+
+ErrorTolerances error_tolerances(const TransientScene& transient) {
+  return {.relative = transient.tolerance.value_or(0.0),
+          .position = transient.position_tolerance.value_or(0.0),
+          .rotation = transient.rotation_tolerance.value_or(0.0),
+          .velocity = transient.velocity_tolerance.value_or(0.0),
+          .angular_velocity = transient.angular_velocity_tolerance.value_or(0.0)};
+}
+
+std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient) {
+  const double step = transient.step.value_or(0.0), max_step = transient.max_step.value_or(0.0);
+  switch (transient.method) {
+    case TimeMethod::generalized_alpha:
+      return std::make_unique<GeneralizedAlpha>(
+          system, make_klu_solver(),
+          GeneralizedAlphaOptions{.step = step,
+                                  .tolerances = error_tolerances(transient),
+                                  .end = transient.duration,
+                                  .max_step = max_step,
+                                  .rho_infinity = rho_infinity_of(transient),
+                                  .balance = balance_of(transient),
+                                  .newton = newton_options(transient)});
+    case TimeMethod::radau:
+      return std::make_unique<Radau>(system, make_klu_solver(), make_klu_pencil_solver(),
+                                     RadauOptions{.step = step,
+                                                  .tolerances = error_tolerances(transient),
+                                                  .end = transient.duration,
+                                                  .max_step = max_step,
+                                                  .newton = newton_options(transient)});
+    case TimeMethod::ida:
+      return std::make_unique<Ida>(system, make_klu_solver(),
+                                   IdaOptions{.tolerances = error_tolerances(transient),
+                                              .end = transient.duration,
+                                              .max_step = max_step,
+                                              .max_order = has_beams(system) ? 2 : 5});
+  }
+  throw Error(transient.source, "transient: unknown method");
+}
+
+}  // namespace mbd

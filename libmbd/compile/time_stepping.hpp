@@ -1,0 +1,20 @@
+// From a <transient> to the stepper that carries it out.
+#pragma once
+
+#include <memory>
+
+#include "libmbd/scene/transient.hpp"
+#include "solvers/time/error_control.hpp"
+#include "solvers/time/stepper.hpp"
+
+namespace mbd {
+
+// The settings that make_stepper() uses, with the method's own where the scene gives none.
+NewtonOptions newton_options(const TransientScene& transient);
+ErrorTolerances error_tolerances(const TransientScene& transient);
+
+// What integrates `system`, compiled from a scene with this transient, from t = 0. Throws Error for a method
+// that is not there, and as the stepper's constructor does.
+std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient);
+
+}  // namespace mbd

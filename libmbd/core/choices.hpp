@@ -1,0 +1,81 @@
+// What a user may choose by a word: each enum with the words for it, in its order.
+//
+// The words are those of model files, of the command line and of reports. They are what name_of() gives and what the
+// schema offers (libmbd/language/schema.hpp).
+#pragma once
+
+#include <string_view>
+
+namespace mbd {
+
+// What is interpolated between the nodes of an element: their motion (elements/beam/beam_elastic.hpp), or displacement
+// and rotation apart (elements/beam/beam_classical.hpp), which has neither a metric nor a choice of form.
+enum class Kinematics { motion, classical };
+
+// How the relative motion of two nodes is measured (metrics.hpp).
+enum class Metric { matrix, quaternion, geodesic };
+
+// Quadrature over an element (spectral.hpp).
+enum class Rule { gauss, gauss_lobatto };
+
+// Of a beam's elastic force: the energy form is the gradient of a discrete energy, the paper's a Petrov-Galerkin one.
+enum class Form { energy, paper };
+
+// How a scene is integrated in time (solvers/time).
+enum class TimeMethod { generalized_alpha, radau, ida };
+
+// How a time stepper balances inertia: by accelerations in body axes, or by momenta in inertial axes
+// (solvers/time/generalized_alpha.hpp).
+enum class Balance { acceleration, momentum };
+
+// Which terms inertia has (elements/node/mass.hpp). no_gyroscopic: without the moment w x J w about the mass centre of
+// what moves with a node.
+enum class InertiaTerms { full, no_gyroscopic };
+
+// What finds an equilibrium: our Newton iterations, or KINSOL of SUNDIALS (solvers/statics/equilibrium.hpp).
+enum class StaticSolver { newton, kinsol };
+
+// How a path of equilibria is followed, and which way of the load factor it starts (solvers/statics/path.hpp).
+enum class PathMethod { bordered, crisfield };
+enum class PathDirection { forward, backward, both };
+
+// How a table is interpolated: by straight lines, or by the interpolating spline of degree 3 (or less, with fewer than 4
+// points).
+enum class Interpolation { linear, smooth };
+
+// The words of an enum, separated by blanks.
+template <class Enum>
+inline constexpr std::string_view words_of = {};
+template <>
+inline constexpr std::string_view words_of<Kinematics> = "motion classical";
+template <>
+inline constexpr std::string_view words_of<Metric> = "matrix quaternion geodesic";
+template <>
+inline constexpr std::string_view words_of<Rule> = "gauss gauss_lobatto";
+template <>
+inline constexpr std::string_view words_of<Form> = "energy paper";
+template <>
+inline constexpr std::string_view words_of<TimeMethod> = "generalized_alpha radau ida";
+template <>
+inline constexpr std::string_view words_of<Balance> = "acceleration momentum";
+template <>
+inline constexpr std::string_view words_of<InertiaTerms> = "full no_gyroscopic";
+template <>
+inline constexpr std::string_view words_of<StaticSolver> = "newton kinsol";
+template <>
+inline constexpr std::string_view words_of<PathMethod> = "bordered crisfield";
+template <>
+inline constexpr std::string_view words_of<PathDirection> = "forward backward both";
+template <>
+inline constexpr std::string_view words_of<Interpolation> = "linear smooth";
+
+// "radau". Of the enums above only.
+template <class Enum>
+requires(!words_of<Enum>.empty()) constexpr std::string_view name_of(Enum choice) {
+  std::string_view words = words_of<Enum>;
+  for (int skip = static_cast<int>(choice); skip > 0; --skip)
+    words.remove_prefix(words.find(' ') + 1);
+  return words.substr(0, words.find(' '));
+}
+
+}  // namespace mbd

@@ -1,0 +1,894 @@
+#include "libmbd/language/reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "libmbd/language/item.hpp"
+#include "libmbd/scene/label.hpp"
+#include "libmbd/text/spelling.hpp"
+
+namespace mbd {
+namespace {
+
+// Of all <repeat> together, each times the number of its contents.
+#ifdef MBD_FUZZ  // tools/fuzz: under its instruments large models are slow, and find nothing more
+constexpr long most_repetitions = 1'000;
+#else
+constexpr long most_repetitions = 1'000'000;
+#endif
+constexpr int most_includes = 1000;
+
+class Reader {
+ public:
+  Reader(std::string file, const Overrides& overrides) : overrides_(overrides) {
+    scene_.file = std::move(file);
+  }
+
+  Scene read(const xml::Element& root) {
+    check_overrides();
+    files_.push_back(identity(scene_.file));
+    const ReadingContext context{scene_.file, parameters_, defaults_, units_};
+    check_version(root, scene_.file);
+    const Item model(root, context);
+    scene_.source = model.source();
+    scene_.name = model.text("name");
+    read_children(model);
+    check_unused_overrides();
+    check_expects();
+    return std::move(scene_);
+  }
+
+ private:
+  using Read = void (Reader::*)(const Item&);
+
+  // Before anything else is looked at: a newer file may hold what this version does not know.
+  void check_version(const xml::Element& root, const std::string& file) const {
+    std::string_view name;
+    for (const xml::Attribute& a : root.attributes)
+      if (a.name == "name") name = a.value;
+    const std::string who = label(root.name, name);
+    for (const xml::Attribute& a : root.attributes) {
+      if (root.name != "mbd" || a.name != "version") continue;
+      const std::vector<std::string_view> words = schema::words(a.value);
+      const bool is_number = words.size() == 1 && words[0].size() < 10 &&
+                             words[0].find_first_not_of("0123456789") == std::string_view::npos;
+      const int version = is_number ? std::stoi(std::string(words[0])) : 0;
+      const Source at{file, a.line};
+      if (version < 1)
+        throw Error(at, who + ": version=" + in_quotes(excerpt(a.value)) +
+                            ": must be a whole number; the newest is " +
+                            std::to_string(schema::format_version));
+      if (version > schema::format_version)
+        throw Error(at, who + ": version=" + in_quotes(a.value) +
+                            ": the file is of a newer format than this mbd reads, which is " +
+                            std::to_string(schema::format_version) + "; get a newer mbd");
+    }
+  }
+
+  void check_overrides() const {
+    std::set<std::string_view> seen;
+    for (const auto& [name, value] : overrides_)
+      if (!seen.insert(name).second)
+        throw Error("--set " + name + "=" + value + ": set twice; leave one out");
+  }
+
+  // Every --set names a parameter of the model or of a file it includes.
+  void check_unused_overrides() const {
+    std::vector<std::string_view> known;
+    for (const auto& parameter : scene_.parameters) known.emplace_back(parameter.first);
+    for (const auto& [name, value] : overrides_)
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        throw Error("--set " + name + "=" + value + ": " + scene_.file + " has no such parameter" +
+                    suggest(name, known, "parameters"));
+  }
+
+  void read_children(const Item& parent) {
+    static const std::map<std::string_view, Read> readers = {
+        {"parameter", &Reader::parameter},  //
+        {"include", &Reader::include},
+        {"defaults", &Reader::defaults},
+        {"section", &Reader::section},
+        {"beam", &Reader::beam},
+        {"arc", &Reader::beam},
+        {"curve", &Reader::beam},
+        {"distributed", &Reader::distributed},
+        {"rigid", &Reader::rigid},
+        {"point_mass", &Reader::point_mass},
+        {"body", &Reader::body},
+        {"drive", &Reader::drive},
+        {"motion", &Reader::motion},
+        {"load", &Reader::load},
+        {"spring", &Reader::spring},
+        {"bushing", &Reader::bushing},
+        {"joint_spring", &Reader::joint_spring},
+        {"joint_torque", &Reader::joint_torque},
+        {"drag", &Reader::drag},
+        {"added_mass", &Reader::added_mass},
+        {"base_motion", &Reader::base_motion},
+        {"gravity", &Reader::gravity},
+        {"static", &Reader::statics},
+        {"path", &Reader::path},
+        {"transient", &Reader::transient},
+        {"record", &Reader::record},
+        {"plot", &Reader::plot},
+        {"expect", &Reader::expect},
+        {"repeat", &Reader::repeat},
+    };
+    for (const xml::Element& child : parent.xml().children) {
+      const Item item(child, parent);
+      if (schema::find_joint_kind(child.name))
+        joint(item);
+      else
+        (this->*readers.at(child.name))(item);
+    }
+  }
+
+  template <class T>
+  static void set_once(std::optional<T>& slot, const Item& item, T value) {
+    if (slot)
+      item.fail("there may be one; another is " +
+                (slot->source.file == item.source().file
+                     ? "on line " + std::to_string(slot->source.line)
+                     : "in " + slot->source.file + ", line " + std::to_string(slot->source.line)));
+    slot = std::move(value);
+  }
+
+  // --- what the model is made of ---
+
+  static std::string identity(const std::filesystem::path& file) {
+    std::error_code code;
+    const std::filesystem::path whole = std::filesystem::weakly_canonical(file, code);
+    return code ? file.string() : whole.string();
+  }
+
+  void include(const Item& item) {
+    const std::filesystem::path here(item.context().file);
+    const std::filesystem::path file = here.parent_path() / item.text("file");
+    const std::string id = identity(file);
+    if (const auto first = std::find(files_.begin(), files_.end(), id); first != files_.end()) {
+      std::string chain;
+      for (auto it = first; it != files_.end(); ++it)
+        chain += std::filesystem::path(*it).filename().string() + " includes ";
+      item.fail("file", "a circle: " + chain + file.filename().string() +
+                            "; put what both need into a third file");
+    }
+    std::error_code code;
+    if (std::filesystem::is_directory(file, code))
+      item.fail("file", "is a directory, not a model; give an XML file");
+    if (std::filesystem::exists(file, code) && !std::filesystem::is_regular_file(file, code))
+      item.fail("file", "is a device or a pipe, not a model; give an XML file");
+    if (!std::filesystem::exists(file, code))
+      item.fail("file", "no such file: " + excerpt(file.string()) +
+                            "; give its name relative to the file that includes it");
+    if (++includes_ > most_includes)
+      item.fail("more than " + std::to_string(most_includes) +
+                " includes in one model; put files together");
+    const xml::Element root = xml::parse_file(file);
+    const ReadingContext context{file.string(), parameters_, defaults_, units_};
+    check_version(root, context.file);
+    files_.push_back(id);
+    scene_.includes.push_back(file.string());
+    read_children(Item(root, context));
+    files_.pop_back();
+  }
+
+  void defaults(const Item& item) {
+    for (const xml::Element& child : item.xml().children) {
+      const Item of_kind(child, item);
+      of_kind.try_attributes();
+      std::vector<DefaultValue>& values = defaults_[child.name];
+      for (const xml::Attribute& a : child.attributes) {
+        std::erase_if(values, [&a](const DefaultValue& v) { return v.attribute.name == a.name; });
+        values.push_back({of_kind.context().file, a});
+      }
+    }
+  }
+
+  void parameter(const Item& item) {
+    const std::string name = item.text("name");
+    const auto set = std::find_if(overrides_.begin(), overrides_.end(),
+                                  [&](const auto& entry) { return entry.first == name; });
+    const std::string written = item.text_of("value");
+    const std::string own(split_unit(written).unit);
+    double value = 0.0;
+    if (set == overrides_.end()) {
+      value = item.number("value");
+    } else {
+      // Read as if it stood in the file; messages begin with the option instead of the place.
+      const std::string option = "--set " + name + "=" + set->second;
+      const xml::Element given{"parameter", 0,  {{"name", name, 0}, {"value", set->second, 0}},
+                               {},          {}, 0};
+      const ReadingContext context{option, parameters_, defaults_, units_};
+      value = Item(given, context, item).number("value");
+      check_unit_of_override(option, set->second, name, own);
+    }
+    const std::string& text = set == overrides_.end() ? written : set->second;
+    if (std::string unit = unit_within(text); !unit.empty()) units_.emplace(name, std::move(unit));
+    define(item, name, value);
+    scene_.parameters.emplace_back(name, value);
+  }
+
+  // The unit that follows a number, or that was given to a parameter in it; else empty.
+  std::string unit_within(std::string_view text) const {
+    const NumberAndUnit parts = split_unit(text);
+    if (!parts.unit.empty()) return std::string(parts.unit);
+    for (const std::string_view word : Item::words_of(parts.number))
+      if (const auto it = units_.find(word); it != units_.end()) return it->second;
+    return {};
+  }
+
+  // A number that the model gives with a unit is set with one, of the same quantity.
+  static void check_unit_of_override(const std::string& option, const std::string& value,
+                                     const std::string& name, const std::string& own) {
+    if (own.empty()) return;
+    const std::string_view unit = split_unit(value).unit;
+    if (unit.empty())
+      throw Error(option + ": a unit is missing: the model gives " + name + " in " + own +
+                  "; write --set " + name + "=\"" + value + " " + own + "\"");
+    try {
+      unit_factor(unit, own);
+    } catch (const Error& error) {
+      throw Error(option + ": " + error.what());
+    }
+  }
+
+  void define(const Item& item, const std::string& name, double value) {
+    if (name.empty() || !schema::is_name(name) || name.find('-') != std::string::npos ||
+        (name[0] >= '0' && name[0] <= '9'))
+      item.fail("expressions cannot use the name " + in_quotes(name) +
+                "; it must have letters, digits and _ only and not begin with a digit");
+    if (Expression::is_reserved(name))
+      item.fail(in_quotes(name) + " means something else in expressions; choose another name");
+    if (!parameters_.try_emplace(name, value).second)
+      item.fail("there is a parameter " + in_quotes(name) + " already; choose another name");
+  }
+
+  // f(item) for what stands in an element, and in any <repeat> there.
+  template <class F>
+  void each(const Item& parent, const F& f) {
+    for (const xml::Element& child : parent.xml().children) {
+      const Item item(child, parent);
+      if (item.element().name == "repeat")
+        repeat(item, [&] { each(item, f); });
+      else
+        f(item);
+    }
+  }
+
+  void section(const Item& item) {
+    Section section;
+    section.source = item.source();
+    section.name = item.name();
+    bool stiff = false;
+    each(item, [&](const Item& part) {
+      if (part.element().name == "station")
+        section.stations.push_back(station(part));
+      else if (part.element().name == "damping")
+        set_once(section.damping, part, damping(part));
+      else
+        matrix(item, part, section, stiff);
+    });
+    if (section.stations.empty()) {
+      if (!stiff)
+        item.fail(
+            "<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers, or stations");
+      if (item.has("interpolation"))
+        item.refuse("interpolation", "is between stations; leave it out or give <station>s");
+    } else if (stiff || section.mass) {
+      item.fail("stiffness and mass must stand in the stations, or there must be no stations");
+    }
+    section.interpolation = item.choice<Interpolation>("interpolation");
+    scene_.sections.push_back(std::move(section));
+  }
+
+  Station station(const Item& item) {
+    Station station;
+    station.source = item.source();
+    station.at = item.number("at");
+    bool stiff = false;
+    each(item, [&](const Item& part) { matrix(item, part, station, stiff); });
+    if (!stiff) item.fail("<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers");
+    return station;
+  }
+
+  // <stiffness> or <mass> of a section or station.
+  template <class Of>
+  static void matrix(const Item& item, const Item& part, Of& of, bool& stiff) {
+    const bool is_mass = part.element().name == "mass";
+    if (is_mass ? of.mass.has_value() : stiff)
+      part.fail("the " + std::string(item.element().name) +
+                " has one already; leave one of them out");
+    if (is_mass) {
+      of.mass = mass(part);
+    } else {
+      of.stiffness = stiffness(part);
+      stiff = true;
+    }
+  }
+
+  static Mat6 stiffness(const Item& item) {
+    Mat6 D = Mat6::Zero();
+    const std::vector<std::string_view> words = schema::words(item.xml().text);
+    if (words.empty()) {
+      constexpr std::array<std::string_view, 6> diagonal = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
+      for (int i = 0; i < 6; ++i) {
+        D(i, i) = item.any_number(diagonal[static_cast<std::size_t>(i)]);
+        for (int j = i + 1; j < 6; ++j)
+          D(i, j) = D(j, i) = item.any_number("D" + std::to_string(i + 1) + std::to_string(j + 1));
+      }
+      return D;
+    }
+    if (!item.xml().attributes.empty())
+      item.fail("give the 36 numbers or the entries by name, not both");
+    if (words.size() != 36)
+      item.fail("has " + std::to_string(words.size()) +
+                " numbers, must have 36, row by row; an expression contains no blanks");
+    for (int k = 0; k < 36; ++k)
+      D(k / 6, k % 6) = item.evaluate("text", words[static_cast<std::size_t>(k)]);
+    // Round-off of the numbers as printed; more is refused with the section.
+    const double round_off = 1e-12 * D.cwiseAbs().maxCoeff();
+    for (int i = 0; i < 6; ++i)
+      for (int j = i + 1; j < 6; ++j)
+        if (std::abs(D(i, j) - D(j, i)) <= round_off) D(j, i) = D(i, j);
+    return D;
+  }
+
+  static SectionDamping damping(const Item& item) {
+    if (std::none_of(item.element().attributes.begin(), item.element().attributes.end(),
+                     [&item](const schema::Attribute& a) { return item.has(a.name); }))
+      item.fail(
+          "give stiffness_proportional, mass_proportional, or viscous entries EA, GA2, GA3, "
+          "GJ, EI2, EI3, D12 …; or leave it out");
+    SectionDamping damping;
+    damping.source = item.source();
+    damping.stiffness_proportional = item.number("stiffness_proportional");
+    damping.mass_proportional = item.number("mass_proportional");
+    constexpr std::array<std::string_view, 6> diagonal = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
+    for (int i = 0; i < 6; ++i) {
+      damping.viscous(i, i) = item.number(diagonal[static_cast<std::size_t>(i)]);
+      for (int j = i + 1; j < 6; ++j)
+        damping.viscous(i, j) = damping.viscous(j, i) =
+            item.any_number("D" + std::to_string(i + 1) + std::to_string(j + 1));
+    }
+    return damping;
+  }
+
+  // M of [v; w] about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).
+  static Mat6 mass(const Item& item) {
+    const double m = item.any_number("per_length");
+    const std::vector<double> center = item.numbers("center");
+    Mat3 c_tilde;
+    c_tilde << 0.0, -center[1], center[0], center[1], 0.0, 0.0, -center[0], 0.0, 0.0;
+    Mat6 M = Mat6::Zero();
+    M.topLeftCorner<3, 3>() = m * Mat3::Identity();
+    M.topRightCorner<3, 3>() = -m * c_tilde;
+    M.bottomLeftCorner<3, 3>() = m * c_tilde;
+    M.bottomRightCorner<3, 3>() = item.symmetric("inertia");
+    return M;
+  }
+
+  void beam(const Item& item) {
+    BeamScene beam;
+    beam.source = item.source();
+    beam.name = item.name();
+    beam.section = item.text("section");
+    if (item.element().name == "arc")
+      beam.line = Arc{item.vector("from"), item.vector("center"), item.vector("axis"),
+                      item.number("angle")};
+    else if (item.element().name == "curve")
+      beam.line = curve(item);
+    else
+      beam.line = Straight{item.vector("from"), item.vector("to")};
+    beam.normal = item.vector("normal");
+    beam.elements = item.count("elements");
+    beam.order = item.count("order");
+    beam.kinematics = item.choice<Kinematics>("kinematics");
+    if (beam.kinematics == Kinematics::classical) {
+      for (const std::string_view of_motion : {"metric", "form"})
+        if (item.has(of_motion))
+          item.refuse(of_motion,
+                      "is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
+    }
+    beam.metric = item.choice<Metric>("metric");
+    beam.rule = item.choice<Rule>("rule");
+    beam.form = item.choice<Form>("form");
+    scene_.beams.push_back(std::move(beam));
+  }
+
+  Curve curve(const Item& item) {
+    Curve curve;
+    if (item.has("degree")) curve.degree = item.count("degree");
+    each(item, [&](const Item& part) {
+      CurvePoint point;
+      point.source = part.source();
+      point.at = part.vector("at");
+      if (part.has("normal")) point.normal = part.vector("normal");
+      point.twist = part.number("twist");
+      curve.points.push_back(std::move(point));
+    });
+    return curve;
+  }
+
+  void body(const Item& item) {
+    BodyScene body;
+    body.source = item.source();
+    body.name = item.name();
+    if (item.has("attached_to")) {
+      for (const std::string_view other : {"at", "orientation", "velocity", "angular_velocity"})
+        if (item.has(other))
+          item.refuse(other, "is taken from the place of attached_to; leave one of them out");
+      body.attached_to = item.place("attached_to");
+    }
+    if (item.has("at")) body.at = item.vector("at");
+    if (item.has("orientation")) body.orientation = item.orientation("orientation");
+    if (item.has("velocity")) body.velocity = item.vector("velocity");
+    if (item.has("angular_velocity")) body.angular_velocity = item.vector("angular_velocity");
+    body.mass = item.number("mass");
+    body.center = item.vector("center");
+    body.inertia = item.symmetric("inertia");
+    scene_.bodies.push_back(std::move(body));
+  }
+
+  void joint(const Item& item) {
+    JointScene joint;
+    joint.source = item.source();
+    joint.kind = item.element().name;
+    joint.name = item.name();
+    std::tie(joint.a, joint.b) = item.places("between");
+    if (item.has("at")) joint.at = item.vector("at");
+    const joint::Traits& traits = schema::find_joint_kind(joint.kind)->traits;
+    if (traits.axis) joint.axis = item.vector("axis");
+    if (traits.second_axis) joint.second_axis = item.vector("second_axis");
+    if (traits.parameter.name[0] != '\0') joint.parameter = item.number(traits.parameter.name);
+    if (item.has("at_a")) joint.at_a = item.vector("at_a");
+    if (item.has("at_b")) joint.at_b = item.vector("at_b");
+    scene_.joints.push_back(std::move(joint));
+  }
+
+  void drive(const Item& item) {
+    DriveScene drive;
+    drive.source = item.source();
+    drive.joint = item.text("joint");
+    if (item.has("rate")) drive.rate = item.signal("rate");
+    if (item.has("angle")) drive.angle = item.signal("angle");
+    if (item.has("speed")) drive.speed = item.signal("speed");
+    if (item.has("displacement")) drive.displacement = item.signal("displacement");
+    scene_.drives.push_back(std::move(drive));
+  }
+
+  void motion(const Item& item) {
+    MotionScene motion;
+    motion.source = item.source();
+    motion.name = item.name();
+    motion.of = item.place("of");
+    if (item.has("displacement")) motion.displacement = item.signals("displacement");
+    if (item.has("velocity")) motion.velocity = item.signals("velocity");
+    if (item.has("rotation")) motion.rotation = item.signals("rotation");
+    if (item.has("axis")) motion.axis = item.vector("axis");
+    if (item.has("angle")) motion.angle = item.signal("angle");
+    if (item.has("rate")) motion.rate = item.signal("rate");
+    scene_.motions.push_back(std::move(motion));
+  }
+
+  void load(const Item& item) {
+    LoadScene load;
+    load.source = item.source();
+    if (item.has("name")) load.name = item.name();
+    load.at = item.place("at");
+    if (item.has("force")) load.force = item.signals("force");
+    if (item.has("moment")) load.moment = item.signals("moment");
+    if (item.has("follower_force")) load.follower_force = item.signals("follower_force");
+    if (item.has("follower_moment")) load.follower_moment = item.signals("follower_moment");
+    load.offset = item.vector("offset");
+    scene_.loads.push_back(std::move(load));
+  }
+
+  void distributed(const Item& item) {
+    DistributedLoadScene load;
+    load.source = item.source();
+    if (item.has("name")) load.name = item.name();
+    load.beam = item.text("beam");
+    load.from = item.number("from");
+    load.to = item.number("to");
+    const auto fields = [&](std::string_view name, auto& slot) {
+      if (item.has(name)) slot = item.fields(name);
+    };
+    fields("force", load.force);
+    fields("moment", load.moment);
+    fields("follower_force", load.follower_force);
+    fields("follower_moment", load.follower_moment);
+    scene_.distributed_loads.push_back(std::move(load));
+  }
+
+  void rigid(const Item& item) {
+    scene_.rigids.push_back({item.source(), item.name(), item.names("of")});
+  }
+
+  void point_mass(const Item& item) {
+    PointMassScene mass;
+    mass.source = item.source();
+    if (item.has("name")) mass.name = item.name();
+    mass.at = item.place("at");
+    mass.mass = item.number("mass");
+    mass.offset = item.vector("offset");
+    scene_.point_masses.push_back(std::move(mass));
+  }
+
+  // Pairs, as text.
+  static TableScene table(const Item& item) {
+    TableScene table;
+    table.source = item.source();
+    table.interpolation = item.choice<Interpolation>("interpolation");
+    const std::vector<std::string_view> words = schema::words(item.xml().text);
+    if (words.size() % 2 != 0)
+      item.fail("has " + std::to_string(words.size()) +
+                " numbers, must have pairs; an expression contains no blanks");
+    for (std::size_t k = 0; k + 1 < words.size(); k += 2)
+      table.points.push_back(
+          {item.evaluate("text", words[k]), item.evaluate("text", words[k + 1])});
+    return table;
+  }
+
+  // A law by its attribute, or by a <table> of that name.
+  static void law(const Item& item, std::string_view attribute, std::optional<LawScene>& slot) {
+    if (item.has(attribute)) slot = item.law(attribute);
+  }
+  static void law(const Item& part, std::optional<LawScene>& slot) {
+    if (slot) part.fail("its " + part.text_of("of") + " is given already; leave one of them out");
+    slot = table(part);
+  }
+
+  void spring(const Item& item) {
+    SpringScene spring;
+    spring.source = item.source();
+    spring.name = item.name();
+    std::tie(spring.a, spring.b) = item.places("between");
+    if (item.has("at_a")) spring.at_a = item.vector("at_a");
+    if (item.has("at_b")) spring.at_b = item.vector("at_b");
+    if (item.has("stiffness")) spring.stiffness = item.number("stiffness");
+    if (item.has("damping")) spring.damping = item.number("damping");
+    if (item.has("length")) spring.length = item.number("length");
+    law(item, "force", spring.force);
+    law(item, "damping_force", spring.damping_force);
+    each(item, [&](const Item& part) {
+      const int of = part.choice<int>("of");
+      if (of > 1) part.refuse("of", "is a moment of a joint_spring; write force or damping_force");
+      law(part, of == 0 ? spring.force : spring.damping_force);
+    });
+    scene_.springs.push_back(std::move(spring));
+  }
+
+  void bushing(const Item& item) {
+    BushingScene bushing;
+    bushing.source = item.source();
+    bushing.name = item.name();
+    std::tie(bushing.a, bushing.b) = item.places("between");
+    if (item.has("at")) bushing.at = item.vector("at");
+    if (item.has("axis")) bushing.axis = item.vector("axis");
+    if (item.has("second_axis")) bushing.second_axis = item.vector("second_axis");
+    std::array<bool, 2> given{};
+    const auto diagonal = [&](std::string_view name, Mat6& M, Index first, bool& is_given) {
+      if (!item.has(name)) return;
+      M.diagonal().segment<3>(first) = item.vector(name);
+      is_given = true;
+    };
+    diagonal("stiffness", bushing.stiffness, 0, given[0]);
+    diagonal("angular_stiffness", bushing.stiffness, 3, given[0]);
+    diagonal("damping", bushing.damping, 0, given[1]);
+    diagonal("angular_damping", bushing.damping, 3, given[1]);
+    each(item, [&](const Item& part) {
+      if (part.element().name == "law") {
+        bushing.laws.push_back(bushing_law(part));
+        return;
+      }
+      const int of = part.choice<int>("of");
+      bool& is_given = given[static_cast<std::size_t>(of)];
+      if (is_given)
+        part.fail("the bushing's " + part.text_of("of") +
+                  " is given already; leave one of them out");
+      is_given = true;
+      (of == 0 ? bushing.stiffness : bushing.damping) = full_matrix(part);
+    });
+    scene_.bushings.push_back(std::move(bushing));
+  }
+
+  static Mat6 full_matrix(const Item& item) {
+    const std::vector<std::string_view> words = schema::words(item.xml().text);
+    if (words.size() != 36)
+      item.fail("has " + std::to_string(words.size()) +
+                " numbers, must have 36, row by row; an expression contains no blanks");
+    Mat6 M;
+    for (int k = 0; k < 36; ++k)
+      M(k / 6, k % 6) = item.evaluate("text", words[static_cast<std::size_t>(k)]);
+    return M;
+  }
+
+  static BushingLawScene bushing_law(const Item& item) {
+    const int component = item.count("component");
+    const std::string_view name = component <= 3 ? "force" : "moment";
+    if (const std::string_view other = component <= 3 ? "moment" : "force"; item.has(other))
+      item.refuse(other, "belongs to components " +
+                             std::string(component <= 3 ? "4 to 6" : "1 to 3") + "; write " +
+                             std::string(name));
+    const bool has_table = !schema::words(item.xml().text).empty();
+    if (item.has(name) == has_table)
+      item.fail("give the " + std::string(name) + ", or a table of it as text" +
+                (has_table ? ", not both" : ""));
+    if (item.has(name) && item.has("interpolation"))
+      item.refuse("interpolation", "is of a table; leave it out");
+    return {item.source(), component, has_table ? LawScene(table(item)) : LawScene(item.law(name))};
+  }
+
+  void joint_spring(const Item& item) {
+    using Coordinate = JointSpringScene::Coordinate;
+    constexpr std::array<std::array<std::string_view, 5>, 2> names = {
+        {{"angular_stiffness", "angular_damping", "rest_angle", "moment", "damping_moment"},
+         {"stiffness", "damping", "rest_displacement", "force", "damping_force"}}};
+    JointSpringScene spring;
+    spring.source = item.source();
+    spring.name = item.name();
+    spring.joint = item.text("joint");
+    std::string_view first;  // that says which coordinate
+    const auto choose = [&](Coordinate coordinate, std::string_view by, const Item& of) {
+      if (!first.empty() && coordinate != spring.coordinate)
+        of.fail(std::string(first) + " and " + std::string(by) +
+                " are of different coordinates, angle and displacement; give each its own "
+                "joint_spring");
+      spring.coordinate = coordinate;
+      if (first.empty()) first = by;
+    };
+    for (std::size_t c = 0; c < 2; ++c)
+      for (const std::string_view name : names[c])
+        if (item.has(name)) choose(static_cast<Coordinate>(c), name, item);
+    each(item, [&](const Item& part) {
+      const int of = part.choice<int>("of");
+      choose(of < 2 ? Coordinate::displacement : Coordinate::angle,
+             names[of < 2 ? 1 : 0][of % 2 == 0 ? 3 : 4], part);
+    });
+    const auto& own = names[static_cast<std::size_t>(spring.coordinate)];
+    if (item.has(own[0])) spring.stiffness = item.number(own[0]);
+    if (item.has(own[1])) spring.damping = item.number(own[1]);
+    if (item.has(own[2])) spring.rest = item.number(own[2]);
+    law(item, own[3], spring.force);
+    law(item, own[4], spring.damping_force);
+    each(item, [&](const Item& part) {
+      law(part, part.choice<int>("of") % 2 == 0 ? spring.force : spring.damping_force);
+    });
+    scene_.joint_springs.push_back(std::move(spring));
+  }
+
+  void joint_torque(const Item& item) {
+    JointTorqueScene torque;
+    torque.source = item.source();
+    if (item.has("name")) torque.name = item.name();
+    torque.joint = item.text("joint");
+    if (item.has("moment")) torque.moment = item.signal("moment");
+    if (item.has("force")) torque.force = item.signal("force");
+    scene_.joint_torques.push_back(std::move(torque));
+  }
+
+  static void read(const Item& item, std::string_view name, std::optional<double>& value) {
+    if (item.has(name)) value = item.number(name);
+  }
+
+  void drag(const Item& item) {
+    DragScene drag;
+    drag.source = item.source();
+    if (item.has("name")) drag.name = item.name();
+    drag.density = item.number("density");
+    if (item.has("flow")) drag.flow = item.signals("flow");
+    if (item.has("beam")) drag.beam = item.text("beam");
+    read(item, "from", drag.from);
+    read(item, "to", drag.to);
+    read(item, "diameter", drag.diameter);
+    read(item, "normal_coefficient", drag.normal_coefficient);
+    read(item, "tangential_coefficient", drag.tangential_coefficient);
+    if (item.has("at")) drag.at = item.place("at");
+    read(item, "area", drag.area);
+    read(item, "coefficient", drag.coefficient);
+    if (item.has("offset")) drag.offset = item.vector("offset");
+    scene_.drags.push_back(std::move(drag));
+  }
+
+  void added_mass(const Item& item) {
+    AddedMassScene mass;
+    mass.source = item.source();
+    if (item.has("name")) mass.name = item.name();
+    if (item.has("beam")) mass.beam = item.text("beam");
+    read(item, "from", mass.from);
+    read(item, "to", mass.to);
+    read(item, "density", mass.density);
+    read(item, "diameter", mass.diameter);
+    read(item, "coefficient", mass.coefficient);
+    if (item.has("at")) mass.at = item.place("at");
+    if (item.has("matrix")) {
+      const std::vector<double> numbers = item.numbers("matrix");
+      Mat6 M = Mat6::Zero();
+      std::size_t k = 0;
+      for (Index i = 0; i < 6; ++i)
+        for (Index j = i; j < (numbers.size() == 6 ? i + 1 : 6); ++j)
+          M(i, j) = M(j, i) = numbers[k++];
+      mass.matrix = M;
+    }
+    scene_.added_masses.push_back(std::move(mass));
+  }
+
+  void base_motion(const Item& item) {
+    BaseMotionScene base;
+    base.source = item.source();
+    if (item.has("acceleration")) base.acceleration = item.signals("acceleration");
+    if (item.has("velocity")) base.velocity = item.signals("velocity");
+    if (item.has("displacement")) base.displacement = item.signals("displacement");
+    set_once(scene_.base_motion, item, std::move(base));
+  }
+
+  void gravity(const Item& item) {
+    set_once(scene_.gravity, item, Gravity{item.source(), item.vector("acceleration")});
+  }
+
+  void statics(const Item& item) {
+    StaticScene statics;
+    statics.source = item.source();
+    statics.steps = item.count("steps");
+    statics.tolerance = item.number("tolerance");
+    statics.solver = item.choice<StaticSolver>("solver");
+    statics.line_search = item.choice<int>("line_search") == 1;
+    set_once(scene_.statics, item, std::move(statics));
+  }
+
+  void path(const Item& item) {
+    PathScene path;
+    path.source = item.source();
+    path.method = item.choice<PathMethod>("method");
+    path.direction = item.choice<PathDirection>("direction");
+    path.step = item.number("step");
+    path.max_step = item.number("max_step");
+    path.points = item.count("points");
+    if (item.has("length")) path.length = item.number("length");
+    path.branch = item.count("branch");
+    path.tolerance = item.number("tolerance");
+    each(item, [&](const Item& part) {
+      path.marks.push_back({part.source(), part.text("quantity"), part.number("value"),
+                            part.element().name == "stop"});
+    });
+    set_once(scene_.path, item, std::move(path));
+  }
+
+  void transient(const Item& item) {
+    TransientScene transient;
+    transient.source = item.source();
+    transient.duration = item.number("duration");
+    transient.method = item.choice<TimeMethod>("method");
+    const auto read = [&item](std::string_view name, std::optional<double>& value) {
+      Reader::read(item, name, value);
+    };
+    read("step", transient.step);
+    read("tolerance", transient.tolerance);
+    read("position_tolerance", transient.position_tolerance);
+    read("rotation_tolerance", transient.rotation_tolerance);
+    read("velocity_tolerance", transient.velocity_tolerance);
+    read("angular_velocity_tolerance", transient.angular_velocity_tolerance);
+    read("max_step", transient.max_step);
+    read("newton_tolerance", transient.newton_tolerance);
+    read("rho_infinity", transient.rho_infinity);
+    if (item.has("balance")) transient.balance = item.choice<Balance>("balance");
+    transient.inertia = item.choice<InertiaTerms>("inertia");
+    transient.output_steps = item.has("output") && item.is_word("output");
+    if (!transient.output_steps) read("output", transient.output);
+    set_once(scene_.transient, item, std::move(transient));
+  }
+
+  void record(const Item& item) {
+    RecordScene record;
+    record.source = item.source();
+    record.name = item.name();
+    if (item.has("at")) record.at = item.place("at");
+    if (item.has("joint")) record.joint = item.text("joint");
+    if (item.has("spring")) record.spring = item.text("spring");
+    record.quantities = item.names("quantities");
+    scene_.records.push_back(std::move(record));
+  }
+
+  void plot(const Item& item) {
+    PlotScene plot;
+    plot.source = item.source();
+    if (item.has("x")) plot.x = item.text("x");
+    plot.y = item.names("y");
+    plot.x_scale = item.number("x_scale");
+    plot.y_scale = item.number("y_scale");
+    if (item.has("x_label")) plot.x_label = item.text("x_label");
+    if (item.has("y_label")) plot.y_label = item.text("y_label");
+    if (item.has("title")) plot.title = item.text("title");
+    if (item.has("x_range")) {
+      const std::vector<double> ends = item.numbers("x_range");
+      plot.x_range = {ends[0], ends[1]};
+    }
+    scene_.plots.push_back(std::move(plot));
+  }
+
+  void expect(const Item& item) {
+    ExpectScene expect;
+    expect.source = item.source();
+    expect.quantity = item.text("quantity");
+    expect.of = item.choice<ExpectScene::Of>("of");
+    const bool timed = expect.of == ExpectScene::Of::value_at;
+    if (item.has("at") && !timed)
+      item.refuse("at",
+                  "is the time of a value; an extreme is taken over the whole run, leave it out");
+    expect.number = item.count("number");
+    if (item.has("at")) expect.at = item.number("at");
+    if (timed && !item.has("at")) untimed_.push_back(expect.source);
+    expect.value = item.number("value");
+    expect.tolerance = item.number("tolerance");
+    expect.reference = item.text("source");
+    if (!item.has("when") || holds(item)) scene_.expects.push_back(std::move(expect));
+  }
+
+  // Whether every parameter=value of `when` is so.
+  bool holds(const Item& item) const {
+    bool all = true;
+    for (const std::string& condition : item.names("when")) {
+      const std::size_t equals = condition.find('=');
+      const auto known = parameters_.find(std::string_view(condition).substr(0, equals));
+      if (equals == std::string::npos || known == parameters_.end())
+        item.fail("when", in_quotes(condition) +
+                              " must be of the form parameter=value, of a parameter of the model");
+      const double wanted =
+          item.evaluate("when", std::string_view(condition).substr(equals + 1), any_unit);
+      constexpr double round_off = 1e-12;  // "9 mm" is not 0.009 to the last bit
+      all = all && std::abs(known->second - wanted) <= round_off * std::abs(wanted);
+    }
+    return all;
+  }
+
+  // A value needs its time, unless there is equilibrium only.
+  void check_expects() const {
+    if (scene_.transient && !untimed_.empty())
+      throw Error(untimed_.front(), "expect: attribute \"at\" is missing: time of the value [s]");
+  }
+
+  void repeat(const Item& item) {
+    repeat(item, [&] { read_children(item); });
+  }
+
+  template <class Body>
+  void repeat(const Item& item, const Body& body) {
+    const int count = item.count("count");
+    const std::string index = item.name("index");
+    for (int i = 0; i < count; ++i) {
+      repetitions_ += std::max(std::ssize(item.xml().children), std::ptrdiff_t{1});
+      if (repetitions_ > most_repetitions)
+        item.fail("more than " + std::to_string(most_repetitions) +
+                  " elements by repetitions in one model; use fewer or smaller counts");
+      define(item, index, i);
+      body();
+      parameters_.erase(index);
+    }
+  }
+
+  const Overrides& overrides_;
+  Scene scene_;
+  Parameters parameters_;
+  std::map<std::string, std::vector<DefaultValue>, std::less<>> defaults_;
+  std::map<std::string, std::string, std::less<>> units_;  // that parameters were given in
+  std::vector<std::string> files_;  // being read, each included by the one before
+  std::vector<Source> untimed_;     // expected values without a time
+  long repetitions_ = 0;
+  int includes_ = 0;
+};
+
+}  // namespace
+
+Scene read_model(const std::filesystem::path& file, const Overrides& overrides) {
+  return Reader(file.string(), overrides).read(xml::parse_file(file));
+}
+
+Scene read_model_text(std::string_view text, const std::string& file, const Overrides& overrides) {
+  return Reader(file, overrides).read(xml::parse(text, file));
+}
+
+}  // namespace mbd

@@ -1,0 +1,138 @@
+// What a model file may say: one table of elements and their attributes. The reader, its messages, the
+// manual and the XSD come from here; a new attribute is one line here and one where it is read.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "joints/traits.hpp"
+#include "libmbd/language/units.hpp"
+
+namespace mbd::schema {
+
+// What the text of an attribute is. Numbers are expressions of the model's parameters, signals also of
+// time t; components are separated by white space and contain none.
+enum class Kind {
+  name,      // of an item, unique among its like: letters, digits, _ and -
+  text,      // anything
+  place,     // ground, a body, or beam.start, beam.end, beam@0.5
+  places,    // two places
+  names,     // names of items, quantities or columns of history.csv
+  number,    // one expression
+  count,     // one expression, a whole number
+  numbers,   // as many expressions as `sizes` says
+  signal,    // one expression of t
+  signals,   // three expressions of t
+  fields,    // three expressions of s, the fraction of a beam's length, and t
+  law,       // one expression of a displacement x
+  rate_law,  // one expression of a rate v
+  choice     // one of `choices`
+};
+
+// Numbers allowed; the ends belong to it unless `open`.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool open = false;
+};
+inline constexpr Range any{};
+inline constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true};
+inline constexpr Range not_negative{0.0};
+
+// In place of a default value: what it means to leave the attribute out.
+inline constexpr std::string_view required = "(required)";
+inline constexpr std::string_view optional = "(optional)";
+
+struct Attribute {
+  std::string_view name;
+  Kind kind = Kind::text;
+  std::string_view unit;      // SI; pure_number, or any_unit (units.hpp)
+  std::string_view fallback;  // `required`, `optional`, or the default as one would write it
+  std::string_view doc;
+  Range range = any;                  // of number, count and each of numbers
+  std::array<int, 2> sizes = {3, 3};  // of numbers: either
+  // Separated by blanks, in the order of the enum they stand for; of a number: words it may be instead.
+  std::string_view choices = {};
+};
+
+struct Element {
+  std::string_view name;
+  std::string_view parents;  // elements it may stand in, separated by blanks; empty: the root
+  std::string_view doc;
+  std::vector<Attribute> attributes;
+  std::string_view content = {};  // what its text is, if it may have any
+};
+
+// Version of the format of model files: the newest that this library reads.
+inline constexpr int format_version = 1;
+
+// One for each type of joints/joint_list.hpp.
+struct JointKind {
+  std::string_view name, doc;
+  joint::Traits traits;
+};
+
+// Something <record> can write, and the columns it makes: name.quantity, or name.quantity.1 … .3.
+struct Quantity {
+  std::string_view name;
+  std::string_view unit;
+  int components = 3;
+  std::string_view doc;
+  enum class Of {
+    any_place,
+    beam_place,
+    any_joint,
+    joint_with_angle,
+    joint_with_displacement,
+    spring,  // <spring>
+    bushing,
+    joint_spring,
+    whole_system
+  } of = Of::any_place;
+};
+
+std::span<const Element> elements();
+std::span<const JointKind> joint_kinds();
+std::span<const Quantity> place_quantities();
+std::span<const Quantity> joint_quantities();
+std::span<const Quantity> spring_quantities();
+std::span<const Quantity> system_quantities();
+
+const Element* find_element(std::string_view name);  // nullptr when there is none; so below
+const Attribute* find_attribute(const Element& element, std::string_view name);
+const JointKind* find_joint_kind(std::string_view name);
+const Quantity* find_quantity(std::span<const Quantity> quantities, std::string_view name);
+
+std::vector<std::string_view> children(std::string_view parent);
+std::vector<std::string_view> attribute_names(const Element& element);
+std::vector<std::string_view> names(std::span<const Quantity> quantities);
+std::vector<std::string_view> words(std::string_view text);  // split at white space
+
+// What a message says of a number that the attribute does not allow: "is 9, must lie between 1 and 8".
+// Empty if it may be: finite and in range.
+std::string fault(const Attribute& attribute, double value);
+
+// What a message says when the attribute is not given: its name, meaning and unit.
+std::string missing(const Attribute& attribute);
+
+// Names, places and positions: what <defaults> cannot give where it is required.
+bool is_of_one_item(const Attribute& attribute);
+
+// What a message says of an attribute that the element does not have, with the nearest that it has.
+std::string unknown_attribute(const Element& element, std::string_view name);
+
+// What to write instead of a usual word that the schema does not have ("clamp", "torque"); empty for others.
+std::string_view usual_word(std::string_view word);
+
+// Letters, digits, _ and -, one at least and 200 at most: so names of columns and places can be taken apart.
+bool is_name(std::string_view text);
+inline constexpr std::string_view names_are =
+    "a name must be made of letters, digits, _ and -, is not empty and has 200 at most";
+
+std::string shortest(double value);  // with the fewest digits that give it back
+
+}  // namespace mbd::schema

@@ -1,0 +1,146 @@
+#include "libmbd/pictures/shapes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libmbd/results/report.hpp"
+#include "libmbd/text/text.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr std::size_t most_shapes = 12;  // more would be a muddle
+constexpr int pieces = 8;                // of the curve between two nodes
+constexpr double picture_width = 360.0, most_height = 480.0, border = 12.0, letter_size = 11.0,
+                 line_height = 16.0;
+
+struct Style {
+  const char* colour;
+  const char* dashes;
+};
+constexpr Style styles[] = {
+    {"#999999", "none"}, {"#000000", "none"},    {"#0072b2", "none"}, {"#d55e00", "6 2"},
+    {"#009e73", "2 2"},  {"#cc79a7", "8 2 2 2"}, {"#e69f00", "none"}, {"#56b4e9", "4 2"},
+};
+
+// The two inertial axes over which the points spread most.
+std::array<int, 2> axes_of_view(const Vec3& low, const Vec3& high) {
+  const Vec3 size = high - low;
+  int least = 2;
+  for (const int i : {1, 0})
+    if (size(i) < size(least)) least = i;
+  return {least == 0 ? 1 : 0, least == 2 ? 1 : 2};
+}
+
+}  // namespace
+
+ShapesPlot::ShapesPlot(std::filesystem::path file, std::string title)
+    : file_(std::move(file)), title_(std::move(title)) {}
+
+// A cubic between two nodes, along the first axes of their sections.
+ShapesPlot::Shape ShapesPlot::shape_of(const Sample& sample, std::string label) {
+  Shape shape;
+  shape.label = std::move(label);
+  const auto pose = [&](int n) -> const Pose<double>& {
+    return sample.state.pose[static_cast<std::size_t>(n)];
+  };
+  for (const Model::Line& line : sample.model.lines) {
+    std::vector<Vec3> points{pose(line.nodes.front()).r};
+    for (std::size_t i = 1; i < line.nodes.size(); ++i) {
+      const Pose<double>&A = pose(line.nodes[i - 1]), &B = pose(line.nodes[i]);
+      const double length = (sample.model.system->reference_pose(line.nodes[i]).r -
+                             sample.model.system->reference_pose(line.nodes[i - 1]).r)
+                                .norm();
+      const Vec3 a = length * (A.p * Vec3(Vec3::UnitX())), b = length * (B.p * Vec3(Vec3::UnitX()));
+      for (int k = 1; k <= pieces; ++k) {
+        const double s = static_cast<double>(k) / pieces, t = 1.0 - s;
+        points.emplace_back(t * t * (1.0 + 2.0 * s) * A.r + s * s * (1.0 + 2.0 * t) * B.r +
+                            s * t * (t * a - s * b));
+      }
+    }
+    shape.lines.push_back(std::move(points));
+  }
+  for (const auto& line : sample.model.rigid_lines) {
+    std::vector<Vec3>& points = shape.lines.emplace_back();
+    for (const Model::RigidPoint& p : line) points.push_back(pose(p.node) * p.point);
+  }
+  for (const Model::RigidPoint& body : sample.model.bodies)
+    shape.bodies.push_back(pose(body.node) * body.point);
+  return shape;
+}
+
+void ShapesPlot::accepted(const Sample& sample) {
+  const double load = sample.state.load_factor;
+  const PathEvent event = sample.model.path ? sample.model.path->event : PathEvent::none;
+  if (shapes_.empty()) {
+    shapes_.push_back(shape_of(sample, fmt::format("load factor {:.4g}", load)));
+  } else if (event != PathEvent::none) {
+    int& number = events_[static_cast<std::size_t>(event) - 1];
+    ++number;
+    if (shapes_.size() < most_shapes)
+      shapes_.push_back(
+          shape_of(sample, fmt::format("{} {}, {:.6g}", name_of(event), number, load)));
+  }
+  last_ = shape_of(sample, fmt::format("last, {:.6g}", load));
+  is_last_shown_ = event != PathEvent::none && shapes_.size() < most_shapes;
+}
+
+void ShapesPlot::finished(const RunReport& /*report*/) {
+  if (shapes_.empty()) return;
+  if (!is_last_shown_) shapes_.push_back(last_);
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const Shape& shape : shapes_) {
+    const auto include = [&](const Vec3& x) {
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    };
+    for (const auto& line : shape.lines) std::for_each(line.begin(), line.end(), include);
+    std::for_each(shape.bodies.begin(), shape.bodies.end(), include);
+  }
+  const auto [across, up] = axes_of_view(low, high);
+  const double wide = std::max(high(across) - low(across), 1e-300), tall = high(up) - low(up);
+  const double scale =
+      std::min((picture_width - 2.0 * border) / wide, most_height / std::max(tall, 1e-300));
+  const double top = 2.0 * line_height + border, bottom = top + scale * tall,
+               height = bottom + border + line_height * static_cast<double>(shapes_.size() + 1);
+  const auto x = [&, a = across](const Vec3& p) {
+    return 0.5 * picture_width + scale * (p(a) - 0.5 * (low(a) + high(a)));
+  };
+  const auto y = [&, u = up](const Vec3& p) { return bottom - scale * (p(u) - low(u)); };
+
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" "
+      "style=\"max-width:{:.0f}px\" font-family=\"sans-serif\" font-size=\"{:.0f}\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+      "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n"
+      "<text x=\"{:.0f}\" y=\"{:.0f}\">i{} to the right, i{} up; {:.4g} m wide</text>\n",
+      picture_width, height, 2.0 * picture_width, letter_size, border, line_height,
+      xml_escaped(title_), border, 2.0 * line_height, across + 1, up + 1, wide);
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    const Style& style = styles[i < std::size(styles) ? i : 1 + (i - 1) % (std::size(styles) - 1)];
+    for (const auto& line : shapes_[i].lines) {
+      svg += fmt::format(
+          "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-dasharray=\"{}\" "
+          "points=\"",
+          style.colour, i == 0 ? 2.5 : 1.2, style.dashes);
+      for (const Vec3& p : line) svg += fmt::format("{:.2f},{:.2f} ", x(p), y(p));
+      svg += "\"/>\n";
+    }
+    for (const Vec3& p : shapes_[i].bodies)
+      svg += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"3\" fill=\"{}\"/>\n", x(p), y(p),
+                         style.colour);
+    const double at = bottom + border + line_height * static_cast<double>(i + 1);
+    svg += fmt::format(
+        "<line x1=\"{0:.0f}\" x2=\"{1:.0f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"{3}\" "
+        "stroke-width=\"{4}\" stroke-dasharray=\"{5}\"/><text x=\"{6:.0f}\" "
+        "y=\"{7:.1f}\">{8}</text>\n",
+        border, border + 28.0, at - 4.0, style.colour, i == 0 ? 2.5 : 1.2, style.dashes,
+        border + 34.0, at, xml_escaped(shapes_[i].label));
+  }
+  svg += "</svg>\n";
+  write_file(file_, svg);
+}
+
+}  // namespace mbd

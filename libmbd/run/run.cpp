@@ -1,0 +1,545 @@
+#include "libmbd/run/run.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "libmbd/compile/redundancy.hpp"
+#include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/pictures/plot.hpp"
+#include "libmbd/pictures/shapes.hpp"
+#include "libmbd/results/build_facts.hpp"
+#include "libmbd/results/expect.hpp"
+#include "libmbd/scene/label.hpp"
+#include "libmbd/scene/transient.hpp"
+#include "libmbd/text/text.hpp"
+#include "solvers/constraints/initial.hpp"
+#include "solvers/constraints/mechanism.hpp"
+#include "solvers/constraints/redundancy.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/statics/path.hpp"
+#include "solvers/statics/stability.hpp"
+#include "solvers/statics/statics.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double much_energy = 0.1;   // of the largest kinetic energy, change or work: worth a note
+constexpr double much_noise = 1e-3;   // of constraint forces: worth a note
+constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
+
+class Stopwatch {
+ public:
+  // Since the last call, or the construction.
+  Seconds lap() {
+    const auto wall = std::chrono::steady_clock::now();
+    const double cpu = used_cpu();
+    const Seconds result{std::chrono::duration<double>(wall - wall_).count(), cpu - cpu_};
+    wall_ = wall;
+    cpu_ = cpu;
+    return result;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
+  double cpu_ = used_cpu();
+};
+
+Seconds& operator+=(Seconds& sum, const Seconds& more) {
+  sum.wall += more.wall;
+  sum.cpu += more.cpu;
+  return sum;
+}
+
+// Constraint residuals of some states.
+void monitor_constraints(const System& system, const State& state, RunReport& report) {
+  const ConstraintResiduals now = constraint_residuals(system, state);
+  const auto keep_worst = [&](WorstConstraint& worst, double value, Index row) {
+    if (row >= 0 && (worst.where.empty() || value > worst.value))
+      worst = {value, state.t, row_in_words(system, row)};
+  };
+  keep_worst(report.position, now.position, now.position_row);
+  keep_worst(report.velocity, now.velocity, now.velocity_row);
+}
+
+// Energies of some states.
+void monitor_energies(const System& system, const State& state, RunReport& report) {
+  const Energies energies = system.energies(state);
+  report.momentum_end = state.V.empty() ? Vec6(Vec6::Zero()) : system.momentum(state);
+  report.work = state.work;
+  report.kinetic_most = std::max(report.kinetic_most, energies.kinetic);
+  if (report.sampled_states++ == 0) {
+    report.energy_start = energies;
+    report.momentum_start = report.momentum_end;
+    report.energy_least = report.energy_most = energies.total();
+  }
+  report.energy_end = energies;
+  report.energy_least = std::min(report.energy_least, energies.total());
+  report.energy_most = std::max(report.energy_most, energies.total());
+}
+
+// Throws Error if no results can be written there. Leaves nothing behind.
+void check_directory(const std::filesystem::path& directory) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  std::vector<fs::path> missing;  // the deepest first
+  for (fs::path path = fs::absolute(directory, code);
+       !code && !path.empty() && !fs::exists(path, code) && path != path.root_path();
+       path = path.parent_path())
+    missing.push_back(path);
+  const auto remove = [&] {
+    for (const fs::path& path : missing) fs::remove(path, code);  // if empty
+  };
+  try {
+    make_directory(directory);
+  } catch (const Error&) {
+    remove();
+    throw;
+  }
+  remove();
+}
+
+// One run under way: the model, who watches it, and the report that grows.
+class Run {
+ public:
+  Run(const Scene& scene, const RunOptions& options) : scene_(scene), options_(options) {
+    report_.model = scene.name;
+    report_.file = scene.file;
+    report_.date = utc_now("%Y-%m-%dT%H:%M:%SZ");
+    report_.parameters = scene.parameters;
+    report_.statics = scene.statics;
+    report_.transient = scene.transient;
+    report_.path = scene.path;
+    report_.notes = options.notes;
+    report_.accuracy = options.accuracy;
+
+    model_ = compile(scene);  // which checks the scene first
+    if (scene.transient) rows_.emplace(scene);
+    columns_ = columns(model_);
+    row_.resize(columns_.size());
+    expectations_ = std::make_unique<Expectations>(scene, model_);
+    marks_ = find_marks(scene, columns_);
+    if (options.output) {
+      const char* const name = scene.path ? "path.svg" : "history.svg";
+      plot_ = std::make_unique<HistoryPlot>(*options.output / name, scene_, model_);
+      check_directory(*options.output);
+    }
+
+    const System& system = *model_.system;
+    report_.nodes = system.nodes();
+    report_.unknowns = system.unknowns();
+    report_.multipliers = system.multipliers();
+    report_.redundant = repetitions(model_);
+    if (!report_.redundant.empty())
+      report_.notes.push_back(
+          fmt::format("{} of the constraints repeat{} others ({}): the motion does not depend on "
+                      "them, and reactions are those of least norm, sum of F^2 + (M/L)^2 with "
+                      "L = {:.6g} m",
+                      model_.redundant.size(), model_.redundant.size() == 1 ? "s" : "",
+                      fmt::join(report_.redundant, "; "), system.length_scale()));
+    for (const RecordScene& record : scene.records)
+      shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
+    audit_.emplace(scene_, system, options.certify);
+    for (const auto& batch : system.batches())
+      report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
+    report_.compile = watch_.lap();
+  }
+
+  RunReport go() {
+    State state = model_.initial;
+    if (scene_.statics) find_equilibrium(state);
+    if (scene_.path) follow(state);
+    if (scene_.transient) integrate(state);
+    report_.t = state.t;
+    report_.load_factor = state.load_factor;
+    finish();
+    return std::move(report_);
+  }
+
+ private:
+  // What goes wrong before the first accepted state: nothing has been written, nothing will be.
+  // Looks for the reason in the scene: constraints that repeat each other, a structure that nothing holds,
+  // a part without inertia; else the failure is told as it is.
+  [[noreturn]] void fail_to_start(const std::string& failure) {
+    const System& system = *model_.system;
+    constexpr Index most_analysed = 1500;  // rows: a few seconds
+    const Mechanism mechanism = system.multipliers() <= most_analysed
+                                    ? analyze_mechanism(system, model_.initial)
+                                    : Mechanism{};
+    if ((in_statics_ || scene_.path) && mechanism.freedoms() > 0)
+      throw Error(
+          scene_.statics ? scene_.statics->source : scene_.path->source,
+          fmt::format(
+              "{}: no equilibrium was found: its parts are free to move in {} way{}, which "
+              "nothing in the scene brings to rest; hold them by joints, or give a <transient>",
+              scene_.statics ? "static" : "path", mechanism.freedoms(),
+              mechanism.freedoms() == 1 ? "" : "s"));
+    for (const BodyScene& body : scene_.bodies)
+      if (!(body.mass > 0.0 && body.inertia.determinant() > 0.0) &&
+          failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
+        throw Error(body.source, label(body) +
+                                     ": its acceleration at the start is not determined: it lacks "
+                                     "mass or inertia that no joint replaces; give it both");
+    if (in_statics_) throw Error(scene_.statics->source, "static: " + failure);
+    if (scene_.path) throw Error(scene_.path->source, "path: " + failure);
+    throw Error(scene_.transient->source, "transient: " + failure);
+  }
+
+  // Before the first accepted state: from here on an earlier result is lost.
+  void begin() {
+    observers_.push_back(expectations_.get());
+    if (options_.output) open_output(*options_.output);
+    observers_.insert(observers_.end(), options_.observers.begin(), options_.observers.end());
+  }
+
+  void open_output(const std::filesystem::path& directory) {
+    make_directory(directory);
+    const std::string name = scene_.path ? "path" : "history";
+    // Of an earlier run, perhaps of another kind.
+    std::error_code code;
+    for (const char* old :
+         {"report.json", "history.csv", "history.svg", "path.csv", "path.svg", "shapes.svg"})
+      if (old != name + ".csv") std::filesystem::remove(directory / old, code);
+    history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_);
+    observers_.push_back(history_.get());
+    observers_.push_back(plot_.get());
+    report_.results = {directory / (name + ".csv"), directory / (name + ".svg")};
+    if (scene_.path) {
+      shapes_ =
+          std::make_unique<ShapesPlot>(directory / "shapes.svg", scene_.name + ": deformed shapes");
+      observers_.push_back(shapes_.get());
+      report_.results.push_back(directory / "shapes.svg");
+    }
+    report_.results.push_back(directory / "report.json");
+  }
+
+  void find_equilibrium(State& state) {
+    in_statics_ = true;
+    StaticOptions options;
+    options.steps = scene_.statics->steps;
+    options.newton.tolerance = scene_.statics->tolerance;
+    options.newton.line_search = scene_.statics->line_search;
+    options.solver = scene_.statics->solver;
+    options.accepted = [this](const State& step) {
+      if (scene_.transient) return !interrupted(step);
+      report_.equilibrium += watch_.lap();
+      const bool going =
+          (report_.rows > 0 || accept_reference()) && accept(step, true) && !interrupted(step);
+      report_.output += watch_.lap();
+      return going;
+    };
+    const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+    const StaticReport result = solve_statics(*model_.system, *solver, options, state);
+    report_.static_counters = result.counters;
+    report_.most_static_iterations = result.most_iterations;
+    report_.searched_steps = result.searched;
+    report_.equilibrium += watch_.lap();
+    if (!result.converged && report_.complete()) {
+      if (report_.rows == 0) fail_to_start(result.failure);
+      report_.failure = "static equilibrium: " + result.failure;
+    }
+    if (result.converged) judge_stability(state);
+    in_statics_ = false;
+  }
+
+  // Of the equilibrium of a <static>.
+  void judge_stability(const State& state) {
+    if (!has_potential(scene_)) {
+      report_.notes.push_back("the stability of the equilibrium is not judged: " +
+                              without_potential(scene_));
+      return;
+    }
+    StabilityCount count(*model_.system);
+    report_.negative_eigenvalues = count(state);
+    report_.equilibrium += watch_.lap();
+    if (report_.negative_eigenvalues.value_or(0) > 0)
+      report_.notes.push_back(fmt::format(
+          "the equilibrium is unstable, in {} way{}: it would not stay there; where <path> in "
+          "place "
+          "of <static> can start from no load, it shows where stability is lost",
+          *report_.negative_eigenvalues, *report_.negative_eigenvalues == 1 ? "" : "s"));
+  }
+
+  void follow(State& state) {
+    const PathScene& scene = *scene_.path;
+    PathOptions options;
+    options.method = scene.method;
+    options.direction = scene.direction;
+    options.step = scene.step;
+    options.max_step = scene.max_step;
+    options.points = scene.points;
+    if (scene.length) options.length = *scene.length;
+    options.branch = scene.branch;
+    options.newton.tolerance = scene.tolerance;
+    options.has_potential = has_potential(scene_);
+    std::vector<double> row(columns_.size());
+    for (std::size_t i = 0; i < marks_.size(); ++i)
+      options.crossings.push_back(
+          {[this, &row, column = marks_[i], value = scene.marks[i].value](const State& at) {
+             sample_row(model_, at, row);
+             return row[column] - value;
+           },
+           scene.marks[i].stops});
+    options.accepted = [this](const PathPoint& point) {
+      report_.equilibrium += watch_.lap();
+      *model_.path = {point.arc_length, point.branch, point.event, point.negative.value_or(-1)};
+      const bool going = accept(point.state, true) && !interrupted(point.state);
+      report_.output += watch_.lap();
+      return going;
+    };
+    if (!options.has_potential)
+      report_.notes.push_back(
+          "stability is not counted: " + without_potential(scene_) +
+          "; bifurcations show as changes of the sign of a determinant, one at a time");
+    const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+    const PathReport result = follow_path(*model_.system, *solver, options, state);
+    report_.static_counters = result.counters;
+    report_.most_static_iterations = result.most_iterations;
+    report_.special = result.special;
+    report_.path_end = result.end;
+    report_.notes.insert(report_.notes.end(), result.notes.begin(), result.notes.end());
+    report_.path_load = {result.least_load, result.most_load};
+    report_.equilibrium += watch_.lap();
+    if (!result.complete && report_.complete()) {
+      if (report_.rows == 0) fail_to_start(result.failure);
+      report_.failure = "path: " + result.failure;
+    }
+  }
+
+  // Row 0 of load steps. It need not satisfy prescribed motions, which do not grow with the load.
+  bool accept_reference() {
+    State reference = model_.initial;
+    reference.load_factor = 0.0;
+    if (!accept(reference, false)) return false;
+    monitor_energies(*model_.system, reference, report_);
+    return true;
+  }
+
+  void integrate(State& state) {
+    const TransientScene& transient = *scene_.transient;
+    check_initial_state(*model_.system, state, 1.0 / transient.duration);
+    if (transient.rho_infinity == 1.0)
+      report_.notes.push_back(
+          "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
+          "and may diverge in long runs; 0.9 is safer");
+    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
+    const long steps = transient.step ? number_of_steps(transient) : 0;
+    // Monitored: some of the fixed steps, or the first step that ends after each of equal times.
+    const long every = (steps + most_monitored - 1) / most_monitored;
+    const double pause = transient.duration / static_cast<double>(most_monitored);
+    double monitor_at = pause;
+    bool going = true;
+
+    State inside = state;  // where steps are interpolated
+    const bool rows_inside = steps == 0 || rows_->inside_steps();
+    if (rows_inside || audit_->certifies())
+      stepper->on_substep([&](const DenseStep& step) {
+        if (audit_->certifies()) audit_->piece(step);
+        if (!rows_inside) return;
+        // What lies at the end of the step is left to the state there, after a restart if there is one; what
+        // lies at the end of a piece, to the beginning of the next.
+        const double before = step.end() - rows_->slack();
+        if (!going || !(rows_->next() < before)) return;
+        report_.integration += watch_.lap();
+        for (; going && rows_->next() < before; rows_->advance()) {
+          step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
+          going = write_row(inside);
+        }
+        report_.output += watch_.lap();
+      });
+
+    StepReport step = stepper->start(state);
+    if (!step.converged) fail_to_start(step.failure);
+    report_.integration += watch_.lap();
+    going = accept(state, true);
+    report_.output += watch_.lap();
+    bool at_end = false;
+    for (long n = 1; going && !at_end; ++n) {
+      step = stepper->step(state);
+      if (!going) break;  // a row inside the step ended it
+      if (!step.converged) {
+        report_.failure = steps > 0 ? fmt::format("step {} of {}, {}", n, steps, step.failure)
+                                    : fmt::format("after {} steps, {}", n - 1, step.failure);
+        break;
+      }
+      audit_->step(step, state);
+      report_.most_iterations = std::max(report_.most_iterations, step.iterations);
+      report_.integration += watch_.lap();
+      at_end = steps > 0 ? n == steps : state.t > rows_->end() - rows_->slack();
+      // A fixed step may end beside its time, at a breakpoint.
+      const double t = steps > 0 ? static_cast<double>(n) * *transient.step : state.t;
+      const bool due = rows_->next() <= t + rows_->slack();
+      while (rows_->next() <= t + rows_->slack()) rows_->advance();
+      bool monitored = at_end || (steps > 0 && n % every == 0);
+      if (steps == 0 && state.t >= monitor_at) {
+        monitored = true;
+        monitor_at = pause * (std::floor(state.t / pause) + 1.0);
+      }
+      if (due || at_end || rows_->at_steps())
+        going = accept(state, monitored);
+      else if (monitored)
+        going = monitor_finite(state);
+      if (options_.progress)
+        options_.progress({state.t, transient.duration, n, steps, step.iterations});
+      report_.output += watch_.lap();
+      if (going && !at_end) going = !interrupted(state);
+    }
+    if (!report_.complete() && report_.rows > 0) monitor(state);
+    report_.integration += watch_.lap();
+    report_.transient_counters = stepper->counters();
+    report_.step_sizes = stepper->sizes();
+    if (report_.rows > 0) judge_round_off(*stepper);
+  }
+
+  // Says it if steps are so short that round-off of positions drowns constraint forces.
+  void judge_round_off(Stepper& stepper) {
+    report_.round_off = stepper.round_off();
+    if (!report_.round_off) return;
+    const RoundOff& floor = *report_.round_off;
+    const double length = model_.system->length_scale();
+    const double force = std::max(floor.force, floor.moment / length),
+                 scale = std::max(force_most_, report_.kinetic_most / length);
+    if (scale > 0.0 && force > much_noise * scale)
+      report_.notes.push_back(fmt::format(
+          "steps as short as the last are lost in the round-off of positions: velocities are known "
+          "to about "
+          "{:.1g} m/s, constraint forces to about {:.1g} N (of {:.1g} N) and moments to about "
+          "{:.1g} N.m; take "
+          "larger steps{}",
+          floor.velocity, floor.force, force_most_, floor.moment,
+          report_.transient->method == TimeMethod::radau ? "" : ", or method=\"radau\""));
+  }
+
+  // Shows a state to the observers. False ends the run.
+  bool accept(const State& state, bool monitored) {
+    return write_row(state) && (!monitored || monitor_finite(state));
+  }
+
+  bool write_row(const State& state) {
+    // Reactions that constraints share between them: those of least norm.
+    if (shares_reactions_) {
+      shared_ = state;
+      shared_.lambda = minimum_norm(*model_.system, state);
+    }
+    if (const Index bad = sample_row(model_, shares_reactions_ ? shared_ : state, row_); bad >= 0) {
+      const std::string name = columns_[static_cast<std::size_t>(bad)].name;
+      std::string failure =
+          fmt::format("column {} of the results is not finite at {}", name, place_of(state));
+      if (const std::string unusable = model_.system->unusable_signal(state); !unusable.empty())
+        failure += ": " + unusable;
+      if (report_.rows == 0) fail_to_start(failure);
+      report_.failure = failure;
+      return false;
+    }
+    if (report_.rows == 0) begin();
+    try {
+      for (Observer* const observer : observers_) observer->accepted({model_, state, row_});
+    } catch (const Error& error) {
+      report_.failure = error.what();
+      return false;
+    }
+    ++report_.rows;
+    return true;
+  }
+
+  bool monitor_finite(const State& state) {
+    monitor(state);
+    if (std::isfinite(report_.energy_end.total() + report_.work.total())) return true;
+    report_.failure = fmt::format("the energy is not finite at {}; look at the loads and drives",
+                                  place_of(state));
+    return false;
+  }
+
+  std::string place_of(const State& state) const {
+    return scene_.transient ? fmt::format("t = {:.9g} s", state.t)
+                            : fmt::format("load factor {:.9g}", state.load_factor);
+  }
+
+  // Whether the user has had enough; that is a failure of the run. Before the first row nothing is left of it.
+  bool interrupted(const State& state) {
+    if (options_.interrupted == nullptr || !*options_.interrupted) return false;
+    if (report_.rows == 0)
+      throw Error(fmt::format("interrupted at load factor {:.9g}, before the start of the motion",
+                              state.load_factor));
+    report_.failure = "interrupted at " + place_of(state);
+    return true;
+  }
+
+  void monitor(const State& state) {
+    monitor_constraints(*model_.system, state, report_);
+    monitor_energies(*model_.system, state, report_);
+    for (const ConstraintInfo& c : model_.system->constraints())
+      for (Index i = 0; i < c.rows; ++i) {
+        const double size = std::abs(state.lambda(c.first_row + i));
+        force_most_ = std::max(force_most_, c.is_position[static_cast<std::size_t>(i)]
+                                                ? size
+                                                : size / model_.system->length_scale());
+      }
+    audit_->sample(state);
+  }
+
+  // Says it if the integrator has made much of the energy, or lost much.
+  void check_energy() {
+    if (!report_.transient || report_.sampled_states < 2) return;
+    const double size = report_.energy_moved();
+    if (std::abs(report_.dissipated()) > much_energy * size)
+      report_.notes.push_back(fmt::format(
+          "the integrator {} {:.3g} J, {:.0f} % of the energy that moved; if it is not meant to "
+          "damp that much, take {}",
+          report_.dissipated() > 0.0 ? "took out" : "put in", std::abs(report_.dissipated()),
+          100.0 * std::abs(report_.dissipated()) / size,
+          report_.transient->tolerance ? "a smaller tolerance" : "smaller steps"));
+  }
+
+  void finish() {
+    check_energy();
+    report_.certificate = audit_->certificate(report_);
+    report_.expects = expectations_->results();
+    for (Observer* const observer : observers_) {
+      try {
+        observer->finished(report_);
+      } catch (const Error& error) {
+        if (report_.complete()) report_.failure = error.what();
+      }
+    }
+    report_.output += watch_.lap();
+    if (!options_.output) return;
+    try {
+      write_file(*options_.output / "report.json", to_json(report_));
+    } catch (const Error& error) {
+      if (report_.complete()) report_.failure = error.what();
+    }
+    std::erase_if(report_.results, [](const auto& file) { return !std::filesystem::exists(file); });
+  }
+
+  const Scene& scene_;
+  const RunOptions& options_;
+  Stopwatch watch_;
+  RunReport report_;
+  std::optional<RowTimes> rows_;  // of a transient
+  bool in_statics_ = false;
+  double force_most_ =
+      0.0;  // largest multiplier of the monitored states, moments over the scene's length [N]
+  Model model_;
+  std::optional<Audit> audit_;
+  std::vector<Column> columns_;
+  std::vector<double> row_;
+  bool shares_reactions_ = false;  // constraints repeat each other, and reactions are recorded
+  State shared_;
+  std::vector<std::size_t> marks_;  // column of each mark of a path
+  std::unique_ptr<Expectations> expectations_;
+  std::unique_ptr<HistoryWriter> history_;
+  std::unique_ptr<HistoryPlot> plot_;
+  std::unique_ptr<ShapesPlot> shapes_;
+  std::vector<Observer*> observers_;
+};
+
+}  // namespace
+
+RunReport run(const Scene& scene, const RunOptions& options) { return Run(scene, options).go(); }
+
+}  // namespace mbd

@@ -1,0 +1,534 @@
+#include "libmbd/study/accuracy/choose.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+
+#include "libmbd/study/trial/norm.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+// Parts of the accuracy that each kind of error is made to keep. Together below 1: estimates scatter.
+constexpr double part_of_time = 0.4, part_alone = 0.7;
+constexpr double loose_tolerance = 1e-4;  // the first of beams
+constexpr double aimed = 0.5;             // of a part, when a knob is turned
+constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
+constexpr double finest_step = 1.0 / 4096;     // part of the model's own
+constexpr double part_of_first_run = 1.0 / 6;  // of the limit: for one run with a tolerance, and
+constexpr double dear = 100.0;                 // as much as the model's own run
+constexpr double most_at_once = 8.0;           // smaller steps
+constexpr double to_believe = 2.5;  // times the cost of a run: of one with a finer mesh too
+constexpr int first_order = 3, highest_order = 8;
+constexpr int usual_highest = 6;  // of a transient: above, more elements cost less
+constexpr int most_elements = 4000;
+constexpr double slow = 3.0;          // decay below which elements are doubled
+constexpr double much_jump = 0.3;     // of the strain
+constexpr int most_without_gain = 3;  // refinements in a row
+constexpr double worth_a_look = 0.1;  // [s] of a run for which a cheaper method is tried
+
+std::vector<Components> vectors_of(const Findings& findings,
+                                   const std::vector<std::string>& names) {
+  std::vector<Components> vectors;
+  add_components(vectors, findings, names, "--accuracy");
+  // Of a path, the load is found; how long the way there was depends on the number of nodes.
+  if (names.empty())
+    std::erase_if(vectors, [](const Components& v) {
+      return v.name.find('.') == std::string::npos && v.name != "load_factor";
+    });
+  return vectors;
+}
+
+// The largest of 1, 2 and 5 times a power of ten not above it, to the last bit what a model would write.
+double rounded_down(double value) {
+  const double power = std::floor(std::log10(value) + 1e-9);
+  const double digit = value / std::pow(10.0, power) + 1e-6;
+  return std::stod(fmt::format("{}e{}",
+                               digit >= 5.0   ? 5
+                               : digit >= 2.0 ? 2
+                                              : 1,
+                               static_cast<int>(power)));
+}
+
+// Ends the search; what has been found stays.
+struct Enough {
+  std::string reason;
+  bool lost = false;  // differences do not fall: none of them says how large the error is
+  bool late = false;  // the limit is reached
+};
+
+class Chooser {
+ public:
+  Chooser(const Scene& scene, const ChooseOptions& options) : scene_(scene), options_(options) {
+    choice_.accuracy = options.accuracy;
+  }
+
+  Choice go() {
+    compile(scene_);  // what is wrong with the scene is told as run() tells it
+    try {
+      search();
+    } catch (const Enough& enough) {
+      choice_.reason = enough.reason;
+      lost_ = enough.lost;
+      if (enough.late) believe_kept();
+    }
+    finish();
+    return std::move(choice_);
+  }
+
+ private:
+  struct Known {
+    Setting setting;
+    Trial trial;
+    std::size_t pilot = 0;
+  };
+  struct Mesh {
+    int order = 0, elements = 0;  // 0: no beams
+    bool operator==(const Mesh&) const = default;
+  };
+  struct Kept {
+    Mesh mesh;
+    double knob = 0.0, rest = 0.0;
+  };
+  struct Measured {
+    double knob = 0.0, error = 0.0;
+  };
+
+  bool flexible() const { return !scene_.beams.empty(); }
+  bool moving() const { return scene_.transient.has_value(); }
+
+  Setting setting(const Mesh& mesh, double tolerance) const {
+    Setting s;
+    if (flexible()) s.order = mesh.order, s.elements = mesh.elements;
+    if (!moving()) return s;
+    if (fixed_)
+      s.step = *scene_.transient->step * tolerance;
+    else
+      s.method = TimeMethod::radau, s.tolerance = tolerance;
+    return s;
+  }
+
+  // What time is refined by to see its error: a tenth of a tolerance, half a step.
+  double refinement() const { return fixed_ ? 2.0 : 10.0; }
+  // Tolerances that read well; steps of which the duration is a whole number.
+  double allowed(double knob) const {
+    return fixed_ ? 1.0 / std::ceil(1.0 / knob - 1e-6) : rounded_down(knob);
+  }
+  double better(double knob) const { return allowed(knob / refinement()); }
+
+  // Made once. Throws Enough where there is no time left.
+  const Known& get(const Setting& setting, double limit = infinite) {
+    for (const Known& known : known_)
+      if (known.setting == setting) return known;
+    const double left = options_.limit - choice_.cpu - (choice_.error ? 0.0 : reserve_);
+    const std::string out_of_time =
+        fmt::format("the limit of {:g} s of CPU time for choosing is reached", options_.limit);
+    if (!(left > 0.0)) throw Enough{.reason = out_of_time, .late = true};
+    Pilot pilot;
+    pilot.setting = setting;
+    pilot.text = to_text(scene_, setting);
+    if (options_.progress) options_.progress(pilot.text);
+    Known known{setting, {}, choice_.pilots.size()};
+    try {
+      known.trial =
+          run_trial(with(scene_, setting),
+                    {.resolution = flexible(), .limit = std::min(left, limit), .repeats = 1});
+    } catch (const Error& error) {
+      known.trial.failure = error.what();
+    }
+    pilot.cpu = known.trial.cpu;
+    pilot.failure = known.trial.failure;
+    choice_.cpu += pilot.cpu;
+    choice_.pilots.push_back(std::move(pilot));
+    known_.push_back(std::move(known));
+    if (known_.back().trial.stopped && limit >= left)
+      throw Enough{.reason = out_of_time, .late = true};
+    return known_.back();
+  }
+
+  // Infinite where one of both did not come to its end.
+  Disagreement compare(const Known& run, const Known& better) const {
+    if (!run.trial.complete || !better.trial.complete) return {.rms = infinite};
+    return disagreement(run.trial.findings, better.trial.findings, options_.accuracy,
+                        options_.quantities);
+  }
+
+  // What is believed of a run: its difference to a better one, whose own error is a part `rest` of it.
+  double believe(const Known& run, const Known& better, double rest) {
+    const Disagreement d = compare(run, better);
+    const double error = d.rms * (1.0 + rest);
+    if (!std::isfinite(error)) return error;
+    Pilot& pilot = choice_.pilots[run.pilot];
+    pilot.error = error;
+    if (!choice_.error || error < *choice_.error || error <= options_.accuracy) {
+      choice_.error = error;
+      choice_.worst = d.worst;
+      choice_.setting = run.setting;
+      differs_from_ = d.from;
+      as_zero_ = d.as_zero;
+    }
+    return error;
+  }
+
+  // Where the limit was reached before anything was believed: the best run in time against one finer in all.
+  void believe_kept() {
+    if (choice_.error || !kept_) return;
+    reserve_ = 0.0;
+    try {
+      const Known& run = get(setting(kept_->mesh, kept_->knob));
+      believe(run, get(setting(finer(kept_->mesh), better(kept_->knob))), kept_->rest);
+    } catch (const Enough&) {  // nothing is believed
+    }
+  }
+
+  // ---- time -----------------------------------------------------------------------------------
+
+  double power_of(const std::vector<Measured>& measured) const {
+    const double usual = fixed_ ? 2.0 : 1.0;
+    if (measured.size() < 2) return usual;
+    const Measured &a = measured[measured.size() - 2], &b = measured.back();
+    if (!std::isfinite(a.error) || !(b.error > 0.0)) return usual;
+    return std::clamp(std::log(a.error / b.error) / std::log(a.knob / b.knob), 0.5, 1.2 * usual);
+  }
+
+  std::string not_approaching(const std::string& what, const Disagreement& d) const {
+    std::string text = fmt::format("{} do not approach each other (they differ by {:.1e} in {}",
+                                   what, d.rms, d.worst);
+    if (moving() && d.from) text += fmt::format(", from t = {:.4g} s on", *d.from);
+    return text + "): the motion is chaotic, or rings faster than these runs resolve";
+  }
+
+  // Makes the tolerance as small as the part of the error that is time's needs on this mesh.
+  void settle_time(const Mesh& mesh, double target) {
+    std::vector<Measured> measured;
+    for (int without_gain = 0;;) {
+      const Known& run = get(setting(mesh, tolerance_));
+      const Known& finer_run = get(setting(mesh, better(tolerance_)));
+      const Disagreement d = compare(run, finer_run);
+      measured.push_back({tolerance_, d.rms});
+      const double power = power_of(measured);
+      in_time_ = d.rms * (1.0 + rest_of(power));
+      if (std::isfinite(d.rms)) {
+        choice_.pilots[run.pilot].in_time = in_time_;
+        if (!flexible()) believe(run, finer_run, rest_of(power));
+      }
+      if (in_time_ <= target) return;
+      if (measured.size() >= 2) {
+        const bool gain = !(d.rms > 0.5 * measured[measured.size() - 2].error);
+        if (gain && flexible() && std::isfinite(d.rms)) {
+          kept_ = Kept{mesh, tolerance_, std::max(0.2, rest_of(power))};
+          reserve_ = std::min(to_believe * finer_run.trial.cpu, 0.4 * options_.limit);
+        }
+        without_gain = gain || !std::isfinite(d.rms) ? 0 : without_gain + 1;
+      }
+      if (without_gain >= most_without_gain)
+        throw Enough{not_approaching("runs with ever smaller tolerances", d), true};
+      const double finest = fixed_ ? finest_step : 10.0 * finest_tolerance;
+      if (!(tolerance_ > finest))
+        throw Enough{
+            fmt::format("{} below {:g} are not tried{}{}",
+                        fixed_ ? "parts of the model's step" : "tolerances", tolerance_,
+                        finer_run.trial.failure.empty() ? "" : ": ", finer_run.trial.failure),
+            true};
+      double next = tolerance_ / refinement();
+      if (without_gain > 0) {
+        next = tolerance_ /
+               (refinement() * refinement());  // past the plateau, if there is an end of it
+      } else if (std::isfinite(d.rms)) {
+        next = tolerance_ * std::pow(aimed * target / in_time_, 1.0 / power);
+        next =
+            std::clamp(next, tolerance_ * (fixed_ ? 1.0 / most_at_once : 1e-4), tolerance_ * 0.5);
+        // A run that exists already is worth more than one a little cheaper.
+        if (next > tolerance_ / refinement() && next < 2.5 * tolerance_ / refinement())
+          next = tolerance_ / refinement();
+      }
+      tolerance_ = allowed(std::max(next, finest));
+    }
+  }
+
+  // Of the difference to the refined run, by the measured power.
+  double rest_of(double power) const { return 1.0 / (std::pow(refinement(), power) - 1.0); }
+
+  // Undamped axial waves of stiff beams take tolerances millions of steps, where the model's own steps damp them or
+  // pass over them: if the first run with a tolerance is far dearer than the model's own, fractions of its step are
+  // taken for what they can reach.
+  void choose_steps(const Mesh& mesh) {
+    if (!scene_.transient->step || scene_.transient->method == TimeMethod::radau) return;
+    Setting own;
+    own.order = mesh.order;
+    own.elements = mesh.elements;
+    const double cost = get(own).trial.cpu;
+    const double most = std::max(1.0, std::min(options_.limit * part_of_first_run, dear * cost));
+    if (!get(setting(mesh, tolerance_), most).trial.stopped) return;
+    fixed_ = true;
+    tolerance_ = 1.0;
+    choice_.notes.push_back(
+        "steps that follow a tolerance resolve waves for which there is no time: steps are fixed");
+  }
+
+  // ---- space ----------------------------------------------------------------------------------
+
+  Mesh first_mesh() const {
+    const int own = *setting_of(scene_).elements;
+    return {first_order, moving() ? own : (own + 1) / 2};
+  }
+
+  static Mesh finer(const Mesh& mesh) {
+    Mesh better = mesh;
+    if (better.order < highest_order) ++better.order;
+    // By symmetry an order more may change nothing of a single element.
+    if (better.order == mesh.order || better.elements == 1) better.elements *= 2;
+    return better;
+  }
+
+  // By what factor one order more lessens the error, before that is measured; less than `slow`: it is elements
+  // that are wanted.
+  static double expected_rate(const Trial& trial) {
+    double rate = 1000.0;
+    for (const BeamResolution& beam : trial.beams) {
+      if (beam.last() < 1e-9) continue;  // this one is resolved
+      rate = std::min(rate, std::pow(beam.decay(), 1.5));
+      if (beam.jump > much_jump * beam.strain && beam.decay() < slow * slow) rate = 1.0;
+    }
+    return rate;
+  }
+
+  // The next mesh, for an error `factor` times smaller.
+  Mesh refined(const Mesh& mesh, double factor, const Trial& trial, std::optional<double> rate) {
+    const int highest = moving() ? usual_highest : highest_order;
+    const double per_order = std::min(rate.value_or(expected_rate(trial)), 100.0);
+    Mesh next = mesh;
+    if (per_order >= slow && mesh.order < highest) {
+      const int more = static_cast<int>(std::ceil(std::log(factor) / std::log(per_order) - 0.1));
+      next.order = std::min(highest, mesh.order + std::clamp(more, 1, rate ? 4 : 2));
+      return next;
+    }
+    // A field that is not smooth gains about two orders a doubling, of a smooth one all are felt.
+    const double per_doubling =
+        per_order >= slow ? std::pow(2.0, mesh.order) : std::min(4.0, std::pow(2.0, mesh.order));
+    const double doublings =
+        std::clamp(std::ceil(std::log(factor) / std::log(per_doubling) - 0.1), 1.0, 2.0);
+    next.elements = mesh.elements * static_cast<int>(std::pow(2.0, doublings));
+    // Where neither alone helps much, both do.
+    if (mesh.order < highest) ++next.order;
+    return next;
+  }
+
+  void search() {
+    const double accuracy = options_.accuracy;
+    tolerance_ = rounded_down(std::min(accuracy, coarsest_tolerance));
+    if (!flexible() && !moving()) {
+      const Known& run = get({});
+      if (!run.trial.complete) throw Enough{run.trial.failure};
+      choice_.error = scene_.statics ? scene_.statics->tolerance : scene_.path->tolerance;
+      choice_.notes.push_back(
+          "rigid parts at rest: nothing is approximated but by the tolerance of iterations");
+      return;
+    }
+    Mesh mesh;
+    if (flexible()) mesh = first_mesh();
+    if (!flexible()) {
+      settle_time(mesh, part_alone * accuracy);
+      try_own_steps(mesh);
+      return;
+    }
+    const int own = *setting_of(scene_).elements;
+    std::vector<std::pair<Mesh, double>> measured;
+    // Where waves ring, a smaller tolerance than is needed costs far more than the runs that tell it is not.
+    if (moving()) {
+      tolerance_ = std::max(tolerance_, loose_tolerance);
+      choose_steps(mesh);
+      settle_time(mesh, part_of_time * accuracy);
+    }
+    for (int without_gain = 0;;) {
+      const Known& run = get(setting(mesh, tolerance_));
+      // A mesh too coarse to be bent so far.
+      if (!run.trial.complete && mesh.elements < 4 * own) {
+        mesh.elements *= 2;
+        continue;
+      }
+      if (!run.trial.complete) throw Enough{"no run came to its end: " + run.trial.failure};
+      const Mesh better_mesh = finer(mesh);
+      const Known& finer_run =
+          get(setting(better_mesh, moving() ? better(tolerance_) : tolerance_));
+      const Disagreement d = compare(run, finer_run);
+      std::optional<double> rate;
+      if (!measured.empty()) {
+        const auto& [before, error] = measured.back();
+        const int orders = mesh.order - before.order;
+        if (mesh.elements == before.elements && orders > 0 && std::isfinite(error) && d.rms > 0.0)
+          rate = std::clamp(std::pow(error / d.rms, 1.0 / orders), 1.0, 1000.0);
+      }
+      // Of the finer mesh at least what is usual of half an order; a tenth is of the tolerance.
+      const double rest =
+          std::max(rate ? 1.0 / (std::max(*rate, 2.0) - 1.0) : 0.2, fixed_ ? rest_of(2.0) : 0.0);
+      const double error = believe(run, finer_run, std::clamp(rest, 0.1, 1.0));
+      if (error <= 0.9 * accuracy) {
+        try_own_steps(mesh);
+        return;
+      }
+      if (std::isfinite(d.rms)) {
+        choice_.pilots[run.pilot].in_space = std::max(0.0, error - in_time_);
+        // Is it the mesh, or did a finer one make the motion harder to follow?
+        if (moving() && error < 4.0 * in_time_) {
+          settle_time(mesh, 0.5 * part_of_time * accuracy);
+          if (!(get(setting(mesh, tolerance_)).setting == run.setting)) continue;
+        }
+        if (moving() && measured.size() >= 1) {
+          const Known& apart = get(setting(mesh, better(tolerance_)));
+          in_time_ = compare(run, apart).rms * (1.0 + rest_of(fixed_ ? 2.0 : 1.0));
+          choice_.pilots[run.pilot].in_time = in_time_;
+          if (in_time_ > 0.5 * error) {
+            settle_time(mesh, part_of_time * accuracy);
+            if (setting(mesh, tolerance_) != run.setting) continue;
+          }
+        }
+      }
+      if (!measured.empty() && std::isfinite(d.rms) && std::isfinite(measured.back().second)) {
+        without_gain = d.rms > 0.5 * measured.back().second ? without_gain + 1 : 0;
+        if (without_gain >= most_without_gain)
+          throw Enough{not_approaching("runs with ever finer meshes", d), true};
+      }
+      measured.push_back({mesh, d.rms});
+      const double factor = std::isfinite(error) ? std::max(1.5, error / (aimed * accuracy)) : 10.0;
+      const Mesh next = refined(mesh, factor, run.trial, rate);
+      if (next.elements > most_elements)
+        throw Enough{fmt::format("more than {} elements", most_elements)};
+      mesh = next;
+    }
+  }
+
+  // ---- the scene's own steps --------------------------------------------------------------------
+
+  // The verified choice stands; is the scene's own way in time good enough, and cheaper? Its error is measured
+  // against the run that verified the choice.
+  void try_own_steps(const Mesh& mesh) {
+    if (!moving() || fixed_ || !scene_.transient->step || options_.accuracy < 1e-4) return;
+    const Known& chosen = get(setting(mesh, tolerance_));
+    if (chosen.trial.cpu < worth_a_look || !choice_.error) return;
+    const Mesh better_mesh = flexible() ? finer(mesh) : mesh;
+    const Known& verifier = get(setting(better_mesh, better(tolerance_)));
+    const double rest = *choice_.error;  // above that of the better run
+    std::vector<Setting> candidates(1);
+    if (flexible()) {
+      candidates.push_back({});
+      candidates.front().order = mesh.order;
+      candidates.front().elements = mesh.elements;
+    }
+    double cost = 0.7 * chosen.trial.cpu;  // for less, nothing is changed
+    for (const Setting& own : candidates) {
+      if (choice_.cpu + cost > options_.limit) return;
+      const Known& run = get(own, cost);
+      const Disagreement d = compare(run, verifier);
+      if (!std::isfinite(d.rms)) continue;
+      const double error = d.rms + 0.2 * rest;
+      choice_.pilots[run.pilot].error = error;
+      if (error > 0.9 * options_.accuracy) continue;
+      choice_.setting = own;
+      choice_.error = error;
+      choice_.worst = d.worst;
+      cost = run.trial.cpu;
+    }
+  }
+
+  void finish() {
+    if (!choice_.error) {  // the best of what came to its end, the finest being the last
+      for (const Known& known : known_)
+        if (known.trial.complete) choice_.setting = known.setting;
+    }
+    if (lost_) choice_.error.reset();
+    choice_.met = choice_.error && *choice_.error <= options_.accuracy;
+    if (choice_.met) choice_.reason.clear();
+    if (!choice_.met && choice_.reason.empty()) choice_.reason = "no finer setting was found";
+    if (!as_zero_.empty())
+      choice_.notes.push_back(fmt::format(
+          "{} {} zero within the accuracy, and measured by the largest quantity of that unit",
+          fmt::join(as_zero_, ", "), as_zero_.size() == 1 ? "is" : "are"));
+    if (scene_.transient)
+      for (const auto& limit :
+           {scene_.transient->position_tolerance, scene_.transient->rotation_tolerance,
+            scene_.transient->velocity_tolerance, scene_.transient->angular_velocity_tolerance})
+        if (limit) {
+          choice_.notes.push_back(
+              "limits of errors in units, which the <transient> gives, stay in force beside the "
+              "chosen tolerance");
+          break;
+        }
+  }
+
+  const Scene& scene_;
+  const ChooseOptions& options_;
+  Choice choice_;
+  std::deque<Known> known_;  // references stay good
+  bool fixed_ = false;       // fractions of the model's own step, in place of tolerances
+  double tolerance_ = 0.0;   // or that fraction
+  double in_time_ = 0.0;
+  // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].
+  std::optional<Kept> kept_;
+  double reserve_ = 0.0;
+  bool lost_ = false;
+  std::optional<double> differs_from_;
+  std::vector<std::string> as_zero_;
+};
+
+}  // namespace
+
+Disagreement disagreement(const Findings& run, const Findings& better, double accuracy,
+                          const std::vector<std::string>& quantities) {
+  Disagreement result;
+  if (run.columns != better.columns || run.at.size() != better.at.size() || better.at.empty()) {
+    result.rms = infinite;
+    return result;
+  }
+  for (const Components& vector : vectors_of(better, quantities)) {
+    const Scale scale = scale_of(vector, better, better.rows.size(), accuracy);
+    if (scale.is_zero) result.as_zero.push_back(vector.name);
+    double sum = 0.0;
+    std::optional<double> from;
+    for (std::size_t k = 0; k < better.rows.size(); ++k) {
+      const double d = distance(vector, run, k, better, k) / scale.value;
+      sum += d * d;
+      if (d > accuracy && !from) from = better.at[k];
+    }
+    const double rms = std::sqrt(sum / static_cast<double>(better.rows.size()));
+    if (rms > result.rms || result.worst.empty()) {
+      result.rms = rms;
+      result.worst = vector.name;
+      result.from = from;
+    }
+  }
+  return result;
+}
+
+Choice choose(const Scene& scene, const ChooseOptions& options) {
+  if (!(options.accuracy >= finest_accuracy && options.accuracy <= coarsest_accuracy))
+    throw Error(
+        fmt::format("--accuracy {:g}: must be between {:g} and {:g}: the rms error of what is "
+                    "recorded, over its largest value",
+                    options.accuracy, finest_accuracy, coarsest_accuracy));
+  if (scene.records.empty())
+    throw Error(scene.source,
+                "--accuracy is of recorded quantities, and the model has none; add a <record>");
+  return Chooser(scene, options).go();
+}
+
+ChosenAccuracy summary_of(const Choice& choice) {
+  ChosenAccuracy chosen{.requested = choice.accuracy,
+                        .believed = choice.error,
+                        .quantity = choice.worst,
+                        .met = choice.met,
+                        .reason = choice.reason,
+                        .cpu = choice.cpu};
+  for (const Pilot& pilot : choice.pilots) {
+    chosen.pilots.push_back({pilot.text, pilot.cpu, pilot.error, pilot.failure});
+    if (pilot.setting == choice.setting) chosen.setting = pilot.text;
+  }
+  return chosen;
+}
+
+}  // namespace mbd

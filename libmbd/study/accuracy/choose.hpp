@@ -1,0 +1,88 @@
+// A run that chooses its own settings for an accuracy of its recorded quantities.
+//
+// Error: of each quantity the rms over the places of Findings of the length of the difference of its vector, over the
+// largest length of it in the run; that of a run is its worst quantity's. What is not above `accuracy` times others of
+// its unit is zero within what is asked, and is measured by those; that, rotations and branches: norm.hpp. Of a path,
+// loads and recorded numbers at its special points count.
+//
+// What is believed is a difference, never a formula: a run and one with all its knobs finer (a tenth of the
+// tolerance, one order more, and of one element two). The finer run's own error, by the rate at which earlier
+// differences fell, is added.
+//
+//   time   radau with tolerances: tau and tau/10 on a coarse mesh; from their difference e the next tau is
+//          tau (target / e)^(1/p), p measured, 1 until it is. Rounded down to 1, 2, 5 10^k.
+//   space  one order more: the next mesh by the measured rate, or, before there is one, by the decay sigma of
+//          Legendre coefficients (resolution.hpp): sigma^1.5, between that of strains (sigma) and of displacements
+//          (sigma^2). Where sigma is small, or strains jump from element to element, the motion is not smooth at the
+//          size of the elements, and their number is doubled instead.
+//   last   at coarse accuracies the scene's own time steps, if the run that verified the choice shows that they do.
+//
+// Not used: the integrator's own estimates, which are of a step, and a priori constants of elements, which are of
+// beams of one kind. Differences that do not fall are chaos or ringing that is not resolved: then nothing is claimed.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libmbd/run/run.hpp"
+#include "libmbd/study/trial/setting.hpp"
+#include "libmbd/study/trial/trial.hpp"
+
+namespace mbd {
+
+inline constexpr double finest_accuracy = 1e-9, coarsest_accuracy = 0.1;
+
+struct ChooseOptions {
+  double accuracy = 1e-3;  // largest rms error of the quantities
+  std::vector<std::string> quantities =
+      {};                // names as of choose_columns(); none: all that the scene records
+  double limit = 600.0;  // CPU time for choosing [s]
+  std::function<void(const std::string& what)> progress = {};  // told before each pilot run
+};
+
+// One of the runs that led to the choice.
+struct Pilot {
+  Setting setting;
+  std::string text;
+  double cpu = 0.0;  // [s]
+  // Believed, of the worst quantity; nothing: it was not compared to a finer one.
+  std::optional<double> error;
+  std::optional<double> in_time, in_space;  // its parts, where a run with one knob finer was made
+  std::string failure;
+};
+
+struct Choice {
+  Setting setting;              // to be run
+  double accuracy = 0.0;        // requested
+  std::optional<double> error;  // believed of it; nothing: not known
+  std::string worst;            // the quantity of `error`
+  bool met = false;             // error <= accuracy
+  std::string reason;           // if not: why no better setting was taken
+  std::vector<Pilot> pilots;
+  double cpu = 0.0;  // of the pilots [s]
+  std::vector<std::string> notes;
+};
+
+// Throws Error for an accuracy that cannot be had or a quantity that is not recorded, and as run() does when the scene
+// cannot be run at all.
+Choice choose(const Scene& scene, const ChooseOptions& options);
+
+// What a report tells of it.
+ChosenAccuracy summary_of(const Choice& choice);
+
+// The error of a run against a better one, both of one scene.
+struct Disagreement {
+  double rms =
+      0.0;  // of the worst quantity; infinite where the runs have not the same places or columns
+  std::string worst = {};
+  // From where on the worst differs by more than the accuracy; nothing: nowhere.
+  std::optional<double> from = {};
+  std::vector<std::string> as_zero = {};  // quantities measured by the largest of their unit
+};
+Disagreement disagreement(const Findings& run, const Findings& better, double accuracy,
+                          const std::vector<std::string>& quantities = {});
+
+}  // namespace mbd

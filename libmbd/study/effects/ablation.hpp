@@ -1,0 +1,34 @@
+// Scenes without one of their effects. An ablation is Scene -> Scene, and what it leaves is compiled anew: no switch
+// exists at run time, and what is left out costs nothing.
+//
+// What has a limit of no effect that needs no other equations is taken to this limit in part, by a stated factor:
+// stiffnesses EA, GA2, GA3 are raised, the rotary inertia of sections is lowered, `reduction` times.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libmbd/scene/scene.hpp"
+
+namespace mbd {
+
+// Of axial and shear flexibility and of the rotary inertia of sections: what is left of each is 1/reduction.
+inline constexpr double reduction = 1e3;
+
+struct Ablation {
+  std::string key;     // as --without writes it: "gravity", "load:push", "rigid:bar1", "shear"
+  std::string effect;  // what is left out: "gravity", "flexibility of beam "bar1""
+  std::string change;  // what to write into the model for it; lines
+};
+
+// Everything that can be left out of the scene, in the order of tables: flexibility beam by beam, axial and shear
+// flexibility, couplings, rotary inertia, masses, damping, gravity, loads, springs, initial curvature.
+std::vector<Ablation> ablations_of(const Scene& scene);
+
+// The scene without the effects of these keys. Records, plots and expectations of what no longer exists (sectional
+// forces of a rigid beam) are left out. The order of keys does not matter. Throws Error for keys that are none of
+// ablations_of(scene), naming them.
+Scene without(const Scene& scene, std::span<const std::string> keys);
+
+}  // namespace mbd

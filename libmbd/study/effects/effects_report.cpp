@@ -1,0 +1,447 @@
+#include "libmbd/study/effects/effects_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "libmbd/pictures/page.hpp"
+#include "libmbd/study/accuracy/accuracy_words.hpp"
+#include "libmbd/text/tables.hpp"
+#include "libmbd/text/text.hpp"
+
+namespace mbd::effects_report {
+namespace {
+
+using namespace study;
+using Json = nlohmann::ordered_json;
+
+// What an effect takes of the time, in per cent: "4", "-12" of one that is cheaper to simulate than to leave out.
+std::string percent(double ratio) {
+  const double share = 100.0 * (1.0 - ratio);
+  return fmt::format("{:.0f}", std::abs(share) < 0.5 ? 0.0 : share);
+}
+
+std::string share_text(const Paired& cpu) {
+  if (cpu.ratios.empty()) return "-";
+  return cpu.ratios.size() == 1 ? percent(cpu.median()) + " %"
+                                : fmt::format("{} % ({} to {})", percent(cpu.median()),
+                                              percent(cpu.most()), percent(cpu.least()));
+}
+
+std::string instructions_text(const EffectRun& run) {
+  return run.instructions ? fmt::format("{:.1f} %", 100.0 * (1.0 - *run.instructions)) : "-";
+}
+
+// "2e-6"; "3e-7*" below what the whole model's own steps contribute.
+std::string change_text(const EffectsStudy& study, std::size_t quantity, const Change& change) {
+  if (!change.known) return "gone";
+  const double own = study.quantities[quantity].own;
+  return number_text(change.rms) + (change.rms < own ? "*" : "");
+}
+
+std::string worst_text(const EffectsStudy& study, const EffectRun& run) {
+  return change_text(study, run.culprit(), run.changes[run.culprit()]);
+}
+
+// Quantities that no longer exist: "M.force and M.moment are gone".
+std::string gone_text(const EffectsStudy& study, const EffectRun& run) {
+  std::string text;
+  for (std::size_t q = 0; q < run.changes.size(); ++q)
+    if (!run.changes[q].known) text += (text.empty() ? "" : ", ") + study.quantities[q].name;
+  return text.empty() ? text : "; without " + text;
+}
+
+std::string sentence_of(const EffectsStudy& study, const EffectRun& run) {
+  const std::string name = run.ablation.effect;
+  if (!run.complete()) return name + ": without it the model does not run: " + run.trial.failure;
+  const std::string share =
+      run.cpu.ratios.empty() ? "" : percent(run.cpu.median()) + " % of the time, ";
+  const std::size_t q = run.culprit();
+  if (!run.changes[q].known) return name + ": " + share + "nothing recorded is left";
+  return fmt::format("{}: {}changes {} by {}{}", name, share, study.quantities[q].name,
+                     worst_text(study, run), gone_text(study, run));
+}
+
+std::string norm_text(const EffectsStudy& study) {
+  return fmt::format(
+      "change: root mean square over {} places of the length of the difference, over the largest "
+      "length of the whole model's quantity",
+      study.whole.findings.at.size());
+}
+
+std::string own_text(const EffectsStudy& study) {
+  double most = 0.0;
+  for (const EffectQuantity& q : study.quantities) most = std::max(most, q.own);
+  return most > 0.0 ? fmt::format(
+                          "the whole model's own steps contribute up to {} (half the step or a "
+                          "tenth of the tolerance); *: a change below that of its quantity",
+                          bound_text(most))
+                    : std::string();
+}
+
+std::string cheapest_text(const EffectsStudy& study) {
+  const CheapestModel& c = study.cheapest;
+  const std::string tolerance = number_text(study.tolerance, 1);
+  if (c.left_out.empty())
+    return fmt::format("within {} nothing that saves time may be left out", tolerance);
+  std::string text = fmt::format("within {}: without {} of {} effects", tolerance,
+                                 c.left_out.size(), study.runs.size());
+  if (!c.verified) return text + ", not verified";
+  return text +
+         fmt::format(": {} of the time ({} times as fast), changes at most {}; verified over {}",
+                     number_text(c.cpu.median()), number_text(1.0 / c.cpu.median()),
+                     number_text(c.worst()),
+                     study.end < study.whole_end ? "the whole of it" : "the run");
+}
+
+std::string snippet_of(const EffectsStudy& study) {
+  std::string text;
+  for (const std::size_t i : study.cheapest.left_out) text += study.runs[i].ablation.change + "\n";
+  return text;
+}
+
+std::string command_of_cheapest(const EffectsStudy& study) {
+  std::string text = "mbd run " + study.file;
+  for (const std::size_t i : study.cheapest.left_out)
+    text += " --without " + study.runs[i].ablation.key;
+  return text;
+}
+
+std::string whole_text(const EffectsStudy& study) {
+  const Trial& whole = study.whole;
+  return fmt::format("{} s of CPU time a run, {} steps, {} unknowns, {} effects",
+                     seconds_text(whole.cpu_stepping), whole.counters.steps, whole.unknowns,
+                     study.runs.size());
+}
+
+std::string text_of(const EffectsStudy& study) {
+  std::string text =
+      wrapped("", fmt::format("{}: what each effect costs and is worth", excerpt(study.model)), 2);
+  paragraph(text, "whole", whole_text(study));
+  paragraph(text, "norm", norm_text(study));
+  if (const std::string own = own_text(study); !own.empty()) paragraph(text, "own", own);
+  for (const std::string& note : study.notes) paragraph(text, "note", note);
+  std::vector<std::vector<std::string>> rows = {
+      {"change", "of", "time", "instructions", "without"}};
+  for (const EffectRun& run : study.runs) {
+    if (!run.complete()) {
+      rows.push_back({"-", "-", "-", "-",
+                      run.ablation.effect + ": does not run: " + excerpt(run.trial.failure)});
+      continue;
+    }
+    rows.push_back({worst_text(study, run), study.quantities[run.culprit()].name,
+                    share_text(run.cpu), instructions_text(run),
+                    run.ablation.effect + gone_text(study, run)});
+  }
+  if (!study.instructions)
+    for (auto& row : rows) row.erase(row.begin() + 3);
+  text += "\n";
+  table(text, rows);
+  text += "\n";
+  paragraph(text, "cheapest", cheapest_text(study));
+  if (!study.cheapest.left_out.empty()) {
+    std::string all = snippet_of(study);
+    for (std::string_view lines = all; !lines.empty();) {
+      const std::size_t end = lines.find('\n');
+      text += "    " + std::string(lines.substr(0, end)) + "\n";
+      lines.remove_prefix(end == std::string_view::npos ? lines.size() : end + 1);
+    }
+    text += "  " + command_of_cheapest(study) + "\n";
+  }
+  return text;
+}
+
+std::string optional_number(bool known, double value) {
+  return known ? fmt::format("{}", value) : std::string();
+}
+
+std::string csv_of(const EffectsStudy& study) {
+  std::string text = fmt::format(
+      "# {}\n# file: {}\n# date: {}\n# machine: {}\n# {}\n# time: CPU of stepping, other over "
+      "whole in "
+      "turn\n# tolerance: {}\n# cheapest: {}\n",
+      one_line(study.model), one_line(study.file), study.date, one_line(study.machine),
+      norm_text(study), study.tolerance, one_line(cheapest_text(study)));
+  text +=
+      "without,effect,complete,failure,time,time_least,time_most,instructions,steps,iterations,"
+      "factorizations,unknowns,memory_bytes,in_cheapest";
+  for (const EffectQuantity& q : study.quantities)
+    text += "," + csv_cell(q.name + ".rms") + "," + csv_cell(q.name + ".largest");
+  text += "\n";
+  for (std::size_t i = 0; i < study.runs.size(); ++i) {
+    const EffectRun& run = study.runs[i];
+    const bool timed = !run.cpu.ratios.empty();
+    const Counters& c = run.trial.counters;
+    text +=
+        csv_cell(run.ablation.key) + "," + csv_cell(run.ablation.effect) + "," +
+        (run.complete() ? "1" : "0") + "," + csv_cell(one_line(run.trial.failure)) + "," +
+        optional_number(timed, run.cpu.median()) + "," + optional_number(timed, run.cpu.least()) +
+        "," + optional_number(timed, run.cpu.most()) + "," +
+        optional_number(run.instructions.has_value(), run.instructions.value_or(0.0)) +
+        fmt::format(",{},{},{},{},{:.0f},{}", c.steps, c.iterations, c.factorizations,
+                    run.trial.unknowns, run.trial.memory,
+                    std::count(study.cheapest.left_out.begin(), study.cheapest.left_out.end(), i));
+    for (std::size_t q = 0; q < study.quantities.size(); ++q) {
+      const Change change = q < run.changes.size() ? run.changes[q] : Change{};
+      text += "," + optional_number(change.known, change.rms) + "," +
+              optional_number(change.known, change.largest);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+Json json(const EffectsStudy& study, const std::vector<Change>& changes) {
+  Json all = Json::array();
+  for (std::size_t q = 0; q < changes.size(); ++q)
+    all.push_back({{"quantity", study.quantities[q].name},
+                   {"rms", changes[q].known ? Json(changes[q].rms) : Json()},
+                   {"largest", changes[q].known ? Json(changes[q].largest) : Json()},
+                   {"at", changes[q].known ? Json(changes[q].at) : Json()}});
+  return all;
+}
+
+std::string json_of(const EffectsStudy& study) {
+  Json all;
+  all["model"] = study.model;
+  all["file"] = study.file;
+  all["date"] = study.date;
+  all["command"] = study.command;
+  all["machine"] = study.machine;
+  for (const auto& [name, value] : study.build) all["build"][name] = value;
+  all["norm"] = norm_text(study);
+  all["tolerance"] = study.tolerance;
+  all["compared_up_to"] = study.end;
+  all["end"] = study.whole_end;
+  Json quantities = Json::array();
+  for (const EffectQuantity& q : study.quantities)
+    quantities.push_back({{"name", q.name},
+                          {"unit", q.unit},
+                          {"scale", q.scale},
+                          {"is_zero", q.is_zero},
+                          {"own_error", q.own}});
+  all["quantities"] = std::move(quantities);
+  all["whole"] = {{"cpu", study.whole.cpu_stepping},
+                  {"steps", study.whole.counters.steps},
+                  {"unknowns", study.whole.unknowns}};
+  Json effects = Json::array();
+  for (const EffectRun& run : study.runs)
+    effects.push_back({{"without", run.ablation.key},
+                       {"effect", run.ablation.effect},
+                       {"change_of_model", run.ablation.change},
+                       {"complete", run.complete()},
+                       {"failure", run.trial.failure},
+                       {"time_ratios", run.cpu.ratios},
+                       {"instructions", run.instructions ? Json(*run.instructions) : Json()},
+                       {"steps", run.trial.counters.steps},
+                       {"unknowns", run.trial.unknowns},
+                       {"changes", json(study, run.changes)},
+                       {"sentence", sentence_of(study, run)}});
+  all["effects"] = std::move(effects);
+  Json keys = Json::array();
+  for (const std::size_t i : study.cheapest.left_out) keys.push_back(study.runs[i].ablation.key);
+  all["cheapest"] = {{"without", std::move(keys)},
+                     {"verified", study.cheapest.verified},
+                     {"time_ratios", study.cheapest.cpu.ratios},
+                     {"changes", json(study, study.cheapest.changes)},
+                     {"snippet", snippet_of(study)}};
+  all["notes"] = study.notes;
+  all["interrupted"] = study.interrupted;
+  all["seconds"] = study.seconds;
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string markdown_of(const EffectsStudy& study) {
+  const auto plain = [](std::string_view words) { return markdown_escaped(words); };
+  const bool counted = study.instructions.has_value();
+  std::string text = counted ? "| without | largest change | of | time | instructions |\n"
+                               "|---|--:|---|--:|--:|\n"
+                             : "| without | largest change | of | time |\n|---|--:|---|--:|\n";
+  for (const EffectRun& run : study.runs)
+    text +=
+        run.complete()
+            ? fmt::format("| {} | {} | {} | {} |{}\n",
+                          plain(run.ablation.effect + gone_text(study, run)),
+                          worst_text(study, run), plain(study.quantities[run.culprit()].name),
+                          share_text(run.cpu), counted ? " " + instructions_text(run) + " |" : "")
+            : fmt::format("| {} | does not run: {} | | |{}\n", plain(run.ablation.effect),
+                          plain(excerpt(run.trial.failure)), counted ? " |" : "");
+  text += "\n" + plain(capital(cheapest_text(study))) + ".\n";
+  if (!study.cheapest.left_out.empty())
+    text += "\n```\n" + snippet_of(study) + command_of_cheapest(study) + "\n```\n";
+  text += "\n" + plain(capital(norm_text(study))) +
+          "; time: share of the CPU time of stepping, in "
+          "turn with the whole model, median (least to most). " +
+          plain(capital(whole_text(study))) + ", on " + plain(study.machine) + ".\n";
+  if (const std::string own = own_text(study); !own.empty())
+    text += "\n" + plain(capital(own)) + ".\n";
+  for (const std::string& note : study.notes) text += "\nNote: " + plain(note) + ".\n";
+  return text;
+}
+
+// --- pictures ---
+
+constexpr double width = 720.0, row = 30.0, letter = 13.0, left = 16.0, bars = 300.0;
+
+struct Axis {
+  double low, high;  // powers of ten
+  double at(double value) const {
+    const double x = (std::log10(std::max(value, std::pow(10.0, low))) - low) / (high - low);
+    return bars * std::clamp(x, 0.0, 1.0);
+  }
+};
+
+Axis axis_of(const EffectsStudy& study) {
+  double least = study.tolerance, most = study.tolerance;
+  for (const EffectRun& run : study.runs)
+    if (run.complete() && run.worst() > 0.0) {
+      least = std::min(least, run.worst());
+      most = std::max(most, run.worst());
+    }
+  return {std::max(std::floor(std::log10(least)) - 1.0, std::log10(most) - 14.0),
+          std::ceil(std::log10(most) + 0.01)};
+}
+
+// Two columns of bars, a line of text above each pair; black and grey, so that it can be printed.
+std::string svg_of(const EffectsStudy& study, bool with_title) {
+  const Axis axis = axis_of(study);
+  const double second = left + bars + 40.0, top = with_title ? 74.0 : 48.0;
+  const double height = top + (row + 12.0) * static_cast<double>(study.runs.size()) + 52.0;
+  double most_share = 0.1;
+  for (const EffectRun& run : study.runs)
+    if (run.complete()) most_share = std::max(most_share, std::abs(1.0 - run.cpu.median()));
+  const double zero = second + 0.5 * bars, unit = 0.5 * bars / most_share;
+  std::string text = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"100%\" "
+      "role=\"img\" aria-label=\"{2}: what each effect changes and costs\" "
+      "font-family=\"sans-serif\" "
+      "font-size=\"{3:.0f}\" fill=\"#111\">\n<rect width=\"{0:.0f}\" height=\"{1:.0f}\" "
+      "fill=\"#fff\"/>\n",
+      width, height, xml_escaped(study.model), letter);
+  const auto write = [&](double x, double y, std::string_view words, std::string_view more = "") {
+    text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more,
+                        xml_escaped(words));
+  };
+  const auto line = [&](double x, double y, double to, std::string_view dashes) {
+    text += fmt::format(
+        "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\" "
+        "stroke=\"#111\" stroke-dasharray=\"{3}\"/>\n",
+        x, y, to, dashes);
+  };
+  if (with_title)
+    write(left, 24.0, study.model + ": what each effect changes and costs", "font-weight=\"bold\"");
+  write(left, top - 20.0, "largest change");
+  write(second, top - 20.0, "CPU time it takes, % of the whole model's");
+  const double bottom = height - 50.0;
+  for (double p = axis.low; p <= axis.high + 0.5; p += axis.high - axis.low > 6.0 ? 2.0 : 1.0)
+    write(left + bars * (p - axis.low) / (axis.high - axis.low), bottom + 16.0,
+          fmt::format("1e{:.0f}", p),
+          p == axis.low ? "font-size=\"11\"" : "text-anchor=\"middle\" font-size=\"11\"");
+  const double tolerance = left + axis.at(study.tolerance);
+  line(tolerance, top - 10.0, bottom, "4 3");
+  line(zero, top - 10.0, bottom, "none");
+  double y = top;
+  for (std::size_t i = 0; i < study.runs.size(); ++i, y += row + 12.0) {
+    const EffectRun& run = study.runs[i];
+    const bool out =
+        std::count(study.cheapest.left_out.begin(), study.cheapest.left_out.end(), i) > 0;
+    write(left, y + 12.0, run.ablation.effect + (out ? " (left out of the cheapest model)" : ""));
+    if (!run.complete()) {
+      write(left, y + 30.0, "without it the model does not run", "fill=\"#555\"");
+      continue;
+    }
+    const auto bar = [&](double x, double size, bool filled) {
+      text += fmt::format(
+          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" fill=\"{}\" "
+          "stroke=\"#111\"/>\n",
+          x, y + 18.0, std::max(size, 0.5), filled ? "#777" : "#fff");
+    };
+    bar(left, axis.at(run.worst()), run.worst() > study.tolerance);
+    write(left + axis.at(run.worst()) + 5.0, y + 30.0, worst_text(study, run), "font-size=\"11\"");
+    if (run.cpu.ratios.empty()) continue;
+    const double share = 1.0 - run.cpu.median();
+    bar(zero + std::min(0.0, share * unit), std::abs(share * unit), share > 0.0);
+    write(share >= 0.0 ? zero - 5.0 : zero + 5.0, y + 30.0, percent(run.cpu.median()),
+          share >= 0.0 ? "font-size=\"11\" text-anchor=\"end\"" : "font-size=\"11\"");
+  }
+  write(left, height - 10.0,
+        "Dashed: the tolerance; white bars on the left are within it. On the right what is left of "
+        "zero "
+        "costs time to leave out.",
+        "font-size=\"11\"");
+  return text + "</svg>\n";
+}
+
+std::string page_of(const EffectsStudy& study) {
+  std::string text =
+      page_begin(study.model + ": what each effect costs and is worth",
+                 fmt::format("{}, {}. {}.", study.file, study.date, capital(whole_text(study))));
+  text += "<p><strong>Cheapest model</strong> " + prose(cheapest_text(study)) + ".</p>\n";
+  if (!study.cheapest.left_out.empty())
+    text += "<pre>" + escaped_lines(snippet_of(study)) + "\n" +
+            escaped_lines(command_of_cheapest(study)) + "</pre>\n";
+  text += "<section>\n<h2>Effects</h2>\n<figure>\n" + svg_of(study, false) + "</figure>\n";
+  text += "<p>" + prose(capital(norm_text(study))) + ".";
+  if (const std::string own = own_text(study); !own.empty())
+    text += " " + prose(capital(own)) + ".";
+  text +=
+      "</p>\n</section>\n<section class=\"all\">\n<h2>All quantities</h2>\n<div class=\"box\" "
+      "role=\"region\" aria-label=\"Changes of all quantities\" tabindex=\"0\">\n<table "
+      "class=\"runs\">\n<thead><tr><th scope=\"col\">without</th><th scope=\"col\" "
+      "class=\"n\">time</th><th scope=\"col\" class=\"n\">steps</th><th scope=\"col\" "
+      "class=\"n\">unknowns</th>";
+  for (const EffectQuantity& q : study.quantities)
+    text += "<th scope=\"col\" class=\"n\">" + xml_escaped(q.name) + "</th>";
+  text += "</tr></thead>\n<tbody>\n";
+  for (const EffectRun& run : study.runs) {
+    text += "<tr><th scope=\"row\">" + prose(run.ablation.effect) + "</th>";
+    if (!run.complete()) {
+      text += fmt::format("<td colspan=\"{}\">does not run: {}</td></tr>\n",
+                          3 + study.quantities.size(), prose(excerpt(run.trial.failure)));
+      continue;
+    }
+    text += fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                        share_text(run.cpu), run.trial.counters.steps, run.trial.unknowns);
+    for (std::size_t q = 0; q < run.changes.size(); ++q)
+      text += "<td class=\"n\">" + xml_escaped(change_text(study, q, run.changes[q])) + "</td>";
+    text += "</tr>\n";
+  }
+  text +=
+      "</tbody>\n</table>\n</div>\n<p>Time: share of the CPU time of stepping, in turn with the "
+      "whole model; median (least to most).</p>\n</section>\n";
+  if (!study.notes.empty()) {
+    text += "<section>\n<h2>Notes</h2>\n";
+    for (const std::string& note : study.notes) text += "<p>" + prose(note) + "</p>\n";
+    text += "</section>\n";
+  }
+  text += "<section>\n<h2 id=\"origin\">Machine, and how to make it again</h2>\n<dl>\n";
+  const auto fact = [&](std::string_view name, std::string_view value) {
+    text += fmt::format("<dt>{}</dt><dd>{}</dd>\n", xml_escaped(name), xml_escaped(value));
+  };
+  fact("model", study.file);
+  fact("date", study.date);
+  fact("machine", study.machine);
+  for (const auto& [name, value] : study.build) fact(name, value);
+  fact("wall time", seconds_text(study.seconds) + " s");
+  text += "</dl>\n<pre>" + escaped_lines(study.command) + "</pre>\n</section>\n";
+  return text + std::string(page_end);
+}
+
+}  // namespace
+}  // namespace mbd::effects_report
+
+namespace mbd {
+
+std::string to_text(const EffectsStudy& study) { return effects_report::text_of(study); }
+std::string sentence(const EffectsStudy& study, const EffectRun& run) {
+  return effects_report::sentence_of(study, run);
+}
+std::string to_csv(const EffectsStudy& study) { return effects_report::csv_of(study); }
+std::string to_json(const EffectsStudy& study) { return effects_report::json_of(study); }
+std::string to_markdown(const EffectsStudy& study) { return effects_report::markdown_of(study); }
+std::string effects_svg(const EffectsStudy& study) { return effects_report::svg_of(study, true); }
+std::string effects_page(const EffectsStudy& study) { return effects_report::page_of(study); }
+
+}  // namespace mbd

@@ -1,0 +1,49 @@
+// How far two runs of a scene are apart, quantity by quantity: which columns are one vector, what its size is, and the
+// distance of two of its values.
+//
+// Three things that a difference of numbers would get wrong: what is zero beside others of its unit is measured by
+// those (the load that symmetry makes vanish), and total energies by the kinetic and strain energies too; rotation
+// vectors stand for the rotation, and of the vectors for one rotation the nearest is compared; on a branch of a path
+// signs do not count: the two sides of a symmetric bifurcation are mirror images, and round-off chooses.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libmbd/study/trial/trial.hpp"
+
+namespace mbd {
+
+// Columns of Findings that are one vector.
+struct Components {
+  std::string name;  // "C.displacement", "C.displacement.3"
+  std::string unit;  // of the columns
+  std::vector<std::size_t> columns;
+};
+
+// Adds the columns `names` (none: all) to `all`: those of one quantity together, or each by itself (`apart`). Throws
+// Error, with `file` in it, for names that are not recorded.
+void add_components(std::vector<Components>& all, const Findings& findings,
+                    std::span<const std::string> names, const std::string& file,
+                    bool apart = false);
+
+// Of the vector, the Euclidean length.
+double length(const Components& vector, const std::vector<double>& row);
+
+// From row `i` of `a` to row `k` of `b`, in its unit.
+double distance(const Components& vector, const Findings& a, std::size_t i, const Findings& b,
+                std::size_t k);
+
+struct Scale {
+  double value = 1.0;    // not zero
+  bool is_zero = false;  // it is that of others of its unit
+};
+
+// Of a vector the largest length in the first `places` rows. Where that is not above `zero` times the largest number
+// that any column of its unit has there, that number; of energies it is at least Findings::energy, of angles, if all
+// of them are round-off, one radian. 1 if all are zero.
+Scale scale_of(const Components& vector, const Findings& findings, std::size_t places, double zero);
+
+}  // namespace mbd

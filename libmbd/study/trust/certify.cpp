@@ -1,0 +1,128 @@
+#include "libmbd/study/trust/certify.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libmbd/scene/transient.hpp"
+#include "libmbd/study/trust/sameness.hpp"
+#include "libmbd/study/trust/transform.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr int certify_samples = 100;
+constexpr double certify_runs = 10.0;  // about as many, of the cost of the first
+constexpr std::uint64_t certify_seed = 1;
+constexpr double tolerable_error = 0.01,
+                 spoiling_error = 0.1;        // errors of a method (certificate.hpp)
+constexpr double certify_fail_factor = 10.0;  // of a bound of sameness
+
+std::string until_text(const Scene& scene, const Sameness& s) {
+  if (!scene.transient) return {};
+  return fmt::format(
+      "; compared up to {:.6g} s{}", s.until,
+      s.whole ? "" : ", from where on tolerances and round-off change more than 1e-3");
+}
+
+std::string where_text(const Scene& scene, const Sameness& s) {
+  if (s.quantity.empty()) return {};
+  if (scene.transient) return fmt::format("{}, at {:.6g} s", s.quantity, s.at);
+  return scene.path ? fmt::format("{}, at special point {:g}", s.quantity, s.at) : s.quantity;
+}
+
+// Nothing to compare, or a run that fails, is a warning, or a failure, with its reason.
+Check check_of_run(const std::string& name, const Scene& scene, const Trial& run,
+                   const Sameness& same, double fail, const std::string& why) {
+  Check check{.name = name, .where = where_text(scene, same)};
+  if (!run.complete) {
+    check.verdict = run.stopped ? Verdict::warn : Verdict::fail;
+    check.where = run.failure;
+    check.why =
+        run.stopped ? "it took too long" : "this run does not come to its end, the first did";
+    return check;
+  }
+  if (!same.what.empty()) {
+    check.verdict = Verdict::fail;
+    check.why = same.what;
+    return check;
+  }
+  check.value = same.difference;
+  check.warn = same.bound;
+  check.fail = fail;
+  check.why = why + until_text(scene, same);
+  if (same.comparable) return bounded_check(check);
+  check.verdict = Verdict::warn;
+  check.why =
+      "not compared: what tolerances and round-off change is larger than 1e-3 from the beginning";
+  return check;
+}
+
+}  // namespace
+
+void certify(const Scene& given, const CertifyOptions& options, RunReport& report) {
+  const auto tell = [&](const char* what) {
+    if (options.progress) options.progress(what);
+  };
+  std::vector<Check>& checks = report.certificate.checks;
+  Scene scene = without_inertial_marks(given);
+  TrialOptions limits;
+  limits.samples = certify_samples;
+  limits.repeats = 1;
+  limits.limit = options.within;
+  limits.wall = 10.0 * options.within + 10.0;
+  if (scene.transient) {
+    const double cost = certify_runs * (report.integration.cpu + report.equilibrium.cpu);
+    if (cost > options.within)
+      scene = shortened(scene, scene.transient->duration * options.within / cost);
+  }
+  tell("again, with another tolerance, and with numbers changed in the twelfth digit");
+  const Twins twins(scene, limits);
+  if (!twins.failure().empty()) {
+    checks.push_back({.name = "invariance",
+                      .where = twins.failure(),
+                      .why = "the runs that it is measured by do not come to their end",
+                      .verdict = twins.base().stopped ? Verdict::warn : Verdict::fail});
+    return;
+  }
+  const std::string bound =
+      "largest difference beside its bound, over the size of the quantity; bound: 10 times what "
+      "another tolerance and a change in the twelfth digit make, and 10 tolerances of the run";
+
+  tell("moved rigidly");
+  const double size = compile(scene).system->length_scale();
+  const RigidMotion motion = random_motion(certify_seed, size);
+  std::vector<std::string> not_compared;
+  Trial run = run_trial(moved(twins.scene(), motion).scene, limits);
+  Sameness same;
+  if (run.complete)
+    same = twins.compare(moved_back(run.findings, twins.scene(), motion, not_compared));
+  checks.push_back(check_of_run("invariance, moved rigidly", scene, run, same,
+                                certify_fail_factor * same.bound, bound));
+
+  tell("its parts in another order");
+  run = run_trial(reordered(twins.scene(), certify_seed), limits);
+  same = run.complete ? twins.compare(run.findings) : Sameness{};
+  checks.push_back(check_of_run("invariance, another order", scene, run, same,
+                                certify_fail_factor * same.bound, bound));
+
+  if (!scene.transient) return;
+  TransientScene finer = *scene.transient;
+  const bool fixed = finer.step.has_value();
+  if (fixed)
+    finer.step = 0.5 * *finer.step;
+  else
+    finer.tolerance = std::max(1e-13, 0.1 * *finer.tolerance);
+  tell(fixed ? "half the steps" : "a tenth of the tolerance");
+  Scene again = twins.scene();
+  again.transient = finer;
+  run = run_trial(again, limits);
+  same = run.complete ? twins.compare_finer(run.findings, tolerable_error) : Sameness{};
+  checks.push_back(check_of_run(
+      fixed ? "half the step" : "a tenth of the tolerance", scene, run, same, spoiling_error,
+      "largest difference of displacements and rotations, over the size of the quantity: about the "
+      "error of the method"));
+}
+
+}  // namespace mbd

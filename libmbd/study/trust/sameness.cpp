@@ -1,0 +1,269 @@
+#include "libmbd/study/trust/sameness.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/study/trust/transform.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double noise_safety = 10.0;      // on what was measured, and on tolerances
+constexpr double comparable_bound = 1e-3;  // bounds above say nothing
+constexpr double relative_perturbation = 1e-12;
+constexpr std::uint64_t perturbation_seed = 20240607, perturbations = 3;
+constexpr std::size_t most_places = 20;
+constexpr double zero_beside = 1e-6;  // of others of its unit: what is smaller is measured by those
+
+// The same run with another tolerance: a tenth where that is a choice, a hundred times where it is near round-off.
+Scene with_other_tolerance(const Scene& scene) {
+  Scene s = scene;
+  if (s.statics) s.statics->tolerance *= 100.0;
+  if (s.path) s.path->tolerance *= 100.0;
+  if (s.transient) {
+    TransientScene& t = *s.transient;
+    constexpr double tighter = 0.1;
+    if (t.tolerance) {
+      t.tolerance = std::max(1e-13, tighter * *t.tolerance);
+      for (std::optional<double>* const limit :
+           {&t.position_tolerance, &t.rotation_tolerance, &t.velocity_tolerance,
+            &t.angular_velocity_tolerance})
+        if (*limit) **limit *= tighter;
+    } else {
+      t.newton_tolerance = tighter * newton_options(t).tolerance;
+    }
+  }
+  return s;
+}
+
+bool is_under_multipliers(std::string_view unit) {
+  return unit == "N" || unit == "N.m" || unit == "m/s2" || unit == "J" || unit == "W";
+}
+
+}  // namespace
+
+Scene with_probes(const Scene& scene) {
+  Scene s = scene;
+  s.expects.clear();
+  s.plots.clear();
+  const bool moves = scene.transient.has_value();
+  RecordScene all{{}, "certify", {}, {}, {"strain_energy", "potential_energy", "total_energy"}};
+  if (moves)
+    all.quantities.insert(all.quantities.end(),
+                          {"kinetic_energy", "work_of_loads", "work_of_drives", "work_of_damping",
+                           "linear_momentum", "angular_momentum"});
+  s.records.push_back(all);
+  std::size_t count = 0;
+  const auto add = [&](const Place& place) {
+    if (count >= most_places) return;
+    RecordScene record{{}, fmt::format("certify{}", count++), place, {}, {"position", "rotation"}};
+    if (moves)
+      record.quantities.insert(record.quantities.end(), {"velocity", "angular_velocity_local"});
+    s.records.push_back(record);
+  };
+  for (const BeamScene& beam : scene.beams)
+    for (const double end : {1.0, 0.0}) add({Place::Kind::beam, beam.name, end});
+  for (const BodyScene& body : scene.bodies) add({Place::Kind::body, body.name, 0.0});
+  return s;
+}
+
+double shortest_lever(const Scene& scene) {
+  const Model model = compile(scene);
+  const System& system = *model.system;
+  const double length = system.length_scale();
+  double shortest = length;
+  constexpr std::size_t most_points = 300;
+  std::vector<Vec3> points;
+  for (Index n = 1; n < system.nodes(); ++n) points.push_back(system.reference_pose(n).r);
+  for (const JointScene& j : scene.joints) {
+    for (const std::optional<Vec3>& at : {j.at, j.at_a, j.at_b})
+      if (at) points.push_back(*at);
+    if (j.kind == "screw" && j.parameter)
+      shortest = std::min(shortest, std::abs(*j.parameter) / (2.0 * std::numbers::pi));
+  }
+  if (points.size() > most_points) points.resize(most_points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (const double d = (points[i] - points[k]).norm(); d > 1e-9 * length)
+        shortest = std::min(shortest, d);
+  return shortest;
+}
+
+Scene shortened(const Scene& scene, double duration) {
+  Scene s = scene;
+  if (!s.transient || !(duration < s.transient->duration)) return s;
+  TransientScene& t = *s.transient;
+  if (t.step) {
+    const double steps = std::max(1.0, std::round(duration / *t.step));
+    t.duration = steps * *t.step;
+  } else {
+    t.duration = duration;
+  }
+  return s;
+}
+
+Twins::Twins(const Scene& scene, const TrialOptions& options) : scene_(with_probes(scene)) {
+  TrialOptions once = options;
+  once.repeats = 1;
+  base_ = run_trial(scene_, once);
+  cpu_ = base_.cpu;
+  if (!base_.complete) {
+    failure_ = base_.failure;
+    return;
+  }
+  length_ = compile(scene_).system->length_scale();
+  const Findings& a = base_.findings;
+  add_components(quantities_, a, {}, "the run");
+  for (const Components& q : quantities_) {
+    const double size = scale_of(q, a, a.at.size(), zero_beside).value;
+    // Of a total energy that is conserved, the number is arbitrary and its changes are errors.
+    scales_.push_back(q.unit == "J" ? std::max(size, a.energy) : size);
+  }
+  noise_.assign(quantities_.size(), std::vector<double>(a.at.size(), 0.0));
+  growth_ = noise_;
+  for (std::uint64_t twin = 0; twin <= perturbations; ++twin) {
+    const bool tolerance = twin == 0;
+    const Trial run =
+        run_trial(tolerance ? with_other_tolerance(scene_)
+                            : perturbed(scene_, relative_perturbation, perturbation_seed + twin),
+                  once);
+    cpu_ += run.cpu;
+    if (!run.complete) {
+      failure_ = fmt::format(
+          "{}: {}",
+          tolerance ? "with another tolerance" : "with numbers changed in the twelfth digit",
+          run.failure);
+      return;
+    }
+    // A twin that finds other special points says that they are not well determined.
+    const bool fits = run.findings.at.size() == a.at.size();
+    for (std::size_t q = 0; q < quantities_.size(); ++q)
+      for (std::size_t k = 0; k < a.at.size(); ++k) {
+        const double d =
+            fits ? distance(quantities_[q], a, k, run.findings, k) / scales_[q] : comparable_bound;
+        double& to = tolerance ? noise_[q][k] : growth_[q][k];
+        to = std::max(to, d);
+      }
+  }
+  for (std::size_t q = 0; q < noise_.size(); ++q)
+    for (std::size_t k = 0; k < noise_[q].size(); ++k) {
+      noise_[q][k] += growth_[q][k];
+      growth_[q][k] /= relative_perturbation;
+    }
+  for (std::vector<double>& growth : growth_)
+    for (std::size_t k = 1; k < growth.size(); ++k) growth[k] = std::max(growth[k], growth[k - 1]);
+  for (std::vector<double>& noise : noise_)
+    for (std::size_t k = 1; k < noise.size(); ++k) noise[k] = std::max(noise[k], noise[k - 1]);
+}
+
+double Twins::floor_of(const Components& quantity, double scale) const {
+  if (scene_.path) return 1e-6;  // of special points: they are located to that (path.cpp)
+  if (!scene_.transient) return 1e3 * scene_.statics->tolerance;
+  const TransientScene& t = *scene_.transient;
+  if (t.tolerance) return noise_safety * *t.tolerance;
+  const NewtonOptions newton = newton_options(t);
+  if (is_under_multipliers(quantity.unit)) return noise_safety * newton.multiplier_tolerance;
+  // Each step leaves a tolerance, as in a random walk.
+  const double walk =
+      std::max(noise_safety, std::sqrt(static_cast<double>(base_.counters.substeps)));
+  // An increment of motion is one of velocity over about half a step.
+  const std::string& u = quantity.unit;
+  double of_rates = 0.0;
+  if (u == "rad/s") of_rates = 2.0 / *t.step / scale;
+  if (u == "m/s") of_rates = 2.0 * length_ / *t.step / scale;
+  if (u == "N.s" || u == "N.m.s")  // mass times velocity
+    for (std::size_t q = 0; q < quantities_.size(); ++q)
+      if (quantities_[q].unit == "m/s") {
+        const double one = 2.0 * length_ / *t.step / scales_[q];
+        of_rates = of_rates > 0.0 ? std::min(of_rates, one) : one;
+      }
+  return newton.tolerance * std::max(walk, of_rates);
+}
+
+std::optional<double> Twins::far_noise(const Components& quantity, double scale, std::size_t place,
+                                       const FarNoise& far) const {
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const double unit = 8.0 * eps * far.distance;  // the floor of Newton's iterations [m]
+  const std::string& u = quantity.unit;
+  if (is_under_multipliers(u) || u == "N.s" || u == "N.m.s") return std::nullopt;
+  const double length = u.starts_with("rad") ? far.lever : far.lever / far.length;
+  if (!scene_.transient) {
+    // Of curvatures, unit/spacing^2 along the whole length.
+    const double nodes = static_cast<double>(std::max<Index>(base_.nodes, 2));
+    return unit * nodes * nodes / length / scale;
+  }
+  // Each step leaves an error of motion, and of velocity that over h, as in a random walk.
+  const double steps = static_cast<double>(std::max(1L, base_.counters.substeps));
+  const double h = scene_.transient->step.value_or(scene_.transient->duration / steps);
+  const double n = base_.findings.at[place] / h;
+  if (u == "m" || u == "rad") return unit * (1.0 + n * std::sqrt(n)) / length / scale;
+  return unit / h * std::sqrt(1.0 + n) / length / scale;
+}
+
+Sameness Twins::compare(const Findings& other, const FarNoise& far) const {
+  return compare(other, far, std::nullopt);
+}
+
+Sameness Twins::compare_finer(const Findings& other, double bound) const {
+  return compare(other, {}, bound);
+}
+
+Sameness Twins::compare(const Findings& other, const FarNoise& far,
+                        std::optional<double> fixed) const {
+  Sameness result;
+  const Findings& a = base_.findings;
+  const std::size_t places = std::min(a.at.size(), other.at.size());
+  if (other.at.size() != a.at.size())
+    result.what = fmt::format("{} places in place of {}", other.at.size(), a.at.size());
+  std::vector<Components> theirs;
+  add_components(theirs, other, {}, "the run");
+  std::size_t until = places;
+  double worst = -1.0;
+  for (std::size_t q = 0; q < quantities_.size(); ++q) {
+    const Components& mine = quantities_[q];
+    const auto found = std::find_if(theirs.begin(), theirs.end(),
+                                    [&](const Components& c) { return c.name == mine.name; });
+    if (found == theirs.end() || (fixed && mine.unit != "m" && mine.unit != "rad")) continue;
+    const double floor = floor_of(mine, scales_[q]);
+    for (std::size_t k = 0; k < places; ++k) {
+      double bound = noise_safety * noise_[q][k] + floor;
+      if (far.distance > 0.0) {
+        const std::optional<double> noise = far_noise(mine, scales_[q], k, far);
+        if (!noise) break;
+        constexpr double eps = std::numeric_limits<double>::epsilon();
+        bound += *noise + noise_safety * 8.0 * eps * far.distance / far.lever * growth_[q][k];
+      }
+      if (!(bound <= std::max(comparable_bound, 2.0 * floor))) {
+        until = std::min(until, k);
+        break;
+      }
+      if (fixed) bound = *fixed;
+      Findings reordered;  // their columns in my order
+      reordered.rows = {a.rows[k]};
+      for (std::size_t i = 0; i < mine.columns.size(); ++i)
+        reordered.rows[0][mine.columns[i]] = other.rows[k][found->columns[i]];
+      reordered.branch = {k < other.branch.size() ? other.branch[k] : 0};
+      const double difference = distance(mine, a, k, reordered, 0) / scales_[q];
+      result.comparable = true;
+      const double ratio =
+          std::isfinite(difference) ? difference / bound : std::numeric_limits<double>::infinity();
+      if (ratio > worst) {
+        worst = ratio;
+        result.difference = difference;
+        result.bound = bound;
+        result.quantity = mine.name;
+        result.at = a.at[k];
+      }
+    }
+  }
+  result.whole = until >= places && places == a.at.size();
+  result.until = until > 0 && !a.at.empty() ? a.at[std::min(until, a.at.size()) - 1] : 0.0;
+  return result;
+}
+
+}  // namespace mbd

@@ -1,0 +1,349 @@
+#include "solvers/constraints/redundancy.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <Eigen/SparseQR>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <string_view>
+
+#include "joints/joint_list.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double independent = 1e-8;  // least distance of a unit row from the span of others
+constexpr double involved = 1e-6;     // least share of a row that is named
+// How far an idle row may be open: of the scene's length and of the largest velocity, and of what others are.
+constexpr double open_of_size = 1e-9, open_of_others = 1e3;
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+// Takes the constraint rows out of a linearisation; everything else is thrown away.
+class ConstraintRows : public LinearSolver {
+ public:
+  void analyze(const BlockGraph& graph) override {
+    int nodes = 0, largest = 6;
+    for (const auto& block : graph.blocks) {
+      nodes += block.kind == BlockGraph::Kind::node ? 1 : 0;
+      largest = std::max(largest, block.size);
+    }
+    trash_.setZero(largest, largest);
+    const auto is_row = [&](const BlockGraph::Contribution& c) {
+      return c.row >= nodes && c.column >= 0 && c.column < nodes;
+    };
+    pieces_.reserve(static_cast<std::size_t>(
+        std::count_if(graph.contributions.begin(), graph.contributions.end(), is_row)));
+    for (const auto& c : graph.contributions) {
+      if (!is_row(c)) {
+        slots_.push_back({trash_.data(), trash_.rows()});
+        continue;
+      }
+      const int rows = graph.blocks[static_cast<std::size_t>(c.row)].size;
+      pieces_.push_back({c.row - nodes, c.column + 1, Eigen::MatrixXd::Zero(rows, 6)});
+      slots_.push_back({pieces_.back().B.data(), rows});
+    }
+  }
+  std::span<const Slot> slots() const override { return slots_; }
+  void set_zero() override {
+    for (GradientBlock& piece : pieces_) piece.B.setZero();
+  }
+  FactorStatus factor() override { return FactorStatus::singular; }
+  Index singular_row() const override { return -1; }
+  void solve(std::span<double> x) const override { std::fill(x.begin(), x.end(), std::nan("")); }
+  double reciprocal_condition() const override { return 0.0; }
+  Index nonzeros() const override { return 0; }
+
+  const std::vector<GradientBlock>& pieces() const { return pieces_; }
+
+ private:
+  std::vector<GradientBlock> pieces_;
+  std::vector<Slot> slots_;
+  Eigen::MatrixXd trash_;
+};
+
+// Rows of constraints that may depend on each other: of those in parts of the graph of nodes and constraints that
+// have a loop. The ground takes part in every loop through it, and joins nothing.
+std::vector<Index> rows_in_loops(const System& system) {
+  const auto nodes = static_cast<int>(system.nodes()) - 1;
+  std::vector<int> parent(static_cast<std::size_t>(nodes));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](int n) {
+    while (parent[static_cast<std::size_t>(n)] != n) n = parent[static_cast<std::size_t>(n)];
+    return n;
+  };
+  const std::size_t count = system.constraints().size();
+  std::vector<std::vector<int>> nodes_of(count);
+  for (const auto& c : system.graph().contributions)
+    if (c.row >= nodes && c.column >= 0 && c.column < nodes)
+      nodes_of[static_cast<std::size_t>(c.row - nodes)].push_back(c.column);
+  for (const auto& ends : nodes_of)
+    for (std::size_t i = 1; i < ends.size(); ++i) {
+      const int p = root(ends[0]), q = root(ends[i]);
+      parent[static_cast<std::size_t>(std::max(p, q))] = std::min(p, q);
+    }
+  // A tree of n nodes has n - 1 constraints inside and one to the ground at most.
+  std::vector<int> inside(static_cast<std::size_t>(nodes), 1), grounded(inside.size(), 0);
+  for (int n = 0; n < nodes; ++n) --inside[static_cast<std::size_t>(root(n))];
+  for (const auto& ends : nodes_of)
+    if (!ends.empty())
+      ++(ends.size() > 1 ? inside : grounded)[static_cast<std::size_t>(root(ends[0]))];
+  std::vector<std::size_t> looped;
+  for (std::size_t c = 0; c < count; ++c) {
+    const auto part = nodes_of[c].empty() ? -1 : root(nodes_of[c][0]);
+    if (part >= 0 && inside[static_cast<std::size_t>(part)] <= 0 &&
+        grounded[static_cast<std::size_t>(part)] <= 1)
+      continue;
+    looped.push_back(c);
+  }
+  // Joints first, so that a drive is blamed before the joint it drives.
+  const std::vector<char> is_prescribed = prescribed_constraints(system);
+  std::vector<Index> rows;
+  for (const bool prescribed : {false, true})
+    for (const std::size_t c : looped)
+      for (Index i = 0; (is_prescribed[c] != 0) == prescribed && i < system.constraints()[c].rows;
+           ++i)
+        rows.push_back(system.constraints()[c].first_row + i);
+  return rows;
+}
+
+Dependence dependence(const System& system, const State& state) {
+  const std::vector<Index> rows = rows_in_loops(system);
+  if (rows.empty()) return {};
+  ConstraintEntries entries;
+  const double L = system.length_scale();
+  for (const GradientBlock& block : constraint_gradients(system, state)) {
+    const ConstraintInfo& info = system.constraints()[static_cast<std::size_t>(block.constraint)];
+    for (Index i = 0; i < info.rows; ++i)
+      for (int j = 0; j < 6; ++j)
+        if (block.B(i, j) != 0.0)
+          entries.emplace_back(static_cast<int>(info.first_row + i), 6 * (block.node - 1) + j,
+                               (j < 3 ? 1.0 : 1.0 / L) * block.B(i, j));
+  }
+  return find_dependent(entries, system.multipliers(), 6 * (system.nodes() - 1), rows);
+}
+
+// 1 for a force, 1/L for a moment: both in the same unit.
+VecX multiplier_units(const System& system) {
+  VecX w(system.multipliers());
+  for (const ConstraintInfo& info : system.constraints())
+    for (Index i = 0; i < info.rows; ++i)
+      w(info.first_row + i) =
+          info.is_position[static_cast<std::size_t>(i)] ? 1.0 : 1.0 / system.length_scale();
+  return w;
+}
+
+// Columns of length one, from those of Dependence::null in one unit.
+Eigen::MatrixXd unit_columns(const VecX& units, const Eigen::MatrixXd& null) {
+  return (units.asDiagonal() * null).colwise().normalized();
+}
+
+}  // namespace
+
+std::vector<char> prescribed_constraints(const System& system) {
+  std::set<std::string_view> prescribed;
+  joint::for_each(joint::Prescribed{}, [&]<class J>() { prescribed.insert(J::name); });
+  const auto nodes = static_cast<int>(system.nodes()) - 1;
+  std::vector<char> result(system.constraints().size(), 0);
+  const auto first = system.first_contributions();
+  const auto& contributions = system.graph().contributions;
+  for (std::size_t b = 0; b < system.batches().size(); ++b) {
+    if (!prescribed.contains(system.batches()[b]->type())) continue;
+    for (std::size_t i = first[b]; i < first[b + 1]; ++i)
+      if (contributions[i].row >= nodes)
+        result[static_cast<std::size_t>(contributions[i].row - nodes)] = 1;
+  }
+  return result;
+}
+
+std::vector<GradientBlock> constraint_gradients(const System& system, const State& state) {
+  ConstraintRows rows;
+  rows.analyze(system.graph());
+  VecX r(system.rows());
+  if (state.idle.empty()) {
+    system.linearize(state, {}, r, rows);
+  } else {
+    State all = state;
+    all.idle.clear();
+    system.linearize(all, {}, r, rows);
+  }
+  return rows.pieces();
+}
+
+Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Index columns,
+                          const std::vector<Index>& order) {
+  const auto rows = static_cast<Index>(order.size());
+  Dependence result;
+  result.rank_of_first.assign(order.size() + 1, 0);
+  result.null.resize(all_rows, 0);
+  if (rows == 0) return result;
+
+  std::vector<Index> place(static_cast<std::size_t>(all_rows), -1);  // row -> column of B^T
+  for (Index i = 0; i < rows; ++i)
+    place[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i;
+  VecX size = VecX::Zero(rows);
+  for (const auto& e : entries) {
+    const Index i = place[static_cast<std::size_t>(e.row())];
+    if (i >= 0) size(i) = std::hypot(size(i), e.value());
+  }
+  // B^T with unit columns; an empty column stays empty and is dependent.
+  ConstraintEntries scaled;
+  scaled.reserve(entries.size());
+  for (const auto& e : entries) {
+    const Index i = place[static_cast<std::size_t>(e.row())];
+    if (i >= 0 && size(i) > 0.0)
+      scaled.emplace_back(e.col(), static_cast<int>(i), e.value() / size(i));
+  }
+  Sparse Bt(std::max(columns, rows), rows);  // SparseQR wants no more columns than rows
+  Bt.setFromTriplets(scaled.begin(), scaled.end());
+  Bt.makeCompressed();
+
+  // Columns in their order: a column is set aside when those before it span it.
+  Eigen::SparseQR<Sparse, Eigen::NaturalOrdering<int>> qr;
+  qr.setPivotThreshold(independent);
+  qr.compute(Bt);
+  const Index rank = qr.rank();
+  const auto& permutation = qr.colsPermutation().indices();  // position -> column
+  std::vector<char> is_independent(order.size(), 0);
+  for (Index k = 0; k < rank; ++k) is_independent[static_cast<std::size_t>(permutation(k))] = 1;
+  for (std::size_t n = 0; n < order.size(); ++n)
+    result.rank_of_first[n + 1] = result.rank_of_first[n] + is_independent[n];
+
+  // Its columns are not sorted; turning it over twice sorts them (so says the manual of Eigen).
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows = qr.matrixR();
+  const Sparse R = by_rows;
+  const Sparse R11 = R.topLeftCorner(rank, rank);
+  result.null.setZero(all_rows, rows - rank);
+  const auto row_at = [&](Index k) { return order[static_cast<std::size_t>(permutation(k))]; };
+  const auto size_at = [&](Index k) { return size(permutation(k)); };
+  for (Index k = rank; k < rows; ++k) {
+    VecX share = VecX(R.col(k)).head(rank);
+    if (rank > 0) share = VecX(R11.triangularView<Eigen::Upper>().solve(Eigen::VectorXd(share)));
+    std::vector<Index> by_size;
+    for (Index i = 0; i < rank; ++i)
+      if (std::abs(share(i)) > involved) by_size.push_back(i);
+    std::sort(by_size.begin(), by_size.end(), [&share](Index a, Index b) {
+      return std::abs(share(a)) != std::abs(share(b)) ? std::abs(share(a)) > std::abs(share(b))
+                                                      : a < b;
+    });
+    RedundantRow row;
+    row.row = row_at(k);
+    for (const Index i : by_size) row.repeats.push_back(row_at(i));
+    auto null = result.null.col(k - rank);
+    null(row.row) = size_at(k) > 0.0 ? 1.0 / size_at(k) : 1.0;
+    for (Index i = 0; i < rank; ++i) null(row_at(i)) = -share(i) / size_at(i);
+    result.redundant.push_back(std::move(row));
+  }
+  std::sort(result.redundant.begin(), result.redundant.end(),
+            [](const RedundantRow& a, const RedundantRow& b) { return a.row < b.row; });
+  return result;
+}
+
+bool has_loops(const System& system) { return !rows_in_loops(system).empty(); }
+
+Redundancy find_redundancy(const System& system, const State& state) {
+  Redundancy result;
+  Dependence found = dependence(system, state);
+  if (found.redundant.empty()) return result;
+  result.rows = std::move(found.redundant);
+  result.null = found.null;
+  const Eigen::MatrixXd null = unit_columns(multiplier_units(system), found.null).transpose();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(null);
+  const auto& order = qr.colsPermutation().indices();
+  for (Index k = 0; k < null.rows(); ++k) result.idle.push_back(order(k));
+  std::sort(result.idle.begin(), result.idle.end());
+  return result;
+}
+
+VecX minimum_norm(const System& system, const State& state) {
+  const Dependence found = dependence(system, state);
+  if (found.redundant.empty()) return state.lambda;
+  const VecX units = multiplier_units(system);
+  const Eigen::MatrixXd null = unit_columns(units, found.null);
+  const VecX lambda = units.cwiseProduct(state.lambda);
+  return (lambda - null * null.householderQr().solve(lambda)).cwiseQuotient(units);
+}
+
+VecX without_idle(const System& system, const State& state, const std::vector<Index>& idle) {
+  const Dependence found = dependence(system, state);
+  const auto k = static_cast<Index>(idle.size());
+  if (k == 0 || found.null.cols() != k) return state.lambda;
+  Eigen::MatrixXd null(k, k);
+  VecX lambda(k);
+  for (Index i = 0; i < k; ++i) {
+    null.row(i) = found.null.row(idle[static_cast<std::size_t>(i)]);
+    lambda(i) = state.lambda(idle[static_cast<std::size_t>(i)]);
+  }
+  VecX result = state.lambda - found.null * null.colPivHouseholderQr().solve(lambda);
+  for (const Index row : idle) result(row) = 0.0;
+  return result;
+}
+
+std::optional<std::string> idle_rows_open(const System& system, const State& state) {
+  if (state.idle.empty()) return std::nullopt;
+  State all = state;
+  all.idle.clear();
+  VecX r, rest, gdot = VecX::Zero(system.multipliers());
+  system.residual(all, r);
+  const VecX g = r.tail(system.multipliers());
+  double fastest = 0.0;
+  if (!state.V.empty()) system.constraint_rates(all, gdot, rest);
+  for (const Vec6& V : state.V) fastest = std::max(fastest, V.cwiseAbs().maxCoeff());
+  double gap = 0.0, rate = 0.0;  // of the rows that are imposed
+  for (Index i = 0, next = 0; i < g.size(); ++i) {
+    if (next < static_cast<Index>(state.idle.size()) &&
+        state.idle[static_cast<std::size_t>(next)] == i) {
+      ++next;
+      continue;
+    }
+    gap = std::max(gap, std::abs(g(i)));
+    rate = std::max(rate, std::abs(gdot(i)));
+  }
+  const double L = system.length_scale();
+  const double most_gap = std::max(open_of_size * L, open_of_others * gap);
+  const double most_rate =
+      std::max({open_of_size * fastest, open_of_others * rate, open_of_others * gap / L * fastest});
+  Index worst = -1;
+  double size = 1.0;
+  for (const Index i : state.idle) {
+    double by = std::abs(g(i)) / most_gap;
+    if (most_rate > 0.0) by = std::max(by, std::abs(gdot(i)) / most_rate);
+    if (by > size) {
+      size = by;
+      worst = i;
+    }
+  }
+  if (worst < 0) return std::nullopt;
+  std::string others;
+  for (const RedundantRow& row : find_redundancy(system, state).rows)
+    if (row.row == worst ||
+        std::find(row.repeats.begin(), row.repeats.end(), worst) != row.repeats.end()) {
+      others = to_text(system, row);
+      break;
+    }
+  return fmt::format(
+      "constraints that repeated each other contradict each other: {} is open by {:.3g}, and opens "
+      "at {:.3g}/s, while the others hold{}{}",
+      row_in_words(system, worst), std::abs(g(worst)), std::abs(gdot(worst)),
+      others.empty() ? "" : "; ", others);
+}
+
+std::string row_in_words(const System& system, Index row) {
+  return system.name_of(6 * system.nodes() + row);
+}
+
+std::string to_text(const System& system, const RedundantRow& row) {
+  constexpr std::size_t most = 3;
+  std::string text = row_in_words(system, row.row);
+  if (row.repeats.empty()) return text + " holds nothing that moves";
+  text += " repeats ";
+  for (std::size_t i = 0; i < std::min(most, row.repeats.size()); ++i)
+    text += (i == 0 ? "" : ", ") + row_in_words(system, row.repeats[i]);
+  if (row.repeats.size() > most) text += fmt::format(" and {} more", row.repeats.size() - most);
+  return text;
+}
+
+}  // namespace mbd

@@ -1,0 +1,142 @@
+#include "solvers/statics/equilibrium.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/constraints/redundancy.hpp"
+#include "solvers/newton/increments.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double largest_rotation = 0.5;  // [rad] of a Newton increment; larger ones are shortened
+constexpr double small_increment = 1e-4;  // of the scene's length, or [rad]: not searched along
+constexpr int searching = 3;              // times as many iterations with a line search
+constexpr double smallest_share = 1.0 / 256.0;
+
+// Largest motion of an increment: displacements over the scene's length, rotations [rad].
+double motion(const System& system, const VecX& x) {
+  double largest = 0.0, sum = 0.0;  // a NaN would not pass through max()
+  for (Index n = 0; n < 6 * (system.nodes() - 1); n += 6) {
+    const double u = x.segment<3>(n).norm() / system.length_scale(),
+                 psi = x.segment<3>(n + 3).norm();
+    largest = std::max({largest, u, psi});
+    sum += u + psi;
+  }
+  return std::isfinite(sum) ? largest : std::numeric_limits<double>::infinity();
+}
+
+double rotation(const System& system, const VecX& x) {
+  double largest = 0.0;
+  for (Index n = 0; n < 6 * (system.nodes() - 1); n += 6)
+    largest = std::max(largest, x.segment<3>(n + 3).norm());
+  return largest;
+}
+
+// The share of the increment x that is taken, with the trial state and its residual; 0 if none helps.
+double search(const System& system, const LinearSolver& solver, const State& state, const VecX& x,
+              Counters& counters, State& trial, double first) {
+  VecX r, next(x.size());
+  const double size = motion(system, x);
+  double share = first;
+  while (share >= smallest_share) {
+    trial = state;
+    retract(trial, x, share);
+    ++counters.residuals;
+    double remaining = std::numeric_limits<double>::infinity(), curvature = remaining;
+    if (system.residual(trial, r) && r.allFinite()) {
+      next = -r.tail(x.size());
+      solver.solve({next.data(), static_cast<std::size_t>(next.size())});
+      remaining = motion(system, next);
+      if (remaining <= (1.0 - 0.25 * share) * size) return share;
+      curvature = motion(system, next - (1.0 - share) * x);
+    }
+    // The share at which the second-order remainder would be as long as the increment.
+    const double estimate = 0.5 * share * share * size / curvature;
+    share = std::isfinite(estimate) ? std::clamp(estimate, 0.1 * share, 0.5 * share) : 0.25 * share;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+void retract(State& state, const VecX& increment, double scale) {
+  const auto nodes = static_cast<Index>(state.pose.size());
+  for (Index n = 1; n < nodes; ++n) {
+    Pose<double>& H = state.pose[static_cast<std::size_t>(n)];
+    H = H * exp_se3<double>(scale * increment.segment<6>(6 * (n - 1)));
+    renormalize(H);
+  }
+  state.lambda += scale * increment.segment(6 * (nodes - 1), state.lambda.size());
+}
+
+bool newton_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
+                        State& state, Counters& counters, std::string& failure) {
+  IncrementNorm norm(system, options);
+  VecX r, x(system.unknowns());
+  State trial;
+  double previous = 0.0;
+  const int most =
+      options.line_search ? searching * options.max_iterations : options.max_iterations;
+  for (int k = 0; k < most; ++k) {
+    system.linearize(state, {}, r, solver);
+    ++counters.iterations;
+    ++counters.residuals;
+    ++counters.tangents;
+    ++counters.factorizations;
+    if (k == 0) norm.set_floor(state, largest_stiffness(system, solver));
+    if (solver.factor() != FactorStatus::ok) {
+      const Index row = solver.singular_row();
+      failure = fmt::format("the tangent is singular{}: the structure can move freely there",
+                            row >= 0 ? " at " + system.name_of(row + 6) : std::string());
+      return false;
+    }
+    x = -r.tail(x.size());
+    solver.solve({x.data(), static_cast<std::size_t>(x.size())});
+    const double e = norm({x.data(), static_cast<std::size_t>(x.size())}, 1.0);
+    if (!std::isfinite(e)) {
+      failure =
+          fmt::format("the residual is not finite at {}", system.name_of(worst_row(system, r)));
+      return false;
+    }
+    const double turn = rotation(system, x);
+    double share = turn > largest_rotation ? largest_rotation / turn : 1.0;
+    if (options.line_search && motion(system, x) > small_increment) {
+      share = search(system, solver, state, x, counters, trial, share);
+      if (share == 0.0) {
+        failure = fmt::format(
+            "no share of Newton's increment brings it nearer to equilibrium "
+            "(worst equation: {})",
+            system.name_of(worst_row(system, r)));
+        return false;
+      }
+      state = trial;
+    } else {
+      retract(state, x, share);
+    }
+    norm.observe(state.lambda);
+    // Quadratic convergence: what is left after an increment e < 1 is far below the tolerance. At the
+    // floor of round-off increments stop falling.
+    if (share == 1.0 &&
+        (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3))) {
+      if (const std::string element = system.out_of_range(state); !element.empty()) {
+        failure = range_failure(element);
+        return false;
+      }
+      if (const std::optional<std::string> open = idle_rows_open(system, state)) {
+        failure = *open;
+        return false;
+      }
+      return true;
+    }
+    previous = e;
+  }
+  failure = fmt::format("Newton's iterations do not converge (worst equation: {})",
+                        system.name_of(worst_row(system, r)));
+  return false;
+}
+
+}  // namespace mbd

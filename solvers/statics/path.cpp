@@ -1,0 +1,728 @@
+#include "solvers/statics/path.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "solvers/newton/increments.hpp"
+#include "solvers/statics/equilibrium.hpp"
+#include "solvers/statics/stability.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double most_turn = 0.5;  // [rad] of the tangent in a step; steps aim at half of it
+constexpr int easy_iterations = 6, most_easy = 9;  // of the corrector: steps grow, stay
+constexpr double located = 1e-6;           // what remains of a root's bracket, of the step's
+constexpr double balanced = 1e-8;          // force along a mode, of the change of its eigenvalue
+constexpr double most_first_steps = 20.0;  // of the load, in a step that moves nothing
+constexpr int most_halvings = 5;           // of a step in which an event could not be located
+constexpr int most_leaps = 4;
+constexpr int most_in_a_step = 8;         // singular points
+constexpr double on_value = 1e-9;         // of a crossing's change in a step
+constexpr double smallest_step = 1e-9;    // of max_step
+constexpr double largest_rotation = 1.0;  // [rad] of a corrector's increment
+
+// Root of a continuous f in [a, b] with f(a) f(b) <= 0 (Illinois, with bisection where it stalls). f may fail
+// (empty): then that point is taken for the end beyond the root.
+template <class F>
+double find_root(const F& f, double a, double fa, double b, double fb, double tolerance) {
+  double width = b - a;
+  for (int k = 0; k < 80 && std::abs(b - a) > tolerance && fa != 0.0; ++k) {
+    double x = b - fb * (b - a) / (fb - fa);
+    const double low = std::min(a, b), high = std::max(a, b);
+    if (!(x > low && x < high) || (k % 8 == 7 && std::abs(b - a) > 0.1 * width)) x = 0.5 * (a + b);
+    if (k % 8 == 7) width = std::abs(b - a);
+    const std::optional<double> fx = f(x);
+    if (!fx) {
+      b = x;
+      continue;
+    }
+    if (*fx == 0.0) return x;
+    if ((*fx < 0.0) != (fb < 0.0)) {
+      a = b;
+      fa = fb;
+    } else {
+      fa *= 0.5;
+    }
+    b = x;
+    fb = *fx;
+  }
+  return std::abs(fa) < std::abs(fb) ? a : b;
+}
+
+class Follower {
+ public:
+  Follower(const System& system, LinearSolver& solver, const PathOptions& options)
+      : system_(system),
+        options_(options),
+        plain_(solver),
+        bordered_(solver.another()),
+        n_(system.unknowns()),
+        w_(motion_weights(system)) {
+    plain_.analyze(system.graph());
+    BlockGraph graph = system.graph();
+    const auto blocks = static_cast<int>(graph.blocks.size());
+    graph.blocks.push_back({1, BlockGraph::Kind::multiplier});
+    border_ = graph.contributions.size();
+    for (int b = 0; b < blocks; ++b) {
+      graph.contributions.push_back({b, blocks});
+      graph.contributions.push_back({blocks, b});
+    }
+    graph.contributions.push_back({blocks, blocks});
+    bordered_->analyze(graph);
+    if (options.has_potential) stability_.emplace(system);
+  }
+
+  PathReport go(State& state) {
+    state.load_factor = 0.0;
+    if (!newton_equilibrium(system_, plain_, options_.newton, state, report_.counters,
+                            report_.failure)) {
+      report_.failure = "there is no equilibrium without load to start from: " + report_.failure;
+      return std::move(report_);
+    }
+    system_.follow_angles(state);
+    Point start;
+    start.state = state;
+    if (!first_tangent(start)) return std::move(report_);
+    if (!index_at_start(start)) return std::move(report_);
+    if (!accept(start, PathEvent::none, 0)) return std::move(report_);
+    last_ = start.state;
+    if (options_.direction != PathDirection::backward) trace(start, 0, "");
+    if (going_ && options_.direction != PathDirection::forward) {
+      Point back = start;
+      if (options_.direction == PathDirection::both) {
+        back.tangent = -back.tangent;
+        if (!index_at_start(back)) return std::move(report_);
+        if (!accept(back, PathEvent::none, -1)) return std::move(report_);
+      }
+      trace(back, -1, options_.direction == PathDirection::both ? "backward " : "");
+    }
+    if (going_ && options_.branch != 0) follow_branch();
+    state = last_;
+    report_.complete = report_.failure.empty();
+    if (stability_) report_.asymmetry = asymmetry_;
+    return std::move(report_);
+  }
+
+ private:
+  struct Point {
+    State state;
+    VecX tangent;  // of (U, lambda, mu), n_ + 1
+    VecX bend;     // how it changed over the last step, per measure; empty if not known
+    double arc = 0.0;
+    std::optional<Index> index;  // negative eigenvalues, or 1 for a negative determinant of (1)
+    bool is_branching = false;   // a bifurcation, left in the direction of its mode
+  };
+  struct Bifurcation {
+    Point point;
+    VecX mode;
+    Index branches = 1;  // as many as eigenvalues that change their sign there
+  };
+  struct Event {
+    double h;
+    PathEvent kind;
+    bool stops;
+    Point point;
+    VecX mode;
+    std::optional<Index> before, after;
+  };
+
+  double dot(const VecX& a, const VecX& b) const {
+    return a.head(n_).dot(w_.cwiseProduct(b.head(n_))) + c2_ * a(n_) * b(n_);
+  }
+
+  static std::span<double> span(VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+  // r and the matrix of (1) at a state.
+  bool factor_bordered(const State& state, const VecX& normal, VecX& r) {
+    system_.linearize(state, {}, r, *bordered_);
+    system_.load_rate(state, rate_);
+    count_tangent();
+    const std::span<const Slot> slots = bordered_->slots();
+    const BlockGraph& graph = system_.graph();
+    Index at = 0;
+    for (std::size_t b = 0; b < graph.blocks.size(); ++b) {
+      const Slot& column = slots[border_ + 2 * b];
+      const Slot& row = slots[border_ + 2 * b + 1];
+      for (int i = 0; i < graph.blocks[b].size; ++i, ++at) {
+        column.data[i] = rate_(6 + at);
+        row.data[i * row.ld] = w_(at) * normal(at);
+      }
+    }
+    *slots[border_ + 2 * graph.blocks.size()].data = c2_ * normal(n_);
+    stiffness_ = largest_stiffness(system_, *bordered_);
+    return bordered_->factor() == FactorStatus::ok;
+  }
+
+  void count_tangent() {
+    ++report_.counters.residuals;
+    ++report_.counters.tangents;
+    ++report_.counters.factorizations;
+  }
+
+  bool first_tangent(Point& start) {
+    VecX r;
+    system_.linearize(start.state, {}, r, plain_);
+    system_.load_rate(start.state, rate_);
+    count_tangent();
+    if (plain_.factor() != FactorStatus::ok) {
+      report_.failure = "the tangent is singular at the start: the structure can move freely";
+      return false;
+    }
+    VecX z = -rate_.tail(n_);
+    if (z.cwiseAbs().maxCoeff() == 0.0) {
+      report_.failure = "no load and no prescribed motion grows with the load factor";
+      return false;
+    }
+    plain_.solve(span(z));
+    c2_ = z.dot(w_.cwiseProduct(z));
+    if (!std::isfinite(c2_)) {
+      report_.failure = "the tangent is singular at the start: the structure can move freely";
+      return false;
+    }
+    // Where the loads hardly move anything, as along a straight column, a step is one of the load.
+    const double least = options_.max_step / (most_first_steps * options_.step);
+    c2_ = std::max(c2_, least * least);
+    start.tangent.resize(n_ + 1);
+    start.tangent << z, 1.0;
+    start.tangent /= std::sqrt(dot(start.tangent, start.tangent));
+    if (options_.direction == PathDirection::backward) start.tangent = -start.tangent;
+    return true;
+  }
+
+  bool index_at_start(Point& start) {
+    const VecX ahead = start.tangent;
+    if (!tangent(start, ahead)) {
+      report_.failure = "the tangent is singular at the start: the structure can move freely";
+      return false;
+    }
+    start.index = index(start);
+    return true;
+  }
+
+  bool tangent(Point& point, const VecX& before) {
+    VecX r;
+    if (!factor_bordered(point.state, before, r)) return false;
+    point.tangent = VecX::Zero(n_ + 1);
+    point.tangent(n_) = 1.0;
+    bordered_->solve(span(point.tangent));
+    const double size = std::sqrt(dot(point.tangent, point.tangent));
+    if (!std::isfinite(size) || size == 0.0) return false;
+    point.tangent /= size;
+    return true;
+  }
+
+  // After tangent().
+  std::optional<Index> index(const Point& point) {
+    if (!stability_) {
+      const int sign = bordered_->determinant_sign();
+      return sign == 0 ? std::nullopt : std::optional<Index>(sign < 0 ? 1 : 0);
+    }
+    ++report_.counters.tangents;
+    const std::optional<Index> count = (*stability_)(point.state);
+    asymmetry_ = std::max(asymmetry_, stability_->asymmetry());
+    return count;
+  }
+
+  double rotation(const VecX& x) const {
+    double largest = 0.0;
+    for (Index n = 0; n < 6 * (system_.nodes() - 1); n += 6)
+      largest = std::max(largest, x.segment<3>(n + 3).norm());
+    return largest;
+  }
+
+  // The point at h from another. Empty if the corrector does not converge quickly.
+  std::optional<Point> correct(const Point& from, double h, int& iterations) {
+    Point point;
+    point.state = from.state;
+    point.arc = from.arc + sign_of_branch_ * std::abs(h);
+    VecX ahead = h * from.tangent;
+    if (from.bend.size() > 0) ahead += (0.5 * h * h) * from.bend;
+    retract(point.state, ahead);
+    point.state.load_factor += ahead(n_);
+    const bool on_cylinder = options_.method == PathMethod::crisfield;
+    const double radius = on_cylinder ? std::abs(h) * displacement(from.tangent) : 0.0;
+    IncrementNorm norm(system_, options_.newton);
+    norm.observe(from.state.lambda);
+    VecX r, x(n_ + 1);
+    // Beside a bifurcation the matrix is nearly singular, and the first iterations lead about.
+    const int patience = from.is_branching ? 10 : 3;
+    double previous = 0.0;
+    for (int k = 0; k < options_.newton.max_iterations; ++k) {
+      ++report_.counters.iterations;
+      ++iterations;
+      if (on_cylinder) {
+        if (!increment_on_cylinder(from, point.state, radius, r, x)) return std::nullopt;
+      } else {
+        if (!factor_bordered(point.state, from.tangent, r)) return std::nullopt;
+        x << -r.tail(n_), 0.0;
+        bordered_->solve(span(x));
+      }
+      if (k == 0) norm.set_floor(point.state, stiffness_);
+      if (deflated_.size() > 0) x -= dot(deflated_, x) * deflated_;
+      if (!x.allFinite() || rotation(x) > largest_rotation) return std::nullopt;
+      retract(point.state, x);
+      point.state.load_factor += x(n_);
+      norm.observe(point.state.lambda);
+      const double e = norm({x.data(), static_cast<std::size_t>(n_)}, 1.0);
+      if (!std::isfinite(e)) return std::nullopt;
+      if (e < 1.0 || (k > 2 && e < 1e3 && e > 0.5 * previous && previous < 1e3)) {
+        // Without motion along the mode the force along it must vanish by itself.
+        if (deflated_.size() > 0 &&
+            !(std::abs(deflated_.head(n_).dot(r.tail(n_))) <= balanced * scale_))
+          return std::nullopt;
+        report_.most_iterations = std::max(report_.most_iterations, k + 1);
+        if (!system_.out_of_range(point.state).empty()) {
+          why_ = range_failure(system_.out_of_range(point.state));
+          return std::nullopt;
+        }
+        return point;
+      }
+      if (k > patience && e > 0.9 * previous && e > 1e3) return std::nullopt;
+      previous = e;
+    }
+    return std::nullopt;
+  }
+
+  double displacement(const VecX& x) const {
+    double sum = 0.0;
+    for (Index n = 0; n < 6 * (system_.nodes() - 1); n += 6)
+      sum += w_(n) * x.segment<3>(n).squaredNorm();
+    return std::sqrt(sum);
+  }
+
+  // Inertial displacements that belong to an increment of the nodes.
+  VecX inertial(const State& state, const VecX& x) const {
+    const Index nodes = system_.nodes() - 1;
+    VecX d(3 * nodes);
+    for (Index n = 0; n < nodes; ++n)
+      d.segment<3>(3 * n) =
+          state.pose[static_cast<std::size_t>(n + 1)].p * Vec3(x.segment<3>(6 * n));
+    return d;
+  }
+
+  // Solutions of S dU + p dmu = -r are a line, a + s b, whose direction is the tangent there; the one with
+  // |d + a + s b| = radius in displacements, d those since `from`. From the matrix of (1), so that the
+  // line is known at limit points too.
+  bool increment_on_cylinder(const Point& from, const State& state, double radius, VecX& r,
+                             VecX& x) {
+    if (!factor_bordered(state, from.tangent, r)) return false;
+    VecX a(n_ + 1), b = VecX::Unit(n_ + 1, n_);
+    a << -r.tail(n_), 0.0;
+    bordered_->solve(span(a));
+    bordered_->solve(span(b));
+    const Index nodes = system_.nodes() - 1;
+    VecX d(3 * nodes);
+    for (Index n = 0; n < nodes; ++n) {
+      const auto k = static_cast<std::size_t>(n + 1);
+      d.segment<3>(3 * n) = state.pose[k].r - from.state.pose[k].r;
+    }
+    const VecX moved = d + inertial(state, a), along = inertial(state, b);
+    const double weight = nodes > 0 ? w_(0) : 1.0;
+    const double A = weight * along.squaredNorm(), B = weight * along.dot(moved),
+                 C = weight * moved.squaredNorm() - radius * radius;
+    const double root = B * B - A * C;
+    if (!std::isfinite(root) || !(A > 0.0)) return false;
+    const double s =
+        std::sqrt(std::max(root, 0.0));  // a line that misses the cylinder: its nearest point
+    const double first = (-B + s) / A, second = (-B - s) / A;
+    // Both ends have the same length: the one more along d.
+    x = a + (d.dot(along) * (first - second) >= 0.0 ? first : second) * b;
+    return true;
+  }
+
+  // --- what happens between two points ---
+
+  std::optional<Point> between(const Point& from, double h) {
+    int iterations = 0;
+    std::optional<Point> point = correct(from, h, iterations);
+    if (!point || !tangent(*point, from.tangent)) return std::nullopt;
+    return point;
+  }
+
+  // Where between h = a, with index ia, and b the index first changes. Narrows the bracket by counting
+  // and, once both its ends know the eigenvalue that crosses, by that.
+  std::optional<Event> find_singular(const Point& from, double a, const Point& at_a, double b,
+                                     const Point& at_b) {
+    struct End {
+      double h, value;
+      VecX shape;
+    };
+    const auto end = [&](double h, const Point& point) -> End {
+      const std::optional<CriticalMode> mode = critical_mode(system_, plain_, point.state, guess_);
+      ++report_.counters.factorizations;
+      if (!mode) return {h, 0.0, {}};
+      return {h, mode->eigenvalue, mode->shape};
+    };
+    guess_.resize(0);
+    End left = end(a, at_a), right = end(b, at_b);
+    Point best = at_b;
+    Index after = at_b.index.value_or(0);
+    End found = right;
+    const double scale = std::max(std::abs(left.value), std::abs(right.value));
+    double f_left = left.value, f_right = right.value;  // Illinois' weights on values
+    bool singular = false;                              // to round-off
+    int last_side = 0;
+    for (int k = 0; k < 40 && !singular; ++k) {
+      if (std::abs(right.h - left.h) <= 1e-14 * std::abs(b)) break;
+      double h = 0.5 * (left.h + right.h);
+      // Far from the root the eigenvalues nearest to zero may be others at the two ends.
+      const bool same = left.shape.size() > 0 && right.shape.size() > 0 &&
+                        std::abs(left.shape.dot(w_.cwiseProduct(right.shape))) > 0.9 &&
+                        (left.value < 0.0) != (right.value < 0.0);
+      if (same && k % 5 != 4) {
+        const double secant = right.h - f_right * (right.h - left.h) / (f_right - f_left);
+        if ((secant - left.h) * (secant - right.h) < 0.0) h = secant;
+      }
+      // Near the point the motion along the mode is known to round-off over the eigenvalue only. A path
+      // that does not move along it is found without it.
+      std::optional<Point> point;
+      if (same) {
+        deflated_.resize(n_ + 1);
+        deflated_ << found.shape, 0.0;
+        deflated_ -= dot(deflated_, from.tangent) * from.tangent;
+        deflated_ /= std::sqrt(dot(deflated_, deflated_));
+        scale_ = scale;
+        point = between(from, h);
+        deflated_.resize(0);
+      }
+      if (!point) point = between(from, h);
+      if (!point) break;
+      point->index = index(*point);
+      End middle = end(h, *point);
+      if (found.shape.size() == 0 || std::abs(middle.value) < std::abs(found.value)) {
+        found = middle;
+        best = *point;
+      }
+      singular = !point->index || std::abs(middle.value) <= 1e-13 * scale;
+      if (!point->index) break;
+      const int side = point->index == at_a.index ? -1 : 1;
+      if (side < 0) {
+        left = middle;
+        f_left = middle.value;
+        if (side == last_side) f_right *= 0.5;
+      } else {
+        right = middle;
+        f_right = middle.value;
+        if (side == last_side) f_left *= 0.5;
+        after = *point->index;
+      }
+      last_side = side;
+    }
+    if (found.shape.size() == 0 || !(singular || std::abs(found.value) <= located * scale ||
+                                     std::abs(right.h - left.h) <= located * std::abs(b - a)))
+      return std::nullopt;
+    // The matrix of (1) is singular here, and its tangent holds some of the mode: the tangents of the ends do
+    // not.
+    const double share = (found.h - a) / (b - a);
+    best.tangent = (1.0 - share) * at_a.tangent + share * at_b.tangent;
+    best.tangent /= std::sqrt(dot(best.tangent, best.tangent));
+    return Event{found.h, PathEvent::bifurcation, false, best, found.shape, at_a.index, after};
+  }
+
+  // Events with 0 < h < whole, in order. `all` is false if one of them could not be located: in a shorter step
+  // it can. A stop is always there, at the end of the step if not where it is.
+  struct Met {
+    std::vector<Event> events;
+    bool all = true;
+  };
+  Met events(const Point& from, const Point& to, double whole) {
+    Met met;
+    const double tolerance = 1e-14 * std::abs(whole);
+    // Roots of t_mu.
+    std::vector<double> limits;
+    if (from.tangent(n_) * to.tangent(n_) < 0.0 && !from.is_branching) {
+      const double h = find_root(
+          [&](double x) -> std::optional<double> {
+            const std::optional<Point> point = between(from, x);
+            if (!point) return std::nullopt;
+            return point->tangent(n_);
+          },
+          0.0, from.tangent(n_), whole, to.tangent(n_), tolerance);
+      std::optional<Point> point = between(from, h);
+      const double change = std::abs(from.tangent(n_) - to.tangent(n_));
+      if (point && std::abs(point->tangent(n_)) <= located * change) {
+        limits.push_back(h);
+        const VecX mode = point->tangent.head(n_);
+        met.events.push_back(
+            {h, PathEvent::limit, false, std::move(*point), mode, std::nullopt, std::nullopt});
+      } else {
+        met.all = false;
+      }
+    }
+    for (const PathCrossing& crossing : options_.crossings) {
+      const double f0 = crossing.excess(from.state), f1 = crossing.excess(to.state);
+      // What begins on the value, to round-off, does not cross it; what ends on it does.
+      const double near = on_value * std::abs(f1 - f0);
+      if (std::abs(f0) <= near) continue;
+      if (std::abs(f1) <= near) {
+        met.events.push_back({whole, PathEvent::crossing, crossing.stops, to, {}, {}, {}});
+        continue;
+      }
+      if ((f0 < 0.0) == (f1 < 0.0)) continue;
+      double h = find_root(
+          [&](double x) -> std::optional<double> {
+            int iterations = 0;
+            const std::optional<Point> point = correct(from, x, iterations);
+            if (!point) return std::nullopt;
+            return crossing.excess(point->state);
+          },
+          0.0, f0, whole, f1, tolerance);
+      std::optional<Point> point = between(from, h);
+      if (!point || std::abs(crossing.excess(point->state)) > located * std::abs(f1 - f0)) {
+        met.all = false;
+        point = to;
+        h = whole;
+      } else {
+        point->index = index(*point);
+      }
+      met.events.push_back({h, PathEvent::crossing, crossing.stops, std::move(*point), {}, {}, {}});
+    }
+    if (!find_bifurcations(from, to, whole, limits, met.events)) met.all = false;
+    std::sort(met.events.begin(), met.events.end(),
+              [](const Event& a, const Event& b) { return a.h < b.h; });
+    return met;
+  }
+
+  // Changes of the index that are no limit points.
+  bool find_bifurcations(const Point& from, const Point& to, double whole,
+                         const std::vector<double>& limits, std::vector<Event>& found) {
+    if (!from.index || !to.index) return true;
+    struct Piece {
+      double a, b;
+      Point at_a, at_b;
+    };
+    std::vector<Piece> pieces;
+    double a = 0.0;
+    Point at_a = from;
+    for (const double h : limits) {
+      // Near enough to tell it from others, far enough to see it: where it is, is known to a share only.
+      double margin = 1e-5;
+      std::optional<Point> left, right;
+      for (; margin < 2e-3; margin *= 10.0) {
+        left = between(from, h - margin * whole);
+        if (left) left->index = index(*left);
+        right = between(from, h + margin * whole);
+        if (right) right->index = index(*right);
+        if (!left || !right || !left->index || !right->index) return false;
+        if (left->index != right->index || !stability_) break;
+      }
+      for (Event& event : found)
+        if (event.kind == PathEvent::limit && event.h == h) {
+          event.before = left->index;
+          event.after = right->index;
+        }
+      pieces.push_back({a, h - margin * whole, at_a, *left});
+      a = h + margin * whole;
+      at_a = *right;
+    }
+    pieces.push_back({a, whole, at_a, to});
+    for (Piece& piece : pieces) {
+      for (int k = 0; k < most_in_a_step && piece.at_a.index != piece.at_b.index; ++k) {
+        std::optional<Event> event = find_singular(from, piece.a, piece.at_a, piece.b, piece.at_b);
+        if (!event) return false;
+        const double h = event->h;
+        // Goes on behind it, as near to it as it shows there.
+        std::optional<Point> behind;
+        double next = h;
+        for (double ahead = 1e-4; ahead < 2e-2; ahead *= 10.0) {
+          next = h + ahead * (piece.b - piece.a);
+          if ((next - piece.b) * whole >= 0.0) {
+            next = piece.b;
+            behind = piece.at_b;
+            break;
+          }
+          behind = between(from, next);
+          if (behind) behind->index = index(*behind);
+          if (!behind || !behind->index) return false;
+          if (behind->index != piece.at_a.index) break;
+        }
+        if (behind->index == piece.at_a.index) return false;
+        event->after = behind->index;
+        found.push_back(std::move(*event));
+        piece.a = next;
+        piece.at_a = std::move(*behind);
+      }
+    }
+    return true;
+  }
+
+  // --- along the path ---
+
+  bool accept(const Point& point, PathEvent event, int branch) {
+    last_ = point.state;
+    report_.least_load = std::min(report_.least_load, point.state.load_factor);
+    report_.most_load = std::max(report_.most_load, point.state.load_factor);
+    if (!options_.accepted) return true;
+    going_ = options_.accepted(
+        {point.state, point.arc, branch, event, stability_ ? point.index : std::nullopt});
+    return going_;
+  }
+
+  void note(const Event& event, int branch) {
+    SpecialPoint special;
+    special.event = event.kind;
+    special.branch = branch;
+    special.number = 1 + static_cast<int>(std::count_if(
+                             report_.special.begin(), report_.special.end(),
+                             [&](const SpecialPoint& s) { return s.event == event.kind; }));
+    special.load_factor = event.point.state.load_factor;
+    special.arc_length = event.point.arc;
+    if (stability_) {
+      special.before = event.before;
+      special.after = event.after;
+    }
+    if (event.mode.size() > 0) special.motion = name_of_motion(system_, event.mode);
+    special.mode = event.mode;
+    report_.special.push_back(std::move(special));
+    if (event.kind == PathEvent::bifurcation)
+      bifurcations_.push_back(
+          {event.point, event.mode,
+           event.before && event.after && stability_ ? std::abs(*event.after - *event.before) : 1});
+  }
+
+  void finish(const std::string& who, const std::string& why) {
+    report_.end += (report_.end.empty() ? "" : "; ") + who + why;
+  }
+
+  void trace(Point at, int branch, const std::string& who) {
+    sign_of_branch_ = branch < 0 ? -1.0 : 1.0;
+    const double per_load = std::abs(at.tangent(n_));
+    double h = per_load > 0.0 && branch <= 0 ? options_.step / per_load : 0.1 * options_.max_step;
+    h = std::min(h, options_.max_step);
+    int halvings = 0, leaps = 0;
+    bool passing = false;  // an event that cannot be located
+    for (int count = 1; count < options_.points;) {
+      const double left = options_.length - std::abs(at.arc);
+      if (left <= 0.0) return finish(who, "the length asked for is reached");
+      h = std::min(h, left);
+      int iterations = 0;
+      why_.clear();
+      std::optional<Point> next = correct(at, h, iterations);
+      double turn = 0.0;
+      if (next && tangent(*next, at.tangent)) {
+        turn = std::acos(std::clamp(dot(at.tangent, next->tangent), -1.0, 1.0));
+        if (turn > (at.is_branching ? 2.0 * most_turn : most_turn)) next.reset();
+      } else {
+        next.reset();
+      }
+      if (!next) {
+        ++report_.counters.retries;
+        h *= 0.5;
+        // Within round-off of a singular point small steps do not converge; a large one may get past it.
+        if (h < smallest_step * options_.max_step && leaps < most_leaps) {
+          h = options_.max_step / std::pow(4.0, ++leaps);
+          continue;
+        }
+        if (h < smallest_step * options_.max_step) {
+          report_.failure = fmt::format(
+              "the path cannot be followed beyond load factor {:.9g}: {}", at.state.load_factor,
+              why_.empty() ? "the corrector does not converge in the smallest step" : why_);
+          return;
+        }
+        continue;
+      }
+      next->index = index(*next);
+      if (!next->index && stability_) next->index = at.index;  // at a singular point, to round-off
+      Met met = events(at, *next, h);
+      if (!met.all && !passing) {
+        ++report_.counters.retries;
+        passing = ++halvings == most_halvings;
+        h *= passing ? std::pow(2.0, most_halvings - 1) : 0.5;  // small steps have not helped
+        continue;
+      }
+      passing = false;
+      halvings = leaps = 0;
+      if (!met.all)
+        report_.notes.push_back(fmt::format(
+            "between load factors {:.9g} and {:.9g} the path has a point that could not be "
+            "located{}",
+            at.state.load_factor, next->state.load_factor,
+            at.index && next->index && at.index != next->index && stability_
+                ? fmt::format(": negative eigenvalues {} -> {}", *at.index, *next->index)
+                : std::string()));
+      for (Event& event : met.events) {
+        note(event, branch);
+        system_.follow_angles(event.point.state);
+        ++count;
+        if (!accept(event.point, event.kind, branch)) return;
+        if (event.stops) return finish(who, "a stop is reached");
+      }
+      system_.follow_angles(next->state);
+      ++count;
+      ++report_.counters.steps;
+      if (!accept(*next, PathEvent::none, branch)) return;
+      next->bend = (next->tangent - at.tangent) / h;
+      at = std::move(*next);
+      double factor = iterations <= easy_iterations ? 2.0 : iterations <= most_easy ? 1.0 : 0.7;
+      if (turn > 0.0) factor = std::min(factor, 0.5 * most_turn / turn);
+      h = std::min(h * std::clamp(factor, 0.5, 2.0), options_.max_step);
+    }
+    finish(who, "the points asked for are reached");
+  }
+
+  void follow_branch() {
+    const auto number = static_cast<std::size_t>(std::abs(options_.branch));
+    if (number > bifurcations_.size()) {
+      report_.failure = fmt::format(
+          "there is no bifurcation {} to follow a branch from: {} on the path", number,
+          bifurcations_.empty() ? "none was met" : fmt::format("{} met", bifurcations_.size()));
+      return;
+    }
+    Bifurcation& from = bifurcations_[number - 1];
+    if (from.branches > 1) {
+      report_.failure = fmt::format(
+          "{} branches or more leave bifurcation {} at once, by symmetry: hold the others by "
+          "joints, or "
+          "break the symmetry a little, to follow one",
+          from.branches, number);
+      return;
+    }
+    VecX direction = VecX::Zero(n_ + 1);
+    direction.head(n_) = from.mode;
+    direction -= dot(direction, from.point.tangent) * from.point.tangent;
+    // The sign of a mode means nothing: its largest motion is positive.
+    Index largest = 0;
+    (w_.cwiseProduct(from.mode.cwiseAbs2())).maxCoeff(&largest);
+    if ((from.mode(largest) < 0.0) != (options_.branch < 0)) direction = -direction;
+    direction /= std::sqrt(dot(direction, direction));
+    Point start = from.point;
+    start.tangent = direction;
+    start.bend.resize(0);
+    start.index.reset();  // of the path it leaves
+    start.is_branching = true;
+    start.arc = 0.0;
+    if (!accept(start, PathEvent::none, 1)) return;
+    trace(start, 1, "branch: ");
+  }
+
+  const System& system_;
+  const PathOptions& options_;
+  LinearSolver& plain_;
+  std::unique_ptr<LinearSolver> bordered_;
+  std::optional<StabilityCount> stability_;
+  std::size_t border_ = 0;  // first contribution of the border
+  Index n_;
+  VecX w_;
+  double c2_ = 1.0, sign_of_branch_ = 1.0, asymmetry_ = 0.0, stiffness_ = 0.0;
+  VecX rate_, guess_;
+  VecX deflated_;       // mode along which the corrector does not move; usually empty
+  double scale_ = 0.0;  // of its eigenvalue
+  State last_;
+  bool going_ = true;
+  std::string why_;
+  std::vector<Bifurcation> bifurcations_;
+  PathReport report_;
+};
+
+}  // namespace
+
+PathReport follow_path(const System& system, LinearSolver& solver, const PathOptions& options,
+                       State& state) {
+  return Follower(system, solver, options).go(state);
+}
+
+}  // namespace mbd

@@ -1,0 +1,52 @@
+// Stability of an equilibrium, and the way in which it is lost.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/linear/inertia_solver.hpp"
+
+namespace mbd {
+
+// Weights of the measure of motions, by unknown: |x|^2 = mean over the nodes of |u|^2/L^2 + |psi|^2, L the
+// scene's length; multipliers do not count.
+VecX motion_weights(const System& system);
+
+// Counts the ways in which potential energy falls from an equilibrium: negative eigenvalues of the symmetric
+// tangent [K B^T; B 0], less one for each constraint (each brings one of either sign where the constraints
+// are independent). 0: stable. Holds where the forces have a potential (conservative loads, energy form): the
+// tangent is symmetric at equilibrium then.
+class StabilityCount {
+ public:
+  explicit StabilityCount(const System& system);
+
+  // Empty within round-off of a singular tangent.
+  std::optional<Index> operator()(const State& equilibrium);
+
+  // max |S_ij - S_ji| / max |S_ij| at the last one: round-off where there is a potential.
+  double asymmetry() const { return solver_->asymmetry(); }
+
+ private:
+  const System& system_;
+  std::unique_ptr<InertiaSolver> solver_;
+  VecX r_;
+};
+
+// The eigenpair S x = tau W x, W of motion_weights, with tau nearest to zero: tau vanishes at limit and
+// bifurcation points. x^T W x = 1. By inverse iteration.
+struct CriticalMode {
+  double eigenvalue = 0.0;  // [N.m], energy: twice that of a unit motion
+  VecX shape;               // increment of the unknowns
+};
+
+// `solver` has been analysed for the system; it is used for the tangent at `state`. `guess` of the shape may
+// be empty. Empty if the tangent cannot be factored.
+std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& solver,
+                                          const State& state, const VecX& guess = {});
+
+// The largest motion of an increment in words: "beam 'arch' node 19 moves along its axis 2".
+std::string name_of_motion(const System& system, const VecX& shape);
+
+}  // namespace mbd

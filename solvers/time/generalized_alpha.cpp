@@ -1,0 +1,441 @@
+#include "solvers/time/generalized_alpha.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libmbd/core/error.hpp"
+
+namespace mbd {
+namespace {
+
+// Policy of the kept tangent (speed.md).
+// A contraction measured at small increments is partly luck: with a floor of 1e-3 (speed.md) a stale one
+// let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per cent of the iterations.
+constexpr double theta_floor = 0.1;
+constexpr double theta_memory = 0.3;    // how fast a good contraction is believed
+constexpr double theta_refactor = 0.5;  // worse: a new tangent inside the step
+constexpr double theta_fresh = 0.05;    // assumed of a new tangent
+constexpr int iterations_refactor = 3;  // this many: a new tangent at the next step
+// Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
+// the dynamic models are about the tolerance.
+constexpr int error_order = 3;
+constexpr double local_tolerance = 0.03;
+// Of a node in a step [rad]: angles of joints, between two nodes, are unwrapped to the nearest value, up to pi.
+constexpr double most_turn = 1.5;
+
+}  // namespace
+
+GeneralizedAlphaParameters generalized_alpha_parameters(double rho) {
+  GeneralizedAlphaParameters a{};
+  a.alpha_m = (2.0 * rho - 1.0) / (rho + 1.0);
+  a.alpha_f = rho / (rho + 1.0);
+  a.gamma = 0.5 + a.alpha_f - a.alpha_m;
+  a.beta = 0.25 * (a.gamma + 0.5) * (a.gamma + 0.5);
+  return a;
+}
+
+GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearSolver> solver,
+                                   const GeneralizedAlphaOptions& options)
+    : OneStep(system, std::move(solver), settings_of(options), error_order),
+      a_(generalized_alpha_parameters(options.rho_infinity)),
+      dense_(system, HermiteStep::Degree::cubic) {
+  if (!(options.rho_infinity >= 0.0 && options.rho_infinity <= 1.0))
+    throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
+  const auto n = static_cast<std::size_t>(system.nodes());
+  if (options.balance == Balance::momentum) momentum_.resize(n);
+  p_.resize(n);
+  solver_->analyze(own_graph(false));
+  Q_.assign(n, Vec6::Zero());
+  A_.assign(n, Vec6::Zero());
+  Vdot_old_.assign(n, Vec6::Zero());
+  T_inv_.assign(n, Mat6::Identity());
+  x_.resize(system.unknowns());
+  if (settings_.adaptive()) error_.assign(n, Vec6::Zero());
+}
+
+// The system's graph, then what the stepper adds: diagonal blocks of the nodes for a balance of momenta, and of
+// the multipliers.
+BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
+  BlockGraph graph = system_.graph();
+  const int nodes = static_cast<int>(system_.nodes()) - 1;
+  if (!momentum_.empty())
+    for (int k = 0; k < nodes; ++k) graph.contributions.push_back({k, k});
+  if (tolerant)
+    for (int k = nodes; k < static_cast<int>(graph.blocks.size()); ++k)
+      graph.contributions.push_back({k, k});
+  return graph;
+}
+
+void GeneralizedAlpha::begin_at(State& state) {
+  system_.linearize(state, {.U = 1.0, .V = 0.0, .A = 0.0, .T_inv = {}}, r_, *solver_);
+  stiffness_ = largest_stiffness(system_, *solver_);
+  ++counters_.tangents;
+  if (!momentum_.empty()) {
+    // Inertial force: what keeps the others in balance. With momentum_rate = 1, r = M V + the others.
+    system_.momenta(state, p_);
+    state.momentum_rate = 1.0;
+    system_.residual(state, r_);
+    state.momentum_rate = 0.0;
+    for (std::size_t n = 1; n < momentum_.size(); ++n) {
+      const Vec6 f = p_[n] - r_.segment<6>(6 * static_cast<Index>(n));
+      Momentum& m = momentum_[n];
+      m.mu = inertial_wrench<double>(state.pose[n], p_[n]);
+      m.f = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
+    }
+  }
+  A_ = state.Vdot;
+  Vdot_old_ = state.Vdot;
+  lambda_old_ = state.lambda;
+  lambda_older_ = state.lambda;
+  power_ = system_.power(state);
+  history_ = 0;
+  h_ = 0.0;
+  starting_ = true;
+  factored_ = false;
+  refactor_next_ = true;
+}
+
+// Equation (4), for a step of h from begin_. Where its matrix is singular, the accelerations are left as they are.
+void GeneralizedAlpha::filter_start(double h) {
+  scratch_ = begin_;
+  scratch_.V = begin_.Vdot;
+  system_.momenta(scratch_, p_);  // M Vdot
+  system_.constraint_rates(begin_, gdot_, gddot_rest_);
+  system_.linearize(begin_, {.U = h * h, .V = 0.0, .A = 1.0, .T_inv = {}}, r_, *solver_);
+  ++counters_.tangents;
+  ++counters_.factorizations;
+  factored_ = false;
+  refactor_next_ = true;
+  if (solver_->factor() != FactorStatus::ok) return;
+  for (std::size_t n = 1; n < p_.size(); ++n) x_.segment<6>(6 * static_cast<Index>(n - 1)) = p_[n];
+  x_.tail(gddot_rest_.size()) = -gddot_rest_;
+  solver_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
+  if (!x_.allFinite()) return;
+  if (!momentum_.empty()) {  // B^T mu of (4), which a sum over the nodes may contain
+    scratch_ = begin_;
+    scratch_.lambda += x_.tail(gddot_rest_.size());
+    system_.residual(scratch_, r_mu_);
+    r_mu_ -= r_;
+  }
+  for (std::size_t n = 1; n < A_.size(); ++n) {
+    const Vec6 A = x_.segment<6>(6 * static_cast<Index>(n - 1));
+    scratch_.V[n] = A - begin_.Vdot[n];
+    begin_.Vdot[n] = A;
+  }
+  if (momentum_.empty()) return;
+  system_.momenta(scratch_, p_);
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t n = 1; n < momentum_.size(); ++n)
+    sum += inertial_wrench<double>(begin_.pose[n],
+                                   p_[n] + r_mu_.segment<6>(6 * static_cast<Index>(n)));
+  sum /= static_cast<double>(momentum_.size() - 1);
+  for (std::size_t n = 1; n < momentum_.size(); ++n) {
+    Momentum& m = momentum_[n];
+    m.f = m.a = m.at_start + inertial_wrench<double>(begin_.pose[n], p_[n]) - sum;
+  }
+}
+
+// A, and a of (3), for a step of another size.
+void GeneralizedAlpha::set_step(double h) {
+  if (starting_) {
+    filter_start(h);
+    A_ = begin_.Vdot;
+  }
+  if (h == h_) return;
+  if (h_ > 0.0 && !starting_) {
+    const double ratio = h / h_;
+    for (std::size_t n = 1; n < A_.size(); ++n)
+      A_[n] = begin_.Vdot[n] + ratio * (A_[n] - begin_.Vdot[n]);
+    for (Momentum& m : momentum_) m.a = m.f + ratio * (m.a - m.f);
+    if (std::abs(ratio - 1.0) > same_step) refactor_next_ = true;
+  }
+  h_ = h;
+  norm_.set_floor(begin_, stiffness_ + mass_ / (a_.beta * h * h));
+}
+
+// Predicted end of the step, and what of (1) does not change in the iterations.
+void GeneralizedAlpha::predict(double t, bool extrapolate) {
+  const State& state = begin_;
+  const double h = h_;
+  end_ = state;
+  system_.set_time(end_, t, Side::left);  // what acts during the step, if it ends on a jump
+  const double ahead = extrapolate && history_ >= 1 ? h / (state.t - t_old_) : 0.0;
+  if (extrapolate && history_ >= 2) {
+    // Not by lagrange<3>, which differs in the last bits: windows is sensitive to them where it is singular.
+    const double t0 = state.t, t1 = t_old_, t2 = t_older_;
+    end_.lambda = ((t - t1) * (t - t2) / ((t0 - t1) * (t0 - t2))) * state.lambda +
+                  ((t - t0) * (t - t2) / ((t1 - t0) * (t1 - t2))) * lambda_old_ +
+                  ((t - t0) * (t - t1) / ((t2 - t0) * (t2 - t1))) * lambda_older_;
+  } else if (ahead > 0.0) {
+    end_.lambda = state.lambda + ahead * (state.lambda - lambda_old_);
+  }
+  for (std::size_t n = 1; n < Q_.size(); ++n) {
+    const Vec6& Vdot_i = state.Vdot[n];
+    const Vec6 Vdot_f = Vdot_i + ahead * (Vdot_i - Vdot_old_[n]);
+    const Vec6 A_f = ((1.0 - a_.alpha_f) * Vdot_f + a_.alpha_f * Vdot_i - a_.alpha_m * A_[n]) /
+                     (1.0 - a_.alpha_m);
+    Q_[n] = h * state.V[n] + h * h * ((0.5 - a_.beta) * A_[n] + a_.beta * A_f);
+    end_.V[n] = state.V[n] + h * ((1.0 - a_.gamma) * A_[n] + a_.gamma * A_f);
+    end_.Vdot[n] = Vdot_f;
+  }
+  if (!momentum_.empty()) {
+    const double m = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), g = a_.gamma;
+    end_.momentum_rate = m / (g * h);
+    for (Momentum& n : momentum_)
+      n.past = m * (n.mu / (g * h) + ((1.0 - g) / g) * n.a) +
+               (a_.alpha_f * n.f - a_.alpha_m * n.a) / (1.0 - a_.alpha_f);
+  }
+  update_poses();
+}
+
+void GeneralizedAlpha::update_poses() {
+  for (std::size_t n = 1; n < Q_.size(); ++n) end_.pose[n] = begin_.pose[n] * exp_se3(Q_[n]);
+}
+
+// r of (1), or of (3), at the present iterate. False if an element is out of its range.
+bool GeneralizedAlpha::residual() {
+  const bool in_range = system_.residual(end_, r_);
+  for (std::size_t n = 1; n < momentum_.size(); ++n)
+    r_.segment<6>(6 * static_cast<Index>(n)) -=
+        body_wrench<double>(end_.pose[n], momentum_[n].past);
+  return in_range;
+}
+
+// Tangent (2) and residual at the present iterate.
+bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
+  const double h = h_, s = a_.beta * h * h;
+  for (std::size_t n = 1; n < Q_.size(); ++n) T_inv_[n] = T_inverse(Q_[n]).matrix();
+  in_range = system_.linearize(
+      end_,
+      {.U = s, .V = a_.gamma * h, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = T_inv_},
+      r_, solver());
+  std::span<const Slot> own = solver().slots().subspan(system_.graph().contributions.size());
+  for (std::size_t n = 1; n < momentum_.size(); ++n) {
+    // d(Ad^T p) = (Ad^T p)^U dU
+    const Vec6 past = body_wrench<double>(end_.pose[n], momentum_[n].past);
+    r_.segment<6>(6 * static_cast<Index>(n)) -= past;
+    Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(
+        own[n - 1].data, Eigen::OuterStride<>(own[n - 1].ld)) -= s * wrench_hat(past);
+  }
+  if (tolerant_) {
+    if (!momentum_.empty()) own = own.subspan(momentum_.size() - 1);
+    add_rank_tolerance(own);
+  }
+  ++counters_.tangents;
+  ++counters_.factorizations;
+  factored_ = solver().factor() == FactorStatus::ok;
+  if (!factored_) {
+    const Index row = solver().singular_row();
+    report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
+  }
+  theta_ = theta_fresh;
+  return factored_;
+}
+
+bool GeneralizedAlpha::iterate(StepReport& report) {
+  const double h = h_, s = a_.beta * h * h;
+  const double gamma_ = a_.gamma / (h * a_.beta);
+  const double beta_ = (1.0 - a_.alpha_m) / (h * h * a_.beta * (1.0 - a_.alpha_f));
+  const Index motions = 6 * (system_.nodes() - 1);
+  const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
+  double previous = 0.0;
+  bool refactor = refactor_next_ || !factored_;
+  bool fresh = false;  // tangent of this step
+  report.iterations = 0;
+  report.contraction = 0.0;
+  for (int k = 0; k < settings_.newton.max_iterations; ++k) {
+    bool in_range = true;
+    if (refactor || always) {
+      if (!factorize(report, in_range)) return false;
+      fresh = true;
+      refactor = false;
+      previous = 0.0;
+      report.contraction = 0.0;
+    } else {
+      in_range = residual();
+    }
+    ++counters_.residuals;
+    x_ = -r_.tail(x_.size());
+    x_.head(motions) *= s;
+    solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
+    ++report.iterations;
+    ++counters_.iterations;
+    const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, multiplier_slack());
+    if (static_cast<std::size_t>(k) < report.increments.size())
+      report.increments[static_cast<std::size_t>(k)] = e;
+    report.error = e;
+    if (!std::isfinite(e)) {
+      report.failure =
+          fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
+      return false;
+    }
+    if (previous > 0.0) {
+      theta_ = std::max({e / previous, theta_memory * theta_, theta_floor});
+      if (previous > 1.0) report.contraction = std::max(report.contraction, e / previous);
+      if (e > 2.0 * previous && !(fresh && k < 4) && e > 1.0) {
+        if (fresh) break;  // diverges with its own tangent
+        refactor = true;   // the increment is not taken: start again from the present iterate
+        continue;
+      }
+    }
+    previous = e;
+
+    for (Index n = 1; n < system_.nodes(); ++n) {
+      const auto N = static_cast<std::size_t>(n);
+      const Vec6 dQ = T_inverse_times<double>(Q_[N], x_.segment<6>(6 * (n - 1)));
+      Q_[N] += dQ;
+      end_.V[N] += gamma_ * dQ;
+      end_.Vdot[N] += beta_ * dQ;
+    }
+    end_.lambda += x_.tail(x_.size() - motions) / s;
+    update_poses();
+
+    const double left = always ? e : e * std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999)));
+    report.error = left;
+    if (left < 1.0) {
+      if (!in_range) break;
+      if (report.iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
+      refactor_next_ = report.iterations >= iterations_refactor;
+      return true;
+    }
+    if (theta_ > theta_refactor) refactor = true;
+  }
+  if (report.failure.empty()) {
+    residual();
+    report.failure = newton_failure(system_.out_of_range(end_), r_);
+  }
+  return false;
+}
+
+bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
+  // Before the iterations, which may go anywhere in such steps, and of their result.
+  const auto turns_far = [&](const auto& rotation) {
+    for (std::size_t n = 1; n < Q_.size(); ++n)
+      if (!(rotation(n).norm() < most_turn)) {
+        report.failure = fmt::format("{} turns by more than {} rad in a step; take smaller steps",
+                                     system_.node_name(static_cast<Index>(n)), most_turn);
+        return true;
+      }
+    return false;
+  };
+  if (turns_far([&](std::size_t n) { return Vec3(h * begin_.V[n].tail<3>()); })) return false;
+  set_step(h);
+  predict(t, true);
+  if (!usable(end_, report)) return false;
+  bool converged = iterate(report);
+  if (!converged) {  // once more without extrapolation, with a tangent of its own
+    report.failure.clear();
+    refactor_next_ = true;
+    predict(t, false);
+    converged = iterate(report);
+  }
+  converged = converged || (system_.multipliers() > 0 && solve_tolerantly(t, report));
+  return converged && !turns_far([&](std::size_t n) { return Vec3(Q_[n].tail<3>()); });
+}
+
+void GeneralizedAlpha::settle() {
+  tolerant_ = false;
+  factored_ = false;  // or by the other solver
+  refactor_next_ = true;
+}
+
+void GeneralizedAlpha::forget() {
+  settle();
+  history_ = 0;
+}
+
+// The filtered error (5).
+double GeneralizedAlpha::estimated_error(bool) {
+  const double h = h_, c = h * h * (a_.beta - 1.0 / 6.0 - 0.5 * (a_.gamma - 0.5));
+  const double m = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f);
+  scratch_ = end_;
+  for (std::size_t n = 1; n < error_.size(); ++n)
+    scratch_.V[n] = c * m * (end_.Vdot[n] - begin_.Vdot[n]);
+  system_.momenta(scratch_, error_);
+  x_.setZero();
+  for (std::size_t n = 1; n < error_.size(); ++n)
+    x_.segment<6>(6 * static_cast<Index>(n - 1)) = error_[n];
+  solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
+  for (std::size_t n = 1; n < error_.size(); ++n)
+    error_[n] = x_.segment<6>(6 * static_cast<Index>(n - 1));
+  error_norm_->measure(begin_, end_);
+  // Of tolerance^(3/2).
+  return (*error_norm_)(error_, {}, local_tolerance * std::sqrt(settings_.tolerances.relative));
+}
+
+// Gaps of eps times positions, of which (2) makes dU and s dlambda.
+std::optional<RoundOff> GeneralizedAlpha::round_off() {
+  if (!factored_ || history_ == 0 || system_.multipliers() == 0) return std::nullopt;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  double farthest = system_.length_scale();
+  for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
+  const std::span<double> x(x_.data(), static_cast<std::size_t>(x_.size()));
+  set_round_off(eps * farthest, x);
+  solver_->solve(x);
+  RoundOff result = round_off_of(x, a_.gamma / (h_ * a_.beta), 1.0 / (a_.beta * h_ * h_));
+  result.reciprocal_condition = solver_->reciprocal_condition();
+  return result;
+}
+
+// Once more with the block -eps I. What it leaves of the constraints must be as small as increments may be.
+bool GeneralizedAlpha::solve_tolerantly(double t, StepReport& report) {
+  if (!tolerant_solver_) {
+    tolerant_solver_ = solver_->another();
+    if (!tolerant_solver_) return false;
+    tolerant_solver_->analyze(own_graph(true));
+  }
+  const std::string failure = report.failure;  // of the iterations that users know
+  tolerant_ = true;
+  refactor_next_ = true;
+  predict(t, true);
+  bool converged = iterate(report);
+  if (converged) {
+    residual();
+    converged = largest_violation(system_, r_.tail(system_.multipliers())) <=
+                std::max(settings_.newton.tolerance, norm_.floor() * settings_.newton.tolerance);
+  }
+  if (!converged) report.failure = failure;
+  return converged;
+}
+
+void GeneralizedAlpha::accept() {
+  for (std::size_t n = 1; n < Q_.size(); ++n) {
+    const Vec6 A_f =
+        ((1.0 - a_.alpha_f) * end_.Vdot[n] + a_.alpha_f * begin_.Vdot[n] - a_.alpha_m * A_[n]) /
+        (1.0 - a_.alpha_m);
+    A_[n] = A_f;
+    renormalize(end_.pose[n]);
+  }
+  if (!momentum_.empty()) {
+    system_.momenta(end_, p_);
+    for (std::size_t n = 1; n < momentum_.size(); ++n) {
+      Momentum& m = momentum_[n];
+      const Vec6 mu = inertial_wrench<double>(end_.pose[n], p_[n]);
+      const Vec6 a = (mu - m.mu) / (h_ * a_.gamma) - ((1.0 - a_.gamma) / a_.gamma) * m.a;
+      m.f = ((1.0 - a_.alpha_m) * a + a_.alpha_m * m.a - a_.alpha_f * m.f) / (1.0 - a_.alpha_f);
+      m.a = a;
+      m.mu = mu;
+    }
+    end_.momentum_rate = 0.0;
+  }
+  system_.follow_angles(end_);
+  const Work power = system_.power(end_);
+  end_.work += 0.5 * h_ * (power_ + power);
+  power_ = power;
+  if (observer_) {
+    dense_.set(begin_, end_, Q_);
+    observer_(dense_);
+  }
+  std::swap(Vdot_old_, begin_.Vdot);
+  std::swap(lambda_older_, lambda_old_);
+  std::swap(lambda_old_, begin_.lambda);
+  t_older_ = t_old_;
+  t_old_ = begin_.t;
+  starting_ = false;
+  history_ = tolerant_ ? 0 : std::min(history_ + 1, 2);  // nothing to extrapolate multipliers from
+}
+
+}  // namespace mbd

@@ -1,0 +1,141 @@
+// Index-3 Lie-group generalized-alpha (formulation.md 4; Arnold & Bruels 2007; HB 43-46).
+//
+//   H_f = H_i exp(Q),   Q = h V_i + h^2 [ (1/2 - beta) A_i + beta A_f ],
+//   V_f = V_i + h [ (1 - gamma) A_i + gamma A_f ],
+//   (1 - alpha_m) A_f + alpha_m A_i = (1 - alpha_f) Vdot_f + alpha_f Vdot_i,
+//   r(H_f, V_f, Vdot_f, lambda_f, t_f) = 0, constraints at position level;                            (1)
+//   alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), gamma = 1/2 + alpha_f - alpha_m,
+//   beta = (gamma + 1/2)^2 / 4.
+// Newton on body-frame increments dU with dQ = T^-1(Q) dU, scaled by s = beta h^2 (Bottasso, Bauchau,
+// Cardona): unknowns [dU; s dlambda],
+//   [ s K + ((1 - alpha_m)/(1 - alpha_f) M + gamma h C) T^-1(Q) , B^T ; B , 0 ] = -[ s r_dyn ; g ]     (2)
+// with K = dr/dU, C = dr/dV, M = dr/dVdot.
+//
+// The factorisation is kept as long as the measured contraction theta is good (speed.md): with e the size
+// of an increment in tolerances, theta = max(e_k/e_(k-1), 0.3 theta, 0.1), stop when
+// e min(1, theta/(1 - theta)) < 1; accepting after one iteration doubles theta, because nothing was
+// measured. Predictor: Vdot linear, lambda quadratic in time.
+//
+// Balance of momenta (Balance::momentum). In (1) M Vdot - V~^T M V is the rate of the momentum M V seen
+// from the moving node; a scheme that averages such rates lets the total drift at its own order. In
+// inertial axes, about one point, mu = Ad(H)^-T M V has the plain rate mu' = f and internal forces cancel in
+// the sum, so the same scheme on mu keeps the total to round-off. With a the algorithmic rate,
+//   mu_f = mu_i + h [ (1 - gamma) a_i + gamma a_f ],
+//   (1 - alpha_m) a_f + alpha_m a_i = (1 - alpha_f) f_f + alpha_f f_i,
+// and V_f(Q) from (1) as before, inertia enters r as
+//   Ad(H_f)^T f_f = c M V_f - Ad(H_f)^T p,   c = (1 - alpha_m) / ((1 - alpha_f) gamma h),             (3)
+// p known from the last state. Linear systems give the same as (1). Angular momentum is kept too;
+// energy is not (order 2, as in (1)).
+//
+// Start. Forces that jump give a node of little mass, of which a finer mesh has many, an acceleration without
+// bound; h A would make velocities ring about their course in proportion to it, for long with rho near 1. So the
+// scheme goes on from
+//   (M + h^2 K) A = M Vdot,   B A = B Vdot,                                                           (4)
+// in place of A = Vdot: the same to order h^2 in what the step resolves, and the static response over h^2 in what
+// it does not. Vdot of the state itself stays what the equations of motion say. With a balance of momenta,
+// f = a takes M (A - Vdot), less what h^2 K adds to the sum over the nodes.
+//
+// Where the step changes, A - Vdot, which is proportional to h, is scaled with it. Landings, steps that fail, and
+// rank-tolerant ones, with -eps I in place of the zero block of (2): one_step.hpp.
+//
+// Adaptive steps. With A(t) = Vdot(t + (alpha_m - alpha_f) h) to first order, (1) leaves of the motion
+//   e = h^2 (beta - 1/6 - (gamma - 1/2)/2) (Vdot_f - Vdot_i) + O(h^4)                              (5)
+// a step, which is of order h^3. What is stiffer than the step resolves is damped in it as in the step
+// itself, e := S^-1 M' e with S and M' of (2). The error of the whole goes with h^2, so the tolerance of (5) is
+// taken as tolerance^(3/2), times a constant: the error then goes with the tolerance. Velocities are not
+// estimated: their error is of the same order.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/time/dense_output.hpp"
+#include "solvers/time/one_step.hpp"
+
+namespace mbd {
+
+struct GeneralizedAlphaOptions {
+  double step = 0.0;  // h [s]; 0: adaptive, by the tolerances
+  ErrorTolerances tolerances{};
+  double end = 0.0;           // [s] of adaptive steps
+  double max_step = 0.0;      // [s] of adaptive ones; 0: a twentieth of the time until the end
+  double rho_infinity = 0.0;  // [0, 1]
+  Balance balance = Balance::acceleration;
+  int max_halvings = 5;  // of a step that fails
+  NewtonOptions newton;
+};
+
+// The four parameters of (1).
+struct GeneralizedAlphaParameters {
+  double alpha_m, alpha_f, gamma, beta;
+};
+GeneralizedAlphaParameters generalized_alpha_parameters(double rho_infinity);
+
+class GeneralizedAlpha final : public OneStep {
+ public:
+  // Throws Error for a step that is not positive, rho_infinity outside [0, 1], or adaptive steps without
+  // tolerance or end. Refers to `system`.
+  GeneralizedAlpha(const System& system, std::unique_ptr<LinearSolver> solver,
+                   const GeneralizedAlphaOptions& options);
+
+  const LinearSolver& linear_solver() const { return *solver_; }
+
+  std::optional<RoundOff> round_off() override;
+
+ private:
+  void begin_at(State& state) override;
+  bool solve_step(double t, double h, StepReport& report) override;
+  double estimated_error(bool again) override;
+  void accept() override;
+  void settle() override;
+  void forget() override;
+  const State& solved() const override { return end_; }
+
+  BlockGraph own_graph(bool tolerant) const;
+  bool solve_tolerantly(double t, StepReport& report);
+  void set_step(double h);
+  void filter_start(double h);
+  void predict(double t, bool extrapolate);
+  void update_poses();
+  bool residual();
+  bool factorize(StepReport& report, bool& in_range);
+  bool iterate(StepReport& report);
+  LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }
+
+  GeneralizedAlphaParameters a_;
+  HermiteStep dense_;
+
+  double h_ = 0.0;           // step under way [s]; 0: none since the last start
+  bool starting_ = false;    // no step has been accepted since the last start
+  double stiffness_ = 0.0;   // largest entry of dr/dU at the last start
+  std::vector<Vec6> Q_;      // H_f = H_i exp(Q)
+  std::vector<Vec6> A_;      // algorithmic acceleration at the last accepted time
+  std::vector<Mat6> T_inv_;  // T^-1(Q) by node
+
+  // What the predictor extrapolates from: the accepted state before the last, and multipliers before that.
+  int history_ = 0;  // how many of them there are
+  double t_old_ = 0.0, t_older_ = 0.0;
+  std::vector<Vec6> Vdot_old_;
+  VecX lambda_old_, lambda_older_;
+  Work power_;  // at the last accepted state [W]
+
+  // Equation (3), by node, inertial axes about the origin: mu, f, a at the last accepted time, and p.
+  struct Momentum {
+    Vec6 mu = Vec6::Zero(), f = Vec6::Zero(), a = Vec6::Zero(), past = Vec6::Zero();
+    Vec6 at_start = Vec6::Zero();  // f of the last start, before (4)
+  };
+  std::vector<Momentum> momentum_;  // empty for Balance::acceleration
+  std::vector<Vec6> p_;             // M V, body axes
+  State scratch_;                   // its V is what M is applied to
+  std::vector<Vec6> error_;
+
+  VecX r_, r_mu_, x_, gdot_, gddot_rest_;
+  // With the block -eps I; made when it is first needed.
+  std::unique_ptr<LinearSolver> tolerant_solver_;
+  bool factored_ = false;
+  bool refactor_next_ = true;
+  double theta_ = 0.1;  // contraction of the kept tangent
+};
+
+}  // namespace mbd

@@ -1,0 +1,307 @@
+#include "solvers/time/one_step.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "libmbd/core/error.hpp"
+#include "solvers/constraints/redundancy.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr int most_halvings = 40;
+constexpr int most_contradictions = 30;     // beyond these steps would only creep
+constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
+constexpr double rank_tolerance = 1e-3;     // eps, in units of 1/mass
+constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
+
+}  // namespace
+
+OneStep::OneStep(const System& system, std::unique_ptr<LinearSolver> solver,
+                 const Settings& settings, int error_order)
+    : system_(system),
+      solver_(std::move(solver)),
+      settings_(settings),
+      norm_(system, settings.newton),
+      error_order_(error_order) {
+  const bool adaptive = settings.adaptive();
+  if (!adaptive && (!(settings.step > 0.0) || !std::isfinite(settings.step)))
+    throw Error(fmt::format("the time step must be positive, not {}", settings.step));
+  if (adaptive && !(settings.end > 0.0 && std::isfinite(settings.end)))
+    throw Error(fmt::format("adaptive steps need a time at which they end, not {}", settings.end));
+  check_motion(system, settings.max_step);
+  if (!(settings.max_halvings >= 0 && settings.max_halvings <= most_halvings))
+    throw Error(fmt::format("max_halvings must lie in 0 … {}, not {}", most_halvings,
+                            settings.max_halvings));
+}
+
+bool OneStep::usable(const State& state, StepReport& report) {
+  report.failure = system_.unusable_signal(state);
+  if (report.failure.empty()) return true;
+  last_usable_ = last_usable(system_, begin_, state.t, slack_, report.failure);
+  return false;
+}
+
+void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
+  const double length = system_.length_scale();
+  for (std::size_t k = 0; k < own.size(); ++k)
+    for (Index i = 0; i < system_.constraints()[k].rows; ++i)
+      own[k].data[i * (own[k].ld + 1)] -=
+          rank_tolerance / (system_.constraints()[k].is_position[static_cast<std::size_t>(i)]
+                                ? mass_
+                                : mass_ * length * length);
+}
+
+double OneStep::multiplier_slack() const {
+  return tolerant_ ? std::max(1.0, loose_multipliers / settings_.newton.multiplier_tolerance) : 1.0;
+}
+
+void OneStep::set_round_off(double size, std::span<double> x) const {
+  std::fill(x.begin(), x.end(), 0.0);
+  auto row = x.end() - system_.multipliers();
+  // Signs without a pattern that a mechanism could share: bits of multiples of the golden ratio.
+  std::uint32_t bits = 0;
+  for (const ConstraintInfo& c : system_.constraints())
+    for (const bool is_position : c.is_position) {
+      bits += 0x9E3779B9u;
+      const double signed_size = (bits >> 31) != 0 ? -size : size;
+      *row++ = is_position ? signed_size : signed_size / system_.length_scale();
+    }
+}
+
+RoundOff OneStep::round_off_of(std::span<const double> x, double rate, double force_rate) const {
+  RoundOff r;
+  auto value = x.begin();
+  for (Index n = 1; n < system_.nodes(); ++n)
+    for (Index i = 0; i < 6; ++i, ++value)
+      if (i < 3) r.velocity = std::max(r.velocity, rate * std::abs(*value));
+  for (const ConstraintInfo& c : system_.constraints())
+    for (const bool is_position : c.is_position) {
+      double& largest = is_position ? r.force : r.moment;
+      largest = std::max(largest, force_rate * std::abs(*value++));
+    }
+  return r;
+}
+
+std::string OneStep::newton_failure(const std::string& out_of_range, const VecX& r) const {
+  if (!out_of_range.empty()) return range_failure(out_of_range);
+  return fmt::format(
+      "Newton's iterations do not converge (worst equation: {}); look for a lock, a jump or an "
+      "instability there, or try a smaller step",
+      system_.name_of(worst_row(system_, r)));
+}
+
+StepReport OneStep::start(State& state) {
+  origin_ = state.t;
+  if (settings_.adaptive()) {
+    const double span = time_between(origin_, settings_.end);
+    error_norm_ = std::make_unique<ErrorNorm>(system_, settings_.tolerances, span);
+    controller_ = std::make_unique<StepController>(
+        error_order_, settings_.max_step > 0.0 ? settings_.max_step : longest_step * span);
+    slack_ = time_floor * span;
+  } else {
+    slack_ = time_rounding * settings_.step;
+  }
+  state.t = start_time(system_.breakpoints(), origin_, slack_);
+  count_ = 0;
+  halvings_ = 0;
+  sizes_ = {};
+  return restart(state);
+}
+
+StepReport OneStep::restart(State& state) {
+  StepReport report;
+  report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
+  if (!report.failure.empty()) return report;
+  norm_.observe(state.lambda);
+  begin_at(state);
+  if (controller_) controller_->start(first_step(system_, state, settings_.end - state.t));
+  report.converged = true;
+  return report;
+}
+
+StepReport OneStep::step(State& state) {
+  return settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
+}
+
+bool OneStep::try_step(const State& state, double t, StepReport& report) {
+  begin_ = state;
+  double h = t - begin_.t;
+  // Not the round-off of times: accelerations see it divided by h^2.
+  if (std::abs(h - settings_.step) <= time_rounding * settings_.step) h = settings_.step;
+  const int before = report.iterations;
+  const double contraction = report.contraction;
+  report.iterations = 0;
+  report.failure.clear();
+  last_usable_.reset();
+  bool converged = attempt(t, h, report);
+  if (!converged && !last_usable_ && system_.idle_rows_allowed())
+    converged = attempt_with_other_rows(t, h, report);
+  report.iterations += before;
+  report.contraction = converged ? std::max(contraction, report.contraction) : contraction;
+  report.floor = norm_.floor();
+  if (converged)
+    report.failure.clear();
+  else
+    settle();
+  return converged;
+}
+
+// Solves the step from begin_, and looks at its idle rows.
+bool OneStep::attempt(double t, double h, StepReport& report) {
+  parted_ = false;
+  if (!solve_step(t, h, report)) return false;
+  if (begin_.idle.empty()) return true;
+  const std::optional<std::string> open = idle_rows_open(system_, solved());
+  if (!open) return true;
+  parted_ = true;
+  report.failure = *open;
+  return false;
+}
+
+bool OneStep::attempt_with_other_rows(double t, double h, StepReport& report) {
+  const std::string failure = report.failure;
+  bool parted = parted_;  // in any attempt
+  const Redundancy found = find_redundancy(system_, begin_);
+  if (found.idle != begin_.idle) {
+    forget();
+    begin_.lambda = without_idle(system_, begin_, found.idle);
+    begin_.idle = found.idle;
+    if (attempt(t, h, report)) return true;
+    parted = parted || parted_;
+  }
+  if (parted && !begin_.idle.empty()) {
+    forget();
+    begin_.idle.clear();
+    choose_rows_ = solve_step(t, h, report);
+    if (choose_rows_) return true;
+  }
+  forget();
+  parted_ = parted;
+  report.failure = failure;
+  return false;
+}
+
+void OneStep::take_step(State& state) {
+  accept();
+  if (choose_rows_) {
+    end_.idle = find_redundancy(system_, end_).idle;
+    end_.lambda = without_idle(system_, end_, end_.idle);
+    forget();
+    choose_rows_ = false;
+  }
+  norm_.observe(end_.lambda);
+  state = end_;
+  ++counters_.substeps;
+  if (!tolerant_) return;
+  ++counters_.tolerant;
+  settle();
+}
+
+StepReport OneStep::fixed_step(State& state) {
+  StepReport report;
+  const double end = origin_ + static_cast<double>(count_ + 1) * settings_.step;
+  double reached = state.t;
+  while (reached < end - slack_) {
+    const Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
+    reached = landing.t;
+    const double whole = landing.t - state.t;
+    for (bool last = false; !last;) {  // in one step, or in pieces
+      const double h = std::ldexp(whole, -halvings_);
+      last = h > (landing.t - state.t) * (1.0 - time_rounding);
+      if (try_step(state, last ? landing.t : state.t + h, report)) {
+        take_step(state);
+        if (halvings_ > 0 && ++good_ == successes_double) {
+          --halvings_;
+          good_ = 0;
+        }
+        continue;
+      }
+      last = false;
+      good_ = 0;
+      if (halvings_ == settings_.max_halvings) {
+        report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
+                                     settings_.max_halvings > 0 && !last_usable_
+                                         ? fmt::format(", even with a step of {:.3g} s", h)
+                                         : std::string(),
+                                     report.failure);
+        return report;
+      }
+      ++halvings_;
+      ++counters_.retries;
+    }
+    if (landing.restart && !restart_at(landing.restart_at, state, report)) return report;
+  }
+  ++count_;
+  ++counters_.steps;
+  report.converged = true;
+  return report;
+}
+
+StepReport OneStep::adaptive_step(State& state) {
+  StepReport report;
+  Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
+  std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
+  bool again = false, contradicted = false;
+  for (;;) {
+    double h = controller_->step();
+    const double rest = landing.t - state.t;
+    const bool last = h > rest * (1.0 - same_step);
+    if (last)
+      h = rest;
+    else if (2.0 * h > rest)
+      h = 0.5 * rest;  // two alike, rather than a whole one and a rest
+    if (!(h > slack_) && !unusable.empty()) {
+      report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable);
+      return report;
+    }
+    if (!(h > slack_)) {
+      report.failure = fmt::format(
+          "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
+          h,
+          report.failure.empty() ? "the estimated error stays too large at " +
+                                       system_.name_of(error_norm_->worst_row())
+                                 : report.failure);
+      return report;
+    }
+    if (!try_step(state, last ? landing.t : state.t + h, report)) {
+      ++counters_.retries;
+      if (last_usable_) {
+        unusable = report.failure;
+        landing = {.t = *last_usable_};
+        continue;
+      }
+      contradicted = contradicted || parted_;
+      if (parted_ && ++contradictions_ > most_contradictions) {
+        report.failure = fmt::format("at t = {:.9g} s: {}", state.t, report.failure);
+        return report;
+      }
+      controller_->failed(h);
+      continue;
+    }
+    report.error = estimated_error(again);
+    if (!(report.error <= 1.0)) {
+      ++counters_.rejected;
+      again = true;
+      controller_->rejected(h, report.error);
+      if (tolerant_) settle();
+      continue;
+    }
+    controller_->accepted(h, report.error);
+    if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);
+    record_size(h, last);
+    sizes_.worst_error = std::max(sizes_.worst_error, report.error);
+    sizes_.position_error += error_norm_->position();
+    sizes_.rotation_error += error_norm_->rotation();
+    take_step(state);
+    ++counters_.steps;
+    if (last && landing.restart && !restart_at(landing.restart_at, state, report)) return report;
+    report.converged = true;
+    return report;
+  }
+}
+
+}  // namespace mbd

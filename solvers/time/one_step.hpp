@@ -1,0 +1,129 @@
+// Drives a method of one step: fixed steps, which land on breakpoints and are halved where they fail, and
+// adaptive ones by an estimate of their error (error_control.hpp).
+//
+// A step ends on every breakpoint of the signals inside it, and starts afresh where accelerations jump. A fixed
+// step that fails is tried in halves, down to 2^-max_halvings.
+//
+// Signals that are not finite. A step that meets one fails before its first iteration: the signal is the cause, and
+// is named. Parts of a fixed step go near the last time before it; adaptive ones go there, and try no smaller ones.
+//
+// Rank-tolerant steps. Near a singular configuration, where all links of a mechanism come into line, B loses
+// rank and Newton's iterations their convergence, though the motion goes smoothly through it. A step that fails
+// is then tried with -eps I in place of the zero block of its matrix, in units of 1/mass: with B of full rank
+// that costs a factor eps a iteration; where it is not, the motion is still determined, and multipliers stay
+// finite.
+//
+// Idle rows (redundancy.hpp) are looked at after each step. Where they have parted from the others, or the step
+// fails, rows are chosen anew at the start of the step; where that does not help the step is tried with all rows,
+// which is then a rank-tolerant one, and rows are chosen at its end: so a mechanism leaves a singular configuration
+// in which more constraints depend on each other than elsewhere.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/newton/increments.hpp"
+#include "solvers/time/error_control.hpp"
+#include "solvers/time/stepper.hpp"
+
+namespace mbd {
+
+class OneStep : public Stepper {
+ public:
+  StepReport start(State& state) final;
+  StepReport step(State& state) final;
+
+ protected:
+  // Of a fixed step: what sums of steps can be wrong by, and more.
+  static constexpr double time_rounding = 1e-6;
+  static constexpr double same_step = 1e-3;  // steps that differ less share a tangent
+
+  // What the options of all methods say by these names.
+  struct Settings {
+    double step;
+    ErrorTolerances tolerances;
+    double end, max_step;
+    int max_halvings;
+    NewtonOptions newton;
+    bool adaptive() const { return step == 0.0 && tolerances.relative != 0.0; }
+  };
+  template <class Options>
+  static Settings settings_of(const Options& o) {
+    return {o.step, o.tolerances, o.end, o.max_step, o.max_halvings, o.newton};
+  }
+
+  // `error_order`: the estimated error of a step goes with h to this power. Throws Error for settings without
+  // sense.
+  OneStep(const System& system, std::unique_ptr<LinearSolver> solver, const Settings& settings,
+          int error_order);
+
+  // Whether the signals of a state inside the step can be used; otherwise report.failure says which cannot, and
+  // none that reaches that time can be solved.
+  bool usable(const State& state, StepReport& report);
+
+  // -eps I onto the multipliers' own blocks, of a rank-tolerant step.
+  void add_rank_tolerance(std::span<const Slot> own) const;
+  // On the tolerance of multipliers, of which some are not determined in a rank-tolerant step.
+  double multiplier_slack() const;
+
+  // Right-hand side of a response to round-off: 0 for the motion, and for the constraints `size` [m or m/s] (over
+  // the scene's length for angles) of either sign.
+  void set_round_off(double size, std::span<double> x) const;
+  // Its solution: motion times `rate` is velocity, multipliers times `force_rate` are forces and moments.
+  RoundOff round_off_of(std::span<const double> x, double rate, double force_rate) const;
+
+  // Why Newton's iterations end without a solution; `out_of_range` as of System.
+  std::string newton_failure(const std::string& out_of_range, const VecX& r) const;
+
+  const System& system_;
+  std::unique_ptr<LinearSolver> solver_;  // of accelerations at the start and after jumps
+  const Settings settings_;
+  IncrementNorm norm_;
+  std::unique_ptr<ErrorNorm> error_norm_;  // of adaptive steps, made by start()
+  double mass_ = 0.0;                      // largest entry of dr/dVdot at the last start
+  State begin_, end_;                      // of the step under way
+  bool tolerant_ = false;                  // it is rank-tolerant
+
+ private:
+  // What a method is. `state` has consistent accelerations: what was before is forgotten.
+  virtual void begin_at(State& state) = 0;
+  // Solves a step of h [s] from begin_ to t; not yet accepted. False: report.failure says why.
+  virtual bool solve_step(double t, double h, StepReport& report) = 0;
+  // Estimated error of the step that has been solved, in units of what is allowed. `again`: one before it was
+  // rejected.
+  virtual double estimated_error(bool again) = 0;
+  // Completes end_, and keeps what the next step needs.
+  virtual void accept() = 0;
+  // After a step has failed, or was rank-tolerant: its tangents are not kept.
+  virtual void settle() = 0;
+  // Other rows are idle: neither tangents nor multipliers of the past are of use.
+  virtual void forget() = 0;
+  // The end of the step that has been solved.
+  virtual const State& solved() const = 0;
+
+  StepReport restart(State& state) final;
+  StepReport fixed_step(State& state);
+  StepReport adaptive_step(State& state);
+  bool try_step(const State& state, double t, StepReport& report);
+  bool attempt(double t, double h, StepReport& report);
+  bool attempt_with_other_rows(double t, double h, StepReport& report);
+  void take_step(State& state);
+
+  int error_order_;
+  std::unique_ptr<StepController> controller_;  // of adaptive steps
+  double origin_ = 0.0;                         // time of start() [s]
+  double slack_ = 0.0;                          // round-off of times [s]
+  // Of a step that met a signal that cannot be used: the last time at which all can [s].
+  std::optional<double> last_usable_;
+  long count_ = 0;    // whole fixed steps since
+  int halvings_ = 0;  // of the fixed steps now tried, and how many in a row have gone well
+  int good_ = 0;
+  int contradictions_ = 0;    // adaptive steps that idle rows made shorter, less those they did not
+  bool parted_ = false;       // idle rows have, in the last attempt
+  bool choose_rows_ = false;  // at the end of the step under way
+};
+
+}  // namespace mbd

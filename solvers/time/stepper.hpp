@@ -1,0 +1,108 @@
+// What advances a State over a System in time: generalized-alpha, Radau IIA, IDA.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libmbd/core/system.hpp"
+#include "solvers/newton/report.hpp"
+
+namespace mbd {
+
+// A step that has been accepted, as a function of time.
+class DenseStep {
+ public:
+  virtual ~DenseStep() = default;
+  virtual double begin() const = 0;  // [s]
+  virtual double end() const = 0;
+  // The state at t in [begin, end], with the signals at t; at a jump at the end of the step their left limits.
+  // `out` must be a state of the same System.
+  virtual void at(double t, State& out) const = 0;
+};
+
+// What round-off leaves unknown because of the size of a step h. Positions are known to eps of their size, so
+// constraints of positions leave velocities uncertain by eps/h and multipliers by eps/h^2 (BBC); constraints of
+// velocities leave multipliers uncertain by eps/h. Sizes, not bounds: one response of the linear system to
+// round-off of either sign in every constraint.
+struct RoundOff {
+  double velocity = 0.0;              // [m/s]
+  double force = 0.0;                 // of multipliers [N]
+  double moment = 0.0;                // of multipliers [N.m]
+  double reciprocal_condition = 0.0;  // estimate, of the scaled matrix of Newton's iterations
+};
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  // Consistent accelerations and multipliers at state.t (the state must satisfy its constraints at
+  // position and velocity level: check_initial_state). Also after a user has changed the state.
+  virtual StepReport start(State& state) = 0;
+
+  // Fixed steps: from the last multiple of the step, counted from start(), to the next. Adaptive steps: one
+  // step of the method, which ends at options.end at the latest, and there exactly. On failure the state is
+  // the last one that was reached, which may lie inside the step.
+  virtual StepReport step(State& state) = 0;
+
+  const Counters& counters() const { return counters_; }
+  const StepSizes& sizes() const { return sizes_; }
+
+  // Of the last accepted step; nothing before the first, after a restart, and of steppers that do not know it.
+  virtual std::optional<RoundOff> round_off() { return std::nullopt; }
+
+  // Shown each accepted piece of a step, before what happens at its end (a restart at a jump).
+  void on_substep(std::function<void(const DenseStep&)> observer) {
+    observer_ = std::move(observer);
+  }
+
+ protected:
+  static constexpr double time_floor = 1e-12;   // round-off of times, of the time until the end
+  static constexpr double longest_step = 0.05;  // adaptive ones, of the time until the end
+
+  // Consistent accelerations and multipliers; nothing from before state.t is used after it.
+  virtual StepReport restart(State& state) = 0;
+  // At the end of a step that landed on breakpoints, of which the last is at t. False: `report` says why.
+  bool restart_at(double t, State& state, StepReport& report);
+  // Of an accepted step, `cut` by a breakpoint or the end.
+  void record_size(double h, bool cut);
+
+  Counters counters_;
+  StepSizes sizes_;
+  std::function<void(const DenseStep&)> observer_;
+};
+
+// Where a step that would end at `end` has to stop.
+struct Landing {
+  double t = 0.0;           // [s] `end`, or a breakpoint before it
+  bool breakpoint = false;  // it is one
+  bool restart = false;     // what accelerates jumps there, at the time that follows:
+  double restart_at = 0.0;  // the last of the breakpoints that are one but for `slack`
+};
+// `slack` is the round-off of times: breakpoints closer than that to the start have been passed.
+Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack);
+
+// `t`, or a breakpoint that is there but for `slack`.
+double start_time(std::span<const Breakpoint> breakpoints, double t, double slack);
+
+// The last time, but for `slack`, at which all signals can be used, from state.t, where they can, to `t`, where some
+// cannot; `why` says then which is the first that cannot, and when. By bisection.
+double last_usable(const System& system, State state, double t, double slack, std::string& why);
+
+// Throws Error for a system without inertia, or a largest step that is negative; 0 stands for the usual one.
+void check_motion(const System& system, double max_step);
+// From `start` to `end` [s]; throws Error if that is not after it.
+double time_between(double start, double end);
+
+// What to say of a tangent that is singular at an unknown; empty: not known which.
+std::string singular_failure(const std::string& unknown);
+
+// Vdot and multipliers that satisfy the equations of motion at state.t, from the right, and the constraints
+// at the level of accelerations. Returns an empty string, or why there are none. `mass` becomes the largest
+// entry of dr/dVdot; the solver holds [M B^T; B 0] then.
+std::string initial_accelerations(const System& system, LinearSolver& solver, State& state,
+                                  double& mass, Counters& counters);
+
+}  // namespace mbd
