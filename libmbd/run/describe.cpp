@@ -16,6 +16,7 @@
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/mechanism.hpp"
 #include "solvers/linear/klu_solver.hpp"
+#include "elements/beam/beam_elastic_batch.hpp"
 
 namespace mbd {
 namespace {

@@ -19,6 +19,7 @@
 
 #include <functional>
 
+#include "libmbd/core/se3.hpp"
 #include "libmbd/scene/scene.hpp"
 
 namespace mbd {
