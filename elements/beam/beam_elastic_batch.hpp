@@ -9,6 +9,7 @@
 
 #include "libmbd/core/batch.hpp"
 #include "libmbd/core/choices.hpp"
+#include "libmbd/core/spectral.hpp"
 
 namespace mbd {
 
