@@ -1,7 +1,7 @@
 // Viscous term of the spectral beam (Kelvin-Voigt): sectional forces S_i = C Edot_i at the quadrature points,
 // besides those of the elastic term.
 //
-// Dissipation function (formulation.md 3 for the kinematics). R = 1/2 sum_i w_i J_i Edot_i^T C Edot_i. Of the
+// Dissipation function (NOTATION.md 3 for the kinematics). R = 1/2 sum_i w_i J_i Edot_i^T C Edot_i. Of the
 // kinematics of beam_motion.hpp, with V = [v; w] the body-frame velocities of the nodes,
 //   Edot_i = Kdot_i = Bbar_i V = sum_p c_ip qdot_p,   qdot_p = T^-1(q_p) V_k - T^-1(-q_p) V_j           (1)
 //   W_p = dR/dqdot_p = sum_i w_i J_i c_ip C Edot_i                                                      (2)

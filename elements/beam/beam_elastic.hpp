@@ -1,6 +1,6 @@
 // Elastic term of the spectral beam: sectional forces S_i = D E_i at the quadrature points, E_i = K_i - K0_i.
 //
-// Energy form (formulation.md 3). phi = 1/2 sum_i w_i J_i E_i^T D E_i. With (1) of beam_motion.hpp
+// Energy form (NOTATION.md 3). phi = 1/2 sum_i w_i J_i E_i^T D E_i. With (1) of beam_motion.hpp
 //   W_p = dphi/dq_p = sum_i w_i J_i c_ip S_i                                                       (1)
 //   F   = sum_p { F_k += T^-1(q_p)^T W_p,  F_j -= T^-1(-q_p)^T W_p }                               (2)
 //   dF  = sum_i w_i J_i Bbar_i^T D Bbar_i dU + sum_p (geometric stiffness of the pair, metrics.hpp (4)) (3)

@@ -2,7 +2,7 @@
 // curvature that the element assumes in its place. For output, comparison and tests; the residual needs only
 // nodes.
 //
-// Interpolated motion (formulation.md 2; HB 17, 18). H(xi) solves
+// Interpolated motion (NOTATION.md 2; HB 17, 18). H(xi) solves
 //   sum_k l_k(xi) q_k = 0,   q_k the motion parameters of H^-1 H_k,                                 (1)
 // and, with dq_k = -T^-1(-q_k) dU of an increment dU of H, its curvature is
 //   K = [ sum_k l_k T^-1(-q_k) ]^-1 sum_k l'_k q_k / J,   J = sum_k l_k J_k.                        (2)

@@ -1,6 +1,6 @@
 // Kinematics of a spectral beam element: what every beam term that depends on deformation shares.
 //
-// Model (formulation.md 3; HB 19, 20, 22). N + 1 nodes at the GLL points; q_jk the motion parameters of
+// Model (NOTATION.md 3; HB 19, 20, 22). N + 1 nodes at the GLL points; q_jk the motion parameters of
 // H_j^-1 H_k. Nodal curvatures K_j = (1/J_j) sum_k d_jk q_jk, interpolated to the quadrature points:
 //   K_i = sum_j l_j(xi_i) K_j.
 // Since q_kj = -q_jk this is a sum over pairs j < k with constant coefficients,

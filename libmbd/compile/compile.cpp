@@ -857,7 +857,7 @@ class Compiler {
     throw Error(record.source, fmt::format("{}: \"{}\" is not available at a place", who, name));
   }
 
-  // Mean of the elements that meet at the place (formulation.md 2).
+  // Mean of the elements that meet at the place (NOTATION.md 2).
   Sample resultant_sample(const RecordScene& record, Index first) const {
     const CompiledBeam* beam =
         record.at->kind == Place::Kind::beam ? find_beam(record.at->name) : nullptr;

@@ -16,7 +16,7 @@ namespace mbd {
 
 // What the tangent multiplies: S = U dr/dU + (V dr/dV + A dr/dVdot) T^-1(Q) in the dynamic rows, with
 // dU the body-frame increments of the nodes. Constraint rows and columns are not weighted, so U is also
-// the scale of the multipliers (formulation.md 4). Statics: {1, 0, 0}.
+// the scale of the multipliers (NOTATION.md 4). Statics: {1, 0, 0}.
 struct TangentWeights {
   double U = 1.0;
   double V = 0.0;

@@ -1,4 +1,4 @@
-// Errors a user can mend: thrown before the first step, never from inside one (see style.md: numbers
+// Errors a user can mend: thrown before the first step, never from inside one (numbers
 // that go wrong inside a step are returned in a report).
 #pragma once
 

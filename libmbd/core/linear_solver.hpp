@@ -1,4 +1,4 @@
-// The interface between assembly and linear algebra (design.md 1.7): the System hands over a graph of
+// The interface between assembly and linear algebra: the System hands over a graph of
 // blocks and the list of contributions, asks once for the place of each, and adds dense blocks there.
 // What stands behind it (scalar sparse LU, block elimination along the graph) is the solver's business.
 #pragma once

@@ -1,5 +1,5 @@
 // Relative motion parameters q(g), g = H_j^-1 H_k = (R, r), of the three metrics, scaled so that
-// T^-1(0) = I (formulation.md 2; HB 5-9), and what a function of them needs for force and tangent.
+// T^-1(0) = I (NOTATION.md 2; HB 5-9), and what a function of them needs for force and tangent.
 //
 // Symbols: z = [u; psi] body-frame increment of g (g <- g exp(z)); W = [n; m] a wrench conjugate to q.
 //   dq = T^-1(q) z,   z = U_k - Ad(g^-1) U_j,   T^-1(q) Ad(g^-1) = T^-1(-q) = A^T + eps B^T        (1)

@@ -1,6 +1,6 @@
 // Rotations and rigid-body motions: exp, log, T, T^-1 on SO(3) and SE(3), on any scalar.
 //
-// Conventions (formulation.md 1, libmbd/NOTATION.md): a pose H = (p, r) takes section or body axes to
+// Conventions (libmbd/NOTATION.md): a pose H = (p, r) takes section or body axes to
 // inertial ones; six-vectors are [linear; angular], wrenches [force; moment], body frame; increments
 // are H <- H exp(U). With x~ the cross-product matrix and V = [v; w],
 //   V~ = [ w~ v~ ; 0 w~ ],   V~^T Q = Q^U V  with  Q = [n; m],  Q^U = [ 0 n~ ; n~ m~ ]          (1)

@@ -1,5 +1,5 @@
 // Gauss-Lobatto-Legendre nodes, Gauss and GLL quadrature, Lagrange polynomials through the nodes and
-// their derivatives, for any order N (formulation.md 3; HB appendix with the printed indices mended:
+// their derivatives, for any order N (NOTATION.md 3; HB appendix with the printed indices mended:
 // nodes are -1, 1 and the zeros of P'_N, Gauss points the zeros of P_N). Computed in long double and
 // rounded to T: double, or long double for reference solutions below the round-off of double.
 #pragma once

@@ -1,4 +1,4 @@
-// Checks and completes an initial state (formulation.md 4).
+// Checks and completes an initial state (NOTATION.md 4).
 #pragma once
 
 #include <optional>

@@ -1,7 +1,7 @@
 // A System at a State as a mechanism: how many ways it can move, and which constraints say the same twice.
 //
 // Small motions dU of the nodes (body frames) satisfy B dU = 0, with B the gradient of the constraints
-// (formulation.md 3). Rows are taken one by one, joints first, then drives and motions, each in the order of the
+// (NOTATION.md 3). Rows are taken one by one, joints first, then drives and motions, each in the order of the
 // scene: redundancy.hpp says when one is redundant. So the later of two joints is blamed.
 //
 // Not used: the singular values of B, which tell the rank but not which joint is to blame.

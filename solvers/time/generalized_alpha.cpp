@@ -11,8 +11,8 @@
 namespace mbd {
 namespace {
 
-// Policy of the kept tangent (speed.md).
-// A contraction measured at small increments is partly luck: with a floor of 1e-3 (speed.md) a stale one
+// Policy of the kept tangent.
+// A contraction measured at small increments is partly luck: with a floor of 1e-3 a stale one
 // let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per cent of the iterations.
 constexpr double theta_floor = 0.1;
 constexpr double theta_memory = 0.3;    // how fast a good contraction is believed

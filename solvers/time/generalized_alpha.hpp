@@ -1,4 +1,4 @@
-// Index-3 Lie-group generalized-alpha (formulation.md 4; Arnold & Bruels 2007; HB 43-46).
+// Index-3 Lie-group generalized-alpha (NOTATION.md 4; Arnold & Bruels 2007; HB 43-46).
 //
 //   H_f = H_i exp(Q),   Q = h V_i + h^2 [ (1/2 - beta) A_i + beta A_f ],
 //   V_f = V_i + h [ (1 - gamma) A_i + gamma A_f ],
@@ -11,7 +11,7 @@
 //   [ s K + ((1 - alpha_m)/(1 - alpha_f) M + gamma h C) T^-1(Q) , B^T ; B , 0 ] = -[ s r_dyn ; g ]     (2)
 // with K = dr/dU, C = dr/dV, M = dr/dVdot.
 //
-// The factorisation is kept as long as the measured contraction theta is good (speed.md): with e the size
+// The factorisation is kept as long as the measured contraction theta is good: with e the size
 // of an increment in tolerances, theta = max(e_k/e_(k-1), 0.3 theta, 0.1), stop when
 // e min(1, theta/(1 - theta)) < 1; accepting after one iteration doubles theta, because nothing was
 // measured. Predictor: Vdot linear, lambda quadratic in time.

@@ -501,7 +501,7 @@ struct BeamLaws {
     });
   }
 
-  // The equations of formulation.md 3 as they stand there (HB 19, 20, 22, 39), dense and slow; the kernels
+  // The equations of NOTATION.md 3 as they stand there (HB 19, 20, 22, 39), dense and slow; the kernels
   // sum over pairs instead.
   struct Written {
     VecX F;

@@ -271,7 +271,7 @@ TEST(HardStartSlow, FourBarWithoutDampingEndsCleanly) {
 
 // ---- a free flexible beam, tumbling -------------------------------------------------------------
 
-// Scene free_beam of scenes.md F: loads until 5 s, then none. Energy form, geodesic metric.
+// models/free_beam.xml: loads until 5 s, then none. Energy form, geodesic metric.
 Scene free_beam(double step) {
   Scene scene = read_model_text(R"(<mbd name="free_beam">
       <section name="s">

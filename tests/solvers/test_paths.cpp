@@ -32,7 +32,7 @@ Scene with_entry(Scene scene, Index i, double factor) {
   return scene;
 }
 
-// --- the deep arch (scenes.md A2) ---
+// --- the deep arch (models/arch.xml) ---
 
 constexpr double P1 = 0.897289134, P2 = -0.07304876;  // of the model's load of 1000
 
@@ -166,7 +166,7 @@ TEST(ArchPathSlow, BranchToEitherSide) {
   EXPECT_LT(out[0] * out[1], 0.0);
 }
 
-// --- Lee's frame (scenes.md B; digits by shooting, path_references.hpp) ---
+// --- Lee's frame (models/lee_frame.xml; digits by shooting, path_references.hpp) ---
 
 // Coarse enough to be quick, where the digits do not matter.
 Scene coarse_lee_frame(Overrides overrides = {}) {

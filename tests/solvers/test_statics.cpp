@@ -151,7 +151,7 @@ TEST(StaticStability, IsSaid) {
   EXPECT_FALSE(follower.negative_eigenvalues);
 }
 
-// The deep arch carries no more than P1 (scenes.md A2): load steps end there, and say why.
+// The deep arch carries no more than P1 (models/arch.xml): load steps end there, and say why.
 TEST(UnreachableLoadSlow, KeepsTheLastEquilibriumAndNamesTheReason) {
   Scene scene = model_scene("arch", {{"elements", "6"}});
   scene.path.reset();

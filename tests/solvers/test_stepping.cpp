@@ -420,7 +420,7 @@ TEST(MomentumBalanceMutation, NewtonWithoutTheTurningOfThePast) {
 }
 
 // Torque-free body that flips: its angular momentum in inertial axes, and order two of its velocities
-// against the closed solution (scenes.md C, dzhanibekov).
+// against the closed solution (models/dzhanibekov.xml).
 TEST(MomentumBalance, DzhanibekovKeepsAngularMomentumAtOrderTwo) {
   const Vec3 exact(-.064882609540, 4.999589007806, .038339505390);  // at 1 s
   const std::vector<double> h = {8e-3, 4e-3, 2e-3, 1e-3};

@@ -23,7 +23,7 @@ double last(const Scene& scene, const std::string& column) {
   return run_to_table(scene).table[column].back();
 }
 
-// bend45 (scenes.md A1), its converged tip in inches.
+// models/bend45.xml, its converged tip in inches.
 TEST(Straightened, ArcConvergesToTheCurvedOneAsPolygonsDo) {
   const double tip[] = {-13.73548151312559, -23.82504922387786, 53.61385809953142};
   std::vector<double> errors;

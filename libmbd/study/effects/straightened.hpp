@@ -1,6 +1,6 @@
 // A curved beam made of straight ones.
 //
-// Initial curvature and twist couple stretching, bending and torsion of an element (K0, formulation.md 3). No number of
+// Initial curvature and twist couple stretching, bending and torsion of an element (K0, NOTATION.md 3). No number of
 // the scene turns this off; without it, elements are straight, and what was smooth is a polygon: straight beams of one
 // element between the points at which the elements of the beam end, their third axis that of its middle, joined by
 // <fixed>. So its effect includes that of the shorter line; with the number of elements it goes as its square to zero.
