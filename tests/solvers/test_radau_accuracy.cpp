@@ -188,7 +188,7 @@ TEST(RadauOrderSlow, FourBarAgainstItsReference) {
 
 // ---- references to ten digits -------------------------------------------------------------------
 
-// Eleven digits, by an independent integration in extended precision.
+// Eleven digits, calculated independently.
 TEST(RadauReferences, HeavyTop) {
   const std::pair<double, Vec3> references[] = {
       {0.2, {.60555056138, .59895768179, -.52398302743}},
