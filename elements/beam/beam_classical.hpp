@@ -295,8 +295,8 @@ struct Classical {
     out.r.resize(6 * (order + 1));
     for (int k = 0; k <= order; ++k) {
       const auto K = static_cast<std::size_t>(k);
-      out.r.template segment<3>(6 * k).noalias() = node.R[K].transpose() * f[K];
-      out.r.template segment<3>(6 * k + 3).noalias() =
+      rows_at<3>(out.r, 6 * k).noalias() = node.R[K].transpose() * f[K];
+      rows_at<3>(out.r, 6 * k + 3).noalias() =
           S(0.5) * (product_of<S>(node.p[K]).transpose() * work.y[K]);
     }
   }
@@ -422,16 +422,15 @@ struct Classical {
         Matrix6<S> block;
         block.template topRows<3>().noalias() = node.R[J].transpose().lazyProduct(move[J]);
         block.template bottomRows<3>().noalias() = Q[J].transpose().lazyProduct(turn[J]);
-        out.K.template block<6, 6>(6 * j, 6 * k) = block;
-        if (j < k) out.K.template block<6, 6>(6 * k, 6 * j) = block.transpose();
+        block_at<6, 6>(out.K, 6 * j, 6 * k) = block;
+        if (j < k) block_at<6, 6>(out.K, 6 * k, 6 * j) = block.transpose();
       }
     }
     for (int k = 0; k <= order; ++k) {
       const auto K = static_cast<std::size_t>(k);
-      const Vector3<S> n = out.r.template segment<3>(6 * k),
-                       m = out.r.template segment<3>(6 * k + 3);
-      out.K.template block<3, 3>(6 * k, 6 * k + 3) += hat(n);
-      out.K.template block<3, 3>(6 * k + 3, 6 * k + 3) += S(0.5) * hat(m);
+      const Vector3<S> n = rows_at<3>(out.r, 6 * k), m = rows_at<3>(out.r, 6 * k + 3);
+      block_at<3, 3>(out.K, 6 * k, 6 * k + 3) += hat(n);
+      block_at<3, 3>(out.K, 6 * k + 3, 6 * k + 3) += S(0.5) * hat(m);
       out.K.diagonal().template segment<3>(6 * k + 3).array() -= S(0.25) * node.p[K].dot(work.y[K]);
     }
   }

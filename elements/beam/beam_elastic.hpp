@@ -165,10 +165,10 @@ struct Elastic {
     for (int j = 0; j < order; ++j) {
       for (int k = j + 1; k <= order; ++k, ++p) {
         const PairForces<S> f = motion.pair[p].forces(W[p]);
-        out.r.template segment<3>(6 * k) += f.force_k;
-        out.r.template segment<3>(6 * k + 3) += f.moment_k;
-        out.r.template segment<3>(6 * j) -= f.minus_force_j;
-        out.r.template segment<3>(6 * j + 3) -= f.minus_moment_j;
+        rows_at<3>(out.r, 6 * k) += f.force_k;
+        rows_at<3>(out.r, 6 * k + 3) += f.moment_k;
+        rows_at<3>(out.r, 6 * j) -= f.minus_force_j;
+        rows_at<3>(out.r, 6 * j + 3) -= f.minus_moment_j;
       }
     }
   }
@@ -186,7 +186,7 @@ struct Elastic {
       const Vector6<S> turned = S(data.wJ[I]) * twist_hat_transpose_times(full[I], force[I]);
       for (int a = 0; a <= order; ++a) {
         const auto ia = static_cast<std::size_t>(i * Z::max_nodes + a);
-        out.r.template segment<6>(6 * a) += S(table.dl[ia]) * along + S(table.l[ia]) * turned;
+        rows_at<6>(out.r, 6 * a) += S(table.dl[ia]) * along + S(table.l[ia]) * turned;
       }
     }
   }
@@ -213,12 +213,12 @@ struct Elastic {
         for (int i = 0; i < points; ++i) {
           const S c = S(data.c[static_cast<std::size_t>(i * Z::max_pairs) + p]);
           Strip& b = Bt[static_cast<std::size_t>(i)];
-          b.template block<3, 3>(6 * k, 0) += c * At;
-          b.template block<3, 3>(6 * k + 3, 0) += c * Bdt;
-          b.template block<3, 3>(6 * k + 3, 3) += c * At;
-          b.template block<3, 3>(6 * j, 0) -= c * T[p].A;
-          b.template block<3, 3>(6 * j + 3, 0) -= c * T[p].B;
-          b.template block<3, 3>(6 * j + 3, 3) -= c * T[p].A;
+          block_at<3, 3>(b, 6 * k, 0) += c * At;
+          block_at<3, 3>(b, 6 * k + 3, 0) += c * Bdt;
+          block_at<3, 3>(b, 6 * k + 3, 3) += c * At;
+          block_at<3, 3>(b, 6 * j, 0) -= c * T[p].A;
+          block_at<3, 3>(b, 6 * j + 3, 0) -= c * T[p].B;
+          block_at<3, 3>(b, 6 * j + 3, 3) -= c * T[p].A;
         }
       }
     }
@@ -260,10 +260,10 @@ struct Elastic {
         for (int k = j + 1; k <= order; ++k, ++p) {
           const PairTangent<S> t = pair_tangent(motion.g[p], motion.pair[p].forces(W[p]).on_k(),
                                                 linearized_force(motion.pair[p], T[p], W[p]));
-          out.K.template block<6, 6>(6 * k, 6 * k) += t.kk;
-          out.K.template block<6, 6>(6 * k, 6 * j) += t.kj;
-          out.K.template block<6, 6>(6 * j, 6 * k) += t.jk;
-          out.K.template block<6, 6>(6 * j, 6 * j) += t.jj;
+          block_at<6, 6>(out.K, 6 * k, 6 * k) += t.kk;
+          block_at<6, 6>(out.K, 6 * k, 6 * j) += t.kj;
+          block_at<6, 6>(out.K, 6 * j, 6 * k) += t.jk;
+          block_at<6, 6>(out.K, 6 * j, 6 * j) += t.jj;
         }
       }
     }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "elements/beam/beam_elastic_batch.hpp"
 #include "libmbd/compile/drags.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/results/expect.hpp"
@@ -16,7 +17,6 @@
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/mechanism.hpp"
 #include "solvers/linear/klu_solver.hpp"
-#include "elements/beam/beam_elastic_batch.hpp"
 
 namespace mbd {
 namespace {
