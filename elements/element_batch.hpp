@@ -65,6 +65,32 @@ class ElementBatch : public Base {
     }
   }
 
+  bool linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
+                        const std::array<std::span<const Slot>, 3>& P) const override {
+    if constexpr (E::has_D) {
+      const Environment env = environment(state);
+      typename E::template Output<double> by_V, by_A;
+      NodeStates x;
+      double margin = 1.0;
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        gather(state, e, x);
+        const double m = E::template evaluate<Want::tangent>(shared_, data_[e], x.data(), env,
+                                                             RateWeights{1.0, 0.0}, by_V);
+        E::template evaluate<Want::tangent>(shared_, data_[e], x.data(), env, RateWeights{0.0, 1.0},
+                                            by_A);
+        margin = m < margin ? m : margin;
+        add_residual(by_V, e, r);
+        hand_over(by_V, e, 1.0, V_hat, P[0]);
+        hand_over<false>(by_V, e, 0.0, {}, P[1]);
+        hand_over<false>(by_A, e, 0.0, V_hat, P[1]);
+        hand_over<false>(by_A, e, 0.0, {}, P[2]);
+      }
+      return margin > 0.0;
+    } else {
+      return linearize(state, {}, r, P[0]);
+    }
+  }
+
   // Loads are linear in the load factor.
   void load_rate(const State& state, VecX& r) const override {
     if constexpr (requires { E::scales_with_load; }) {
@@ -81,8 +107,7 @@ class ElementBatch : public Base {
                                              rest);
         const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
         for (int a = 0; a < count(); ++a)
-          r.segment<6>(6 * node[a]) +=
-              out.r.template segment<6>(6 * a) - rest.r.template segment<6>(6 * a);
+          r.segment<6>(6 * node[a]) += rows_at<6>(out.r, 6 * a) - rows_at<6>(rest.r, 6 * a);
       }
     }
   }
@@ -203,12 +228,15 @@ class ElementBatch : public Base {
       gather(state, e, x);
       const double m = E::template evaluate<want>(shared_, data_[e], x.data(), env, rates, out);
       margin = m < margin ? m : margin;
-      const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
-      for (int a = 0; a < count(); ++a)
-        r.segment<6>(6 * node[a]) += out.r.template segment<6>(6 * a);
+      add_residual(out, e, r);
       if constexpr (want == Want::tangent) hand_over(out, e, weights.U, weights.T_inv, slots);
     }
     return margin > 0.0;
+  }
+
+  void add_residual(const typename E::template Output<double>& out, std::size_t e, VecX& r) const {
+    const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+    for (int a = 0; a < count(); ++a) rows_at<6>(r, 6 * node[a]) += rows_at<6>(out.r, 6 * a);
   }
 
   // Adds U K + D T_inv of an element to its slots, or D T_inv alone.
@@ -221,12 +249,12 @@ class ElementBatch : public Base {
     for (int b = 0; b < count(); ++b) {
       for (int a = 0; a < count(); ++a, ++slot) {
         Eigen::Map<Mat6, 0, Eigen::OuterStride<>> S(slot->data, Eigen::OuterStride<>(slot->ld));
-        if constexpr (with_K) S += U * out.K.template block<6, 6>(6 * a, 6 * b);
+        if constexpr (with_K) S += U * block_at<6, 6>(out.K, 6 * a, 6 * b);
         if constexpr (E::has_D) {
           if (T_inv.empty()) {
-            S += out.D.template block<6, 6>(6 * a, 6 * b);
+            S += block_at<6, 6>(out.D, 6 * a, 6 * b);
           } else {
-            S += out.D.template block<6, 6>(6 * a, 6 * b)
+            S += block_at<6, 6>(out.D, 6 * a, 6 * b)
                      .lazyProduct(T_inv[static_cast<std::size_t>(node[b])]);
           }
         }

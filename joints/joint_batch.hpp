@@ -93,26 +93,36 @@ class JointBatch final : public AnyJointBatch {
     return in_range;
   }
 
-  // Rows and forces are smooth in what is prescribed: differences of fourth order over a thousandth of a
-  // radian or of the prescribed length.
+  // Of what is prescribed, s = load factor times its value: ds/d(load factor) is that value.
   void load_rate(const State& state, VecX& r) const override {
     if constexpr (law != Law::none) {
-      VecX at(r.size());
-      State moved = state;
-      const auto add = [&](double step, double weight) {
-        moved.load_factor = state.load_factor + step;
-        at.setZero();
-        residual(moved, at);
-        r += weight / step * at;
-      };
-      double size = 1.0;
-      for (const Data& d : data_)
-        for (const int s : d.signals)
-          if (s >= 0) size = std::max(size, std::abs(state.signals[static_cast<std::size_t>(s)].f));
-      const double h = 1e-3 / size;
-      for (const double sign : {1.0, -1.0}) {
-        add(sign * h, 2.0 / 3.0);
-        add(2.0 * sign * h, -1.0 / 6.0);
+      using D1 = Dual<double>;
+      const Index first = r.size() - state.lambda.size();
+      for (const Data& d : data_) {
+        const auto s = [&](std::size_t i) {
+          if (d.signals[i] < 0) return D1{0.0};
+          const double f = state.signals[static_cast<std::size_t>(d.signals[i])].f;
+          return D1{state.load_factor * f, f};
+        };
+        const auto still = [&](int node) {
+          return state.pose[static_cast<std::size_t>(node)].template cast<D1>();
+        };
+        Pose<D1> a = d.a.template cast<D1>();
+        if constexpr (moves_a) a = a * motion<D1>(s);
+        Given<D1> given{D1{0.0}, d.parameter, near_of(state, d)};
+        if constexpr (law == Law::coordinate) given.s = s(0);
+        const Pose<D1> g = relative(still(d.P) * a, still(d.Q) * d.b.template cast<D1>());
+        const Matrix<D1, m, 1> lambda = state.lambda.segment<m>(d.multiplier).template cast<D1>();
+        const Vector6<D1> f = wrench<J, D1>(g, given, lambda);
+        const Vector6<D1> on_P =
+            adjoint_inverse(a).transpose_times(adjoint_inverse(g).transpose_times(f));
+        const Vector6<D1> on_Q = adjoint_inverse(d.b.template cast<D1>()).transpose_times(f);
+        const Matrix<D1, m, 1> rows = constraint<J, D1>(g, given);
+        for (Index i = 0; i < m; ++i) r(first + d.multiplier + i) += rows(i).d;
+        for (Index i = 0; i < 6; ++i) {
+          r(6 * d.Q + i) += on_Q(i).d;
+          r(6 * d.P + i) -= on_P(i).d;
+        }
       }
     }
   }

@@ -3,6 +3,7 @@
 // ground and is not solved for), then the multipliers.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,6 +54,15 @@ class Batch {
   // Adds (V dr/dV + A dr/dVdot) T_inv to the tangent and nothing else; `weights.U` is not used.
   virtual void add_rate_tangent(const State& /*state*/, const TangentWeights& /*weights*/,
                                 std::span<const Slot> /*slots*/) const {}
+
+  // The residual, and the powers of x in the tangent of a method whose velocities and accelerations change by
+  // (x + V_hat) dU and x (x + V_hat) dU:
+  //   P[0] += dr/dU + dr/dV V_hat,   P[1] += dr/dV + dr/dVdot V_hat,   P[2] += dr/dVdot,
+  // in one pass. V_hat by node.
+  virtual bool linearize_powers(const State& state, std::span<const Mat6> /*V_hat*/, VecX& r,
+                                const std::array<std::span<const Slot>, 3>& P) const {
+    return linearize(state, {}, r, P[0]);
+  }
 
   // Adds dr/d(load factor) at fixed motion and multipliers: what loads and prescribed motions contribute.
   virtual void load_rate(const State& /*state*/, VecX& /*r*/) const {}

@@ -139,8 +139,21 @@ bool System::linearize(const State& state, const TangentWeights& weights, VecX& 
   r.setZero(rows());
   bool in_range = true;
   for (const auto& batch : batches_) in_range &= batch->linearize(state, weights, r, slots);
-  if (state.idle.empty()) return in_range;
+  leave_out_idle(state, r, slots);
+  return in_range;
+}
 
+bool System::linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
+                              const std::array<std::span<const Slot>, 3>& P) const {
+  r.setZero(rows());
+  bool in_range = true;
+  for (const auto& batch : batches_) in_range &= batch->linearize_powers(state, V_hat, r, P);
+  leave_out_idle(state, r, P[0]);
+  return in_range;
+}
+
+void System::leave_out_idle(const State& state, VecX& r, std::span<const Slot> slots) const {
+  if (state.idle.empty()) return;
   clear_idle(state, r, 6 * nodes());
   for (std::size_t c = 0, next = 0; c < constraints_.size() && next < state.idle.size(); ++c)
     for (; next < state.idle.size() &&
@@ -155,7 +168,6 @@ bool System::linearize(const State& state, const TangentWeights& weights, VecX& 
       const Slot& own = slots[first_own_ + c];
       own.data[i * (own.ld + 1)] -= 1.0;
     }
-  return in_range;
 }
 
 void System::add_rate_tangent(const State& state, const TangentWeights& weights,

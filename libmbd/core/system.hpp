@@ -78,11 +78,14 @@ class System {
   bool linearize(const State& state, const TangentWeights& weights, VecX& r, LinearSolver& S) const;
   bool linearize(const State& state, const TangentWeights& weights, VecX& r,
                  std::span<const Slot> slots) const;  // adds to what the slots hold
+  // The same, and the powers of the tangent (Batch::linearize_powers), added to what P[k] hold; constraints in P[0].
+  bool linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
+                        const std::array<std::span<const Slot>, 3>& P) const;
   // (V dr/dV + A dr/dVdot) T_inv alone, added to what the slots hold: no stiffness, no constraints.
   void add_rate_tangent(const State& state, const TangentWeights& weights,
                         std::span<const Slot> slots) const;
   // dr/d(load factor): the loads, with the sign of the residual, and how constraints move with
-  // prescribed motions. Exact for loads; of motions to 1e-12 of themselves.
+  // prescribed motions.
   void load_rate(const State& state, VecX& r) const;
   std::string out_of_range(const State& state) const;
   // All of size multipliers().
@@ -107,6 +110,7 @@ class System {
 
  private:
   void clear_idle(const State& state, VecX& multipliers, Index first) const;
+  void leave_out_idle(const State& state, VecX& r, std::span<const Slot> slots) const;
 
   // A contribution in the rows or in the columns of a constraint.
   struct Touching {

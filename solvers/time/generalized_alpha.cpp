@@ -11,14 +11,10 @@
 namespace mbd {
 namespace {
 
-// Policy of the kept tangent.
-// A contraction measured at small increments is partly luck: with a floor of 1e-3 a stale one
-// let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per cent of the iterations.
-constexpr double theta_floor = 0.1;
-constexpr double theta_memory = 0.3;    // how fast a good contraction is believed
-constexpr double theta_refactor = 0.5;  // worse: a new tangent inside the step
-constexpr double theta_fresh = 0.05;    // assumed of a new tangent
-constexpr int iterations_refactor = 3;  // this many: a new tangent at the next step
+// With a floor of 1e-3 a stale contraction let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per
+// cent of the iterations.
+constexpr KeptTangent::Policy tangent_policy{
+    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3};
 // Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 3;
@@ -41,6 +37,7 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
                                    const GeneralizedAlphaOptions& options)
     : OneStep(system, std::move(solver), settings_of(options), error_order),
       a_(generalized_alpha_parameters(options.rho_infinity)),
+      kept_(tangent_policy),
       dense_(system, HermiteStep::Degree::cubic) {
   if (!(options.rho_infinity >= 0.0 && options.rho_infinity <= 1.0))
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
@@ -231,7 +228,7 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
     const Index row = solver().singular_row();
     report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
   }
-  theta_ = theta_fresh;
+  kept_.renewed();
   return factored_;
 }
 
@@ -273,7 +270,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
       return false;
     }
     if (previous > 0.0) {
-      theta_ = std::max({e / previous, theta_memory * theta_, theta_floor});
+      kept_.measured(e, previous);
       if (previous > 1.0) report.contraction = std::max(report.contraction, e / previous);
       if (e > 2.0 * previous && !(fresh && k < 4) && e > 1.0) {
         if (fresh) break;  // diverges with its own tangent
@@ -293,15 +290,15 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     end_.lambda += x_.tail(x_.size() - motions) / s;
     update_poses();
 
-    const double left = always ? e : e * std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999)));
+    const double left = always ? e : e * kept_.share_left();
     report.error = left;
     if (left < 1.0) {
       if (!in_range) break;
-      if (report.iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
-      refactor_next_ = report.iterations >= iterations_refactor;
+      kept_.accepted_after(report.iterations);
+      refactor_next_ = kept_.is_old_after(report.iterations);
       return true;
     }
-    if (theta_ > theta_refactor) refactor = true;
+    if (kept_.is_poor()) refactor = true;
   }
   if (report.failure.empty()) {
     residual();

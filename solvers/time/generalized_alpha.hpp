@@ -11,10 +11,8 @@
 //   [ s K + ((1 - alpha_m)/(1 - alpha_f) M + gamma h C) T^-1(Q) , B^T ; B , 0 ] = -[ s r_dyn ; g ]     (2)
 // with K = dr/dU, C = dr/dV, M = dr/dVdot.
 //
-// The factorisation is kept as long as the measured contraction theta is good: with e the size
-// of an increment in tolerances, theta = max(e_k/e_(k-1), 0.3 theta, 0.1), stop when
-// e min(1, theta/(1 - theta)) < 1; accepting after one iteration doubles theta, because nothing was
-// measured. Predictor: Vdot linear, lambda quadratic in time.
+// The factorisation is kept as long as its contraction is good (kept_tangent.hpp). Predictor: Vdot linear, lambda
+// quadratic in time.
 //
 // Balance of momenta (Balance::momentum). In (1) M Vdot - V~^T M V is the rate of the momentum M V seen
 // from the moving node; a scheme that averages such rates lets the total drift at its own order. In
@@ -50,6 +48,7 @@
 #include <vector>
 
 #include "libmbd/core/system.hpp"
+#include "solvers/newton/kept_tangent.hpp"
 #include "solvers/time/dense_output.hpp"
 #include "solvers/time/one_step.hpp"
 
@@ -104,6 +103,7 @@ class GeneralizedAlpha final : public OneStep {
   LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }
 
   GeneralizedAlphaParameters a_;
+  KeptTangent kept_;
   HermiteStep dense_;
 
   double h_ = 0.0;           // step under way [s]; 0: none since the last start
@@ -135,7 +135,6 @@ class GeneralizedAlpha final : public OneStep {
   std::unique_ptr<LinearSolver> tolerant_solver_;
   bool factored_ = false;
   bool refactor_next_ = true;
-  double theta_ = 0.1;  // contraction of the kept tangent
 };
 
 }  // namespace mbd

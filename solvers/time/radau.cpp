@@ -14,15 +14,12 @@
 namespace mbd {
 namespace {
 
-constexpr double theta_floor = 0.02;
-constexpr double theta_memory = 0.3;  // how fast a good contraction is believed
-constexpr double theta_renew = 0.35;  // worse: new tangents inside the step
+constexpr KeptTangent::Policy tangent_policy{
+    .floor = 0.02, .memory = 0.3, .renew = 0.35, .fresh = 0.05, .iterations = 6};
 constexpr double stagnation = 0.3;  // increments below round-off that fall no faster are round-off
 // The tolerance of fixed steps is near the round-off of stiff scenes: what stalls this close to it is accepted.
 constexpr double stalled_fixed = 20.0;
-constexpr double theta_fresh = 0.05;  // assumed of new ones
-constexpr int iterations_renew = 6;   // this many: new tangents at the next step
-constexpr double most_turn = 2.5;     // [rad] in a step: rotations are told apart up to pi
+constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart up to pi
 // Adaptive steps: the estimate goes with h^4, the error with h^5; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 4;
@@ -91,6 +88,7 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
              std::unique_ptr<PencilSolver> pencil, const RadauOptions& options)
     : OneStep(system, std::move(solver), settings_with_newton(options), error_order),
       pencil_(std::move(pencil)),
+      kept_(tangent_policy),
       dense_(system, HermiteStep::Degree::quintic) {
   // Fixed steps have no end: what moves less than a length, or a radian, in a thousand of them is at rest.
   if (!settings_.adaptive())
@@ -198,18 +196,15 @@ bool Radau::residuals() {
 bool Radau::linearize(const State& at) {
   pencil_->set_zero();
   for (std::size_t n = 1; n < V_hat_.size(); ++n) V_hat_[n] = twist_hat<double>(begin_.V[n]);
-  const bool in_range = system_.linearize(at, {}, r_[1], pencil_->slots(0));
-  system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = V_hat_}, pencil_->slots(0));
-  system_.add_rate_tangent(at, {.U = 0.0, .V = 1.0, .A = 0.0, .T_inv = {}}, pencil_->slots(1));
-  system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = V_hat_}, pencil_->slots(1));
-  system_.add_rate_tangent(at, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, pencil_->slots(2));
+  const bool in_range = system_.linearize_powers(
+      at, V_hat_, r_[1], {pencil_->slots(0), pencil_->slots(1), pencil_->slots(2)});
   if (tolerant_)
     add_rank_tolerance(pencil_->slots(0).subspan(system_.graph().contributions.size()));
   stiffness_ = largest_stiffness(system_, pencil_->slots(0));
   ++counters_.tangents;
   linearized_ = true;
   factored_step_ = 0.0;
-  theta_ = theta_fresh;
+  kept_.renewed();
   return in_range;
 }
 
@@ -295,7 +290,7 @@ bool Radau::iterate(StepReport& report) {
     bool renew = false;
     const bool stagnates = previous > 0.0 && exact > stagnation * previous;
     if (previous > 0.0) {
-      theta_ = std::max({exact / previous, theta_memory * theta_, theta_floor});
+      kept_.measured(exact, previous);
       if (last > 1.0) report.contraction = std::max(report.contraction, e / last);
       if (e > stalled && exact > 2.0 * previous) {
         if (fresh_ && k > 2) break;  // diverges with its own tangents
@@ -313,16 +308,16 @@ bool Radau::iterate(StepReport& report) {
         stage_[j].lambda += delta_[j].tail(size - motions) / s;
       }
       update_stages();
-      const double factor = std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999)));
+      const double factor = kept_.share_left();
       report.error = e * factor;
       // As small as asked for; or as round-off lets it become.
       if (exact * factor < 1.0 || (e * factor < stalled && stagnates)) {
         if (!in_range) break;
-        if (report.iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
-        relinearize_next_ = report.iterations >= iterations_renew && !fresh_ && !stagnates;
+        kept_.accepted_after(report.iterations);
+        relinearize_next_ = kept_.is_old_after(report.iterations) && !fresh_ && !stagnates;
         return true;
       }
-      if (theta_ > theta_renew && !fresh_ && e > stalled) renew = true;
+      if (kept_.is_poor() && !fresh_ && e > stalled) renew = true;
     }
     if (renew) {
       linearize(stage_[1]);

@@ -44,6 +44,7 @@
 
 #include "libmbd/core/system.hpp"
 #include "solvers/linear/pencil_solver.hpp"
+#include "solvers/newton/kept_tangent.hpp"
 #include "solvers/time/dense_output.hpp"
 #include "solvers/time/one_step.hpp"
 
@@ -94,6 +95,7 @@ class Radau final : public OneStep {
   double time_of(std::size_t stage) const;
 
   std::unique_ptr<PencilSolver> pencil_;
+  KeptTangent kept_;
   HermiteStep dense_;
 
   double h_ = 0.0;  // step under way [s]
@@ -121,7 +123,6 @@ class Radau final : public OneStep {
   bool linearized_ = false;     // P0, P1, P2 are there
   bool fresh_ = false;          // and of this step
   double factored_step_ = 0.0;  // h of the last factorisation; 0: none
-  double theta_ = 0.1;          // contraction of the kept tangent
   bool relinearize_next_ = true;
 };
 

@@ -1,6 +1,8 @@
 // What steps of several stages ask a System: the tangent of rates alone, and constraints alone.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "libmbd/core/system.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
@@ -108,6 +110,63 @@ TEST_P(SystemRates, ConstraintsAreThoseOfTheResidual) {
     EXPECT_LE(magnitude(g - want), 4 * eps * scale);
     EXPECT_LE(magnitude(gdot - other), 16 * eps * std::max(1.0, magnitude(other)));
   }
+}
+
+// In one pass over the elements what linearize() and add_rate_tangent() give in five.
+TEST_P(SystemRates, PowersOfTheTangentAreThePartsTaken) {
+  Rng rng(7);
+  const State state = random_state(system, rng);
+  std::vector<Mat6> V_hat(static_cast<std::size_t>(system.nodes()), Mat6::Zero());
+  for (std::size_t n = 1; n < V_hat.size(); ++n)
+    V_hat[n] = twist_hat<double>(random_vector<6>(rng, 5.0));
+  const auto rates = [&](double V, double A, bool turned, DenseSolver& to) {
+    system.add_rate_tangent(
+        state,
+        {.U = 0.0,
+         .V = V,
+         .A = A,
+         .T_inv = turned ? std::span<const Mat6>(V_hat) : std::span<const Mat6>()},
+        to.slots());
+  };
+  std::array<DenseSolver, 3> want, got;
+  for (std::array<DenseSolver, 3>* all : {&want, &got})
+    for (DenseSolver& one : *all) {
+      one.analyze(system.graph());
+      one.set_zero();
+    }
+  VecX r, r_want;
+  system.linearize(state, {}, r_want, want[0].slots());
+  rates(1.0, 0.0, true, want[0]);
+  rates(1.0, 0.0, false, want[1]);
+  rates(0.0, 1.0, true, want[1]);
+  rates(0.0, 1.0, false, want[2]);
+  system.linearize_powers(state, V_hat, r, {got[0].slots(), got[1].slots(), got[2].slots()});
+  EXPECT_EQ((r - r_want).cwiseAbs().maxCoeff(), 0.0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double scale = want[k].matrix().cwiseAbs().maxCoeff();
+    ASSERT_GT(scale, 0.0);
+    EXPECT_LE((got[k].matrix() - want[k].matrix()).cwiseAbs().maxCoeff(), 16 * eps * scale) << k;
+  }
+}
+
+// dr/d(load factor) of loads and of what is prescribed: differences of order 8 of the residual.
+TEST_P(SystemRates, LoadRateIsTheDerivativeByTheLoadFactor) {
+  Rng rng(8);
+  State state = random_state(system, rng);
+  state.load_factor = 0.7;
+  VecX rate = VecX::Zero(system.rows());
+  system.load_rate(state, rate);
+  const auto at = [&](double h) {
+    State moved = state;
+    moved.load_factor += h;
+    VecX r;
+    system.residual(moved, r);
+    return r;
+  };
+  const VecX want = first_difference(at, 1e-3);
+  VecX residual;
+  system.residual(state, residual);
+  EXPECT_LE(magnitude(rate - want), 1e-11 * std::max(magnitude(want), magnitude(residual)));
 }
 
 // gdot is the rate of g along the motion: differences of order 8.
