@@ -1,7 +1,6 @@
 // Two runs against each other, and the commands plot and compare.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "libmbd/core/error.hpp"
 #include "libmbd/pictures/compare.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace mbd::test::test_compare {
 namespace {
@@ -152,11 +152,9 @@ TEST(Compare, NamesAreTheShortestThatDiffer) {
 class ResultsCommands : public ::testing::Test {
  protected:
   void SetUp() override {
-    directory_ = fs::temp_directory_path() / ("mbd_commands_" + std::to_string(getpid()));
     write("a", "0,1,5\n1,2,5\n2,4,5\n");
     write("b", "0,1,5\n1,2.04,5\n2,4,5\n");
   }
-  void TearDown() override { fs::remove_all(directory_); }
   void write(const std::string& name, const std::string& rows) {
     fs::create_directories(directory_ / name);
     std::ofstream(directory_ / name / "history.csv")
@@ -168,7 +166,8 @@ class ResultsCommands : public ::testing::Test {
     return Program(arguments, directory_ / "scratch").wait();
   }
 
-  fs::path directory_;
+  const TemporaryDirectory scratch_;
+  const fs::path directory_ = scratch_.path();
 };
 
 TEST_F(ResultsCommands, PlotDrawsWhatIsNamed) {

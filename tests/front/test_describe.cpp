@@ -2,7 +2,6 @@
 // that a run would find before its first step.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "libmbd/run/describe.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/scenes.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace mbd::test::test_describe {
 namespace {
@@ -410,8 +410,6 @@ TEST(Describe, FilesThatAreNotUtf8AreWritten) {
 class DescribeCommands : public ::testing::Test {
  protected:
   void SetUp() override {
-    const auto* const info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = fs::temp_directory_path() / ("mbd_" + std::to_string(getpid()) + "_" + info->name());
     fs::create_directories(path_ / "empty");
     before_ = fs::current_path();
     fs::current_path(path_ / "empty");
@@ -419,13 +417,14 @@ class DescribeCommands : public ::testing::Test {
   void TearDown() override {
     EXPECT_TRUE(fs::is_empty(path_ / "empty")) << "a command that only reads has written a file";
     fs::current_path(before_);
-    fs::remove_all(path_);
   }
   test::Ended mbd(const std::vector<std::string>& arguments) const {
     return test::Program(arguments, path_ / "scratch").wait();
   }
 
-  fs::path path_, before_;
+  const TemporaryDirectory scratch_;
+  const fs::path path_ = scratch_.path();
+  fs::path before_;
 };
 
 TEST_F(DescribeCommands, CheckEveryModel) {

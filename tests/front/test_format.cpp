@@ -11,6 +11,7 @@
 #include "libmbd/language/reader.hpp"
 #include "libmbd/language/units.hpp"
 #include "tests/support/read_text.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace mbd::test::test_format {
 namespace {
@@ -218,7 +219,6 @@ TEST(Reader, KnowsUsualWords) {
 class Includes : public testing::Test {
  protected:
   Includes() { fs::create_directories(dir_ / "parts"); }
-  ~Includes() override { fs::remove_all(dir_); }
   void write(const std::string& name, const std::string& inside) const {
     std::ofstream(dir_ / name) << "<mbd name=\"part\">\n" << inside << "\n</mbd>\n";
   }
@@ -233,9 +233,8 @@ class Includes : public testing::Test {
     }
     return "no error";
   }
-  const fs::path dir_ =
-      fs::path(testing::TempDir()) /
-      ("includes_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  const TemporaryDirectory scratch_;
+  const fs::path dir_ = scratch_.path();
 };
 
 TEST_F(Includes, AreReadInPlace) {

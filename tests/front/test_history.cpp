@@ -1,12 +1,12 @@
 // Results read back: what a table may be, what is refused and how, and choosing columns by name.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/results/history.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace mbd::test::test_history {
 namespace {
@@ -16,12 +16,6 @@ using mbd::History;
 
 class ReadHistory : public ::testing::Test {
  protected:
-  void SetUp() override {
-    directory_ = fs::temp_directory_path() / ("mbd_history_" + std::to_string(getpid()));
-    fs::create_directories(directory_);
-  }
-  void TearDown() override { fs::remove_all(directory_); }
-
   fs::path file(const std::string& text) {
     std::ofstream(directory_ / "history.csv", std::ios::binary) << text;
     return directory_ / "history.csv";
@@ -41,7 +35,8 @@ class ReadHistory : public ::testing::Test {
     EXPECT_NE(got.find(what), std::string::npos) << got;
   }
 
-  fs::path directory_;
+  const TemporaryDirectory scratch_;
+  const fs::path directory_ = scratch_.path();
 };
 
 const std::string good =

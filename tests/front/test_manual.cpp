@@ -199,7 +199,7 @@ class Grammar : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_EQ(shell("xmllint --version").status, 0)
-        << "xmllint is missing: install libxml2-utils (tools/install-dependencies)";
+        << "xmllint is missing: install libxml2-utils (tools/install-dependencies --with-tests)";
     write_text(directory_.path() / "mbd.xsd", to_xsd());
   }
   // What xmllint says of a file; empty when it is valid.

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +17,7 @@
 #include "libmbd/results/history.hpp"
 #include "libmbd/results/summary.hpp"
 #include "libmbd/run/run.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace mbd::test::test_models {
 namespace {
@@ -110,13 +110,6 @@ Scene falling_ball() {
 
 class Directory : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* const info = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = fs::temp_directory_path() / ("mbd_" + std::to_string(getpid()) + "_" + info->name());
-    fs::create_directories(path_);
-  }
-  void TearDown() override { fs::remove_all(path_); }
-
   nlohmann::json json() const {
     return nlohmann::json::parse(std::ifstream(path_ / "report.json"));
   }
@@ -128,7 +121,8 @@ class Directory : public testing::Test {
     return n;
   }
 
-  fs::path path_;
+  const TemporaryDirectory scratch_;
+  const fs::path path_ = scratch_.path();
 };
 
 using RunOf = Directory;

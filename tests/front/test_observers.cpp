@@ -2,7 +2,6 @@
 // written is said.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -17,6 +16,7 @@
 #include "libmbd/results/report.hpp"
 #include "libmbd/results/summary.hpp"
 #include "libmbd/run/run.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace mbd::test::test_observers {
 namespace {
@@ -25,21 +25,14 @@ namespace fs = std::filesystem;
 
 class Files : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* const info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::temp_directory_path() / ("mbd_" + std::to_string(getpid()) + "_" +
-                                              info->test_suite_name() + "_" + info->name());
-    fs::create_directories(directory_);
-  }
-  void TearDown() override { fs::remove_all(directory_); }
-
   static std::string read(const fs::path& file) {
     std::ostringstream text;
     text << std::ifstream(file).rdbuf();
     return text.str();
   }
 
-  fs::path directory_;
+  const TemporaryDirectory scratch_;
+  const fs::path directory_ = scratch_.path();
 };
 
 using HistoryFile = Files;

@@ -16,6 +16,7 @@
 #include <sstream>
 #include <vector>
 
+#include "tests/support/machine.hpp"
 #include "tests/support/shell.hpp"
 
 namespace mbd::test::test_readme {
@@ -189,7 +190,7 @@ class Document {
     write_text(directory_.path() / "session", script);
     const std::string text =
         test::shell("cd " + quote(work().string()) + " && PATH=" + quote(bin().string()) +
-                    ":\"$PATH\" timeout 120 bash " +
+                    ":\"$PATH\" timeout " + std::to_string(test::whole_guard(600)) + " bash " +
                     quote((directory_.path() / "session").string()))
             .text;
     std::size_t at = 0;

@@ -72,7 +72,6 @@ TrialOptions limits() {
   TrialOptions options;
   options.samples = 50;
   options.repeats = 1;
-  options.limit = 120.0;
   return options;
 }
 

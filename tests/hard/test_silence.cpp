@@ -330,7 +330,7 @@ TEST_F(Silence, AccuracyHidesNoFailure) {
   Ended ended = mbd({"run", model("load_ends"), "--accuracy", "1e-2"}, "out");
   EXPECT_NE(ended.status, 0);
   expect_says(ended.err, {"load \"push\" on body 'lower': force 3", "is not a number"});
-  ended = mbd({"accuracy", model("load_ends"), "--budget", "10"}, "study");
+  ended = mbd({"accuracy", model("load_ends"), "--budget", "1e6"}, "study");
   EXPECT_EQ(ended.status, 1);
   expect_says(ended.err, {"load \"push\" on body 'lower': force 3", "is not a number"});
 }

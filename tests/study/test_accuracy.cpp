@@ -3,19 +3,23 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 
 #include "libmbd/text/files.hpp"
+#include "tests/support/machine.hpp"
 #include "tests/support/scenes.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace mbd::test::test_accuracy {
 namespace {
 
 namespace fs = std::filesystem;
 
+// Work is bounded by `refinements`, and the budget never ends a study: what it tries is the same on every machine.
 AccuracyStudy study_of(const Scene& scene, const std::vector<std::string>& vary,
                        AccuracyOptions options = {}) {
   for (const std::string& one : vary) add_variation(options.variations, one);
@@ -46,8 +50,9 @@ TEST(AccuracySlow, ReferenceIsAsGoodAsItSays) {
   // A point mass on a rod of 1 m, from rest at a right angle (models/pendulum.xml).
   scene.transient->duration = pendulum_period(1.0, 9.81, M_PI / 2.0);
   scene.transient->step = scene.transient->duration / 2000.0;
-  const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-3,1e-4"},
-                                       {.quantities = {"bob.position"}, .budget = 20.0});
+  const AccuracyStudy study =
+      study_of(scene, {"method=radau", "tolerance=1e-3,1e-4"},
+               {.quantities = {"bob.position"}, .budget = no_limit, .refinements = 7});
   ASSERT_EQ(study.quantities.size(), 1u);
   const Quantity& quantity = study.quantities[0];
   EXPECT_LT(quantity.reference_rms, 1e-9);
@@ -63,9 +68,9 @@ TEST(AccuracySlow, ReferenceIsAsGoodAsItSays) {
 TEST(AccuracySlow, ReferenceWithBeamsIsAsGoodAsItSays) {
   Scene scene = model_scene("shaft");
   scene.transient->duration = 0.5;
-  const AccuracyStudy study =
-      study_of(scene, {"method=radau", "tolerance=1e-3", "order=3"},
-               {.quantities = {"M.displacement", "M.velocity"}, .budget = 6.0});
+  const AccuracyStudy study = study_of(
+      scene, {"method=radau", "tolerance=1e-3", "order=3"},
+      {.quantities = {"M.displacement", "M.velocity"}, .budget = no_limit, .refinements = 2});
   const Trial fine = run_trial(
       mbd::with(scene,
                 {.order = 7, .elements = 8, .method = TimeMethod::radau, .tolerance = 1e-10}),
@@ -89,21 +94,22 @@ TEST(AccuracySlow, OrdersInTimeAreThoseOfTheory) {
   scene.transient->duration = 0.5;
   const std::string steps = "step=2e-3,1e-3,5e-4,2.5e-4";
   const AccuracyStudy alpha =
-      study_of(scene, {"method=generalized_alpha", steps}, {.budget = 15.0});
+      study_of(scene, {"method=generalized_alpha", steps}, {.budget = no_limit, .refinements = 8});
   EXPECT_NEAR(slope_of(alpha, Knob::step), 2.0, 0.1);
   EXPECT_EQ(*alpha.fits[0].theory, 2.0);
-  const AccuracyStudy radau = study_of(scene, {"method=radau", steps}, {.budget = 15.0});
+  const AccuracyStudy radau =
+      study_of(scene, {"method=radau", steps}, {.budget = no_limit, .refinements = 8});
   EXPECT_NEAR(slope_of(radau, Knob::step), 5.0, 0.3);
   EXPECT_EQ(*radau.fits[0].theory, 5.0);
-  const AccuracyStudy adaptive =
-      study_of(scene, {"method=radau", "tolerance=1e-3:1e-8"}, {.budget = 15.0});
+  const AccuracyStudy adaptive = study_of(scene, {"method=radau", "tolerance=1e-3:1e-8"},
+                                          {.budget = no_limit, .refinements = 8});
   EXPECT_NEAR(slope_of(adaptive, Knob::tolerance), 1.0, 0.15);
 }
 
 TEST(AccuracySlow, OrdersInSpaceAreThoseOfTheory) {
-  const AccuracyStudy study =
-      study_of(model_scene("bend45"), {"order=1:3", "elements=4,8,16,32"},
-               {.quantities = {"tip.displacement", "root.force"}, .budget = 15.0});
+  const AccuracyStudy study = study_of(
+      model_scene("bend45"), {"order=1:3", "elements=4,8,16,32"},
+      {.quantities = {"tip.displacement", "root.force"}, .budget = no_limit, .refinements = 3});
   for (std::size_t n = 0; n < 3; ++n) {
     const double order = static_cast<double>(n + 1);
     EXPECT_NEAR(slope_of(study, Knob::elements, n), -2.0 * order, 0.1 * order) << n;
@@ -123,7 +129,7 @@ TEST(AccuracySlow, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
   const AccuracyStudy study =
       study_of(model_scene("pendulum"),
                {"method=generalized_alpha,radau", "step=2e-3,1e-3,5e-4", "tolerance=1e-2:1e-7"},
-               {.budget = 20.0});
+               {.budget = no_limit, .refinements = 9});
   ASSERT_EQ(study.points.size(), 9u);
   EXPECT_TRUE(study.whole());
   for (std::size_t q = 0; q < study.quantities.size(); ++q) {
@@ -154,8 +160,9 @@ TEST(AccuracySlow, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
 TEST(AccuracySlow, AgainstAFileIsTheDifferenceToIt) {
   Scene scene = model_scene("pendulum");
   scene.transient->duration = 2.0;
-  const AccuracyStudy own = study_of(scene, {"method=radau", "tolerance=1e-9"},
-                                     {.quantities = {"bob.position"}, .budget = 20.0});
+  const AccuracyStudy own =
+      study_of(scene, {"method=radau", "tolerance=1e-9"},
+               {.quantities = {"bob.position"}, .budget = no_limit, .refinements = 6});
   std::string text = "# units: s, m, m, m\ntime,bob.position.1,bob.position.2,bob.position.3\n";
   for (std::size_t k = 0; k < own.truth.at.size(); ++k) {
     char line[200];
@@ -167,12 +174,12 @@ TEST(AccuracySlow, AgainstAFileIsTheDifferenceToIt) {
     }
     text += "\n";
   }
-  const fs::path file = fs::path(testing::TempDir()) / "mbd_accuracy_reference.csv";
+  const TemporaryDirectory directory;
+  const fs::path file = directory.path() / "reference.csv";
   write_file(file, text);
   const AccuracyStudy study =
       study_of(scene, {"method=radau", "tolerance=1e-9"},
-               {.quantities = {"bob.position"}, .reference = file, .budget = 20.0});
-  fs::remove(file);
+               {.quantities = {"bob.position"}, .reference = file, .budget = no_limit});
   ASSERT_TRUE(study.points[0].errors[0].known);
   EXPECT_NEAR(study.points[0].errors[0].largest, 0.1 / 1.1, 1e-6);
   EXPECT_NE(study.reference.find("not known"), std::string::npos);
@@ -182,8 +189,9 @@ TEST(AccuracySlow, AgainstAFileIsTheDifferenceToIt) {
 TEST(AccuracySlow, SaysFromWhenOnThereIsNoReference) {
   Scene scene = model_scene("double_pendulum");
   scene.transient->duration = 60.0;
-  const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-4,1e-6"},
-                                       {.quantities = {"tip.position"}, .budget = 15.0});
+  const AccuracyStudy study =
+      study_of(scene, {"method=radau", "tolerance=1e-4,1e-6"},
+               {.quantities = {"tip.position"}, .budget = no_limit, .refinements = 4});
   const Quantity& quantity = study.quantities[0];
   EXPECT_GT(quantity.until, 3.0);
   EXPECT_LT(quantity.until, 60.0);
@@ -197,9 +205,10 @@ TEST(AccuracySlow, SaysFromWhenOnThereIsNoReference) {
 TEST(AccuracySlow, OfWhatIsZeroIsRelativeToOthersOfItsUnit) {
   Scene scene = model_scene("double_pendulum");
   scene.transient->duration = 1.0;
-  const AccuracyStudy study =
-      study_of(scene, {"method=radau", "tolerance=1e-3,1e-6"},
-               {.quantities = {"all.total_energy", "all.kinetic_energy"}, .budget = 15.0});
+  const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-3,1e-6"},
+                                       {.quantities = {"all.total_energy", "all.kinetic_energy"},
+                                        .budget = no_limit,
+                                        .refinements = 5});
   EXPECT_TRUE(study.quantities[0].is_zero);
   EXPECT_FALSE(study.quantities[1].is_zero);
   EXPECT_GE(study.quantities[0].scale, study.quantities[1].scale);
@@ -211,12 +220,15 @@ TEST(AccuracySlow, OfWhatIsZeroIsRelativeToOthersOfItsUnit) {
 }
 
 TEST(Accuracy, GoesOnWithWhatIsKept) {
-  const fs::path keep = fs::path(testing::TempDir()) / "mbd_accuracy_kept";
-  fs::remove_all(keep);
+  const TemporaryDirectory directory;
+  const fs::path keep = directory.path() / "kept";
   Scene scene = model_scene("pendulum");
   scene.transient->duration = 1.0;
-  AccuracyOptions options{
-      .quantities = {"bob.position"}, .budget = 20.0, .keep = keep, .fingerprint = "one"};
+  AccuracyOptions options{.quantities = {"bob.position"},
+                          .budget = no_limit,
+                          .refinements = 3,
+                          .keep = keep,
+                          .fingerprint = "one"};
   const std::vector<std::string> vary{"method=radau", "tolerance=1e-3,1e-4"};
   const AccuracyStudy first = study_of(scene, vary, options);
   std::map<fs::path, fs::file_time_type> written;
@@ -235,12 +247,11 @@ TEST(Accuracy, GoesOnWithWhatIsKept) {
   std::size_t files = 0;
   for (const auto& entry : fs::directory_iterator(keep)) files += entry.exists() ? 1 : 0;
   EXPECT_GE(files, 2 * written.size());
-  fs::remove_all(keep);
 }
 
 TEST(Accuracy, InterruptedKeepsWhatIsDone) {
   std::atomic<bool> interrupted = false;
-  AccuracyOptions options{.quantities = {"bob.position"}, .budget = 60.0};
+  AccuracyOptions options{.quantities = {"bob.position"}, .budget = no_limit, .refinements = 3};
   options.interrupted = &interrupted;
   options.progress = [&](const std::string&, std::size_t done, std::size_t all, double) {
     if (all > 0 && done == 2) interrupted = true;
@@ -257,7 +268,7 @@ TEST(Accuracy, InterruptedKeepsWhatIsDone) {
 TEST(AccuracySlow, DivergedRunsAreDataPoints) {
   const AccuracyStudy study =
       study_of(model_scene("shaft"), {"order=1,4", "elements=1,8", "method=radau", "step=0.01,2.5"},
-               {.quantities = {"M.displacement"}, .budget = 12.0});
+               {.quantities = {"M.displacement"}, .budget = no_limit, .refinements = 2});
   EXPECT_EQ(study.points.size() + study.untried, 8u);
   bool failed = false;
   for (const TrialPoint& point : study.points)
@@ -273,8 +284,8 @@ TEST(AccuracySlow, RotationsMayPassHalfATurn) {
       "0.02\"/>"
       "<transient duration=\"4\" step=\"0.01\"/><record name=\"b\" at=\"b\" "
       "quantities=\"rotation\"/></mbd>");
-  const AccuracyStudy study =
-      study_of(scene, {"method=radau", "tolerance=1e-5,1e-7"}, {.budget = 15.0});
+  const AccuracyStudy study = study_of(scene, {"method=radau", "tolerance=1e-5,1e-7"},
+                                       {.budget = no_limit, .refinements = 8});
   EXPECT_EQ(study.quantities[0].until, study.end);
   EXPECT_LT(study.quantities[0].reference_rms, 1e-8);
   for (const TrialPoint& point : study.points) EXPECT_LT(point.errors[0].rms, 1e-2);
@@ -295,9 +306,19 @@ TEST(Accuracy, RefusesWhatTheSceneDoesNotHave) {
   EXPECT_THROW(study_of(wrong, {}), Error);
 }
 
+// A budget in runs of the model, as long as they take here and now.
 TEST(AccuracySlow, KeepsItsBudget) {
-  const AccuracyStudy study = study_of(model_scene("four_bar"), {}, {.budget = 20.0});
-  EXPECT_LT(study.seconds, 1.1 * 20.0 + 3.0);  // 3 s: a process that must be killed
+  const Scene scene = model_scene("four_bar");
+  double run = 1e300;
+  for (int k = 0; k < 3; ++k) {
+    const auto begun = std::chrono::steady_clock::now();
+    ASSERT_TRUE(run_trial(scene, {.repeats = 1}).complete);
+    run = std::min(run,
+                   std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
+  }
+  const double budget = std::max(10.0, 80.0 * run);
+  const AccuracyStudy study = study_of(scene, {}, {.budget = budget});
+  EXPECT_LT(study.seconds, 1.1 * budget + 3.0);  // 3 s: a process that must be killed
   EXPECT_GT(study.untried, 0u);
   EXPECT_GT(study.points.size(), 3u);
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "libmbd/study/accuracy/accuracy_page.hpp"
+#include "tests/support/machine.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/support/synthetic_study.hpp"
 
@@ -26,10 +27,11 @@ class AccuracyPageSlow : public testing::Test {
     write_text(directory_.path() / "page.html", page_);
   }
 
-  // A profile of its own, so that nothing of the user's is touched; stops after a minute.
+  // A profile of its own, so that nothing of the user's is touched; stops when it hangs.
   Output chromium(const std::string& options, const fs::path& page) const {
-    return shell("cd " + quote(directory_.path().string()) +
-                 " && timeout 60 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars "
+    return shell("cd " + quote(directory_.path().string()) + " && timeout " +
+                 std::to_string(whole_guard(200)) +
+                 " chromium --headless --no-sandbox --disable-gpu --hide-scrollbars "
                  "--user-data-dir=profile " +
                  options + " " + quote("file://" + page.string()) + " 2>stderr");
   }

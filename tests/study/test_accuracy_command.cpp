@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "tests/support/program.hpp"
+#include "tests/support/shell.hpp"
 
 namespace mbd::test::test_accuracy_command {
 namespace {
@@ -20,15 +21,6 @@ std::string model(const std::string& name) {
 
 class AccuracyCommand : public testing::Test {
  protected:
-  void SetUp() override {
-    out_ = fs::path(testing::TempDir()) /
-           ("mbd_accuracy_" +
-            std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(out_);
-    fs::create_directories(out_);
-  }
-  void TearDown() override { fs::remove_all(out_); }
-
   Program start(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "accuracy");
     arguments.insert(arguments.end(), {"--out", (out_ / "out").string()});
@@ -37,12 +29,14 @@ class AccuracyCommand : public testing::Test {
   Ended run(const std::vector<std::string>& arguments) { return start(arguments).wait(); }
   std::string file(const std::string& name) { return contents(out_ / "out" / name); }
 
-  fs::path out_;
+  const TemporaryDirectory directory_;
+  const fs::path out_ = directory_.path();
 };
 
 TEST_F(AccuracyCommand, WritesPagePicturesAndData) {
-  const Ended ended = run({model("pendulum"), "--quantity", "bob.position", "--vary",
-                           "method=radau", "tolerance=1e-3:1e-5", "--budget", "15"});
+  const Ended ended =
+      run({model("pendulum"), "--quantity", "bob.position", "--vary", "method=radau",
+           "tolerance=1e-3:1e-5", "--budget", "1e6", "--refinements", "6"});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_EQ(ended.err, "");
   EXPECT_NE(ended.out.find("bob.position to 1e-5: radau, tolerance"), std::string::npos)
@@ -71,6 +65,8 @@ TEST_F(AccuracyCommand, SaysWhatIsWrong) {
   expect({model("pendulum"), "--quantity", "bib.position"}, "bib");
   expect({model("pendulum"), "--budget", "0"}, "--budget");
   expect({model("pendulum"), "--budget", "nan"}, "--budget");
+  expect({model("pendulum"), "--refinements", "0"}, "--refinements");
+  expect({model("pendulum"), "--refinements", "13"}, "--refinements");
   expect({model("pendulum"), "--reference", "none.csv"}, "none.csv");
   expect({"none.xml"}, "none.xml");
 }
@@ -79,7 +75,8 @@ class AccuracyCommandSlow : public AccuracyCommand {};
 
 TEST_F(AccuracyCommandSlow, InterruptedLeavesWhatIsDoneAndGoesOnFromThere) {
   const std::vector<std::string> arguments{model("chain"),        "--vary",   "method=radau",
-                                           "tolerance=1e-2:1e-7", "--budget", "20"};
+                                           "tolerance=1e-2:1e-7", "--budget", "1e6",
+                                           "--refinements",       "2"};
   Program program = start(arguments);
   const fs::path trials = out_ / "out" / "trials";
   const auto count = [&] {
@@ -88,7 +85,7 @@ TEST_F(AccuracyCommandSlow, InterruptedLeavesWhatIsDoneAndGoesOnFromThere) {
     for (const auto& entry : fs::directory_iterator(trials, code)) n += entry.exists() ? 1 : 0;
     return n;
   };
-  for (int k = 0; k < 6000 && count() < 4; ++k)
+  while (!program.ended() && count() < 4)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   const std::size_t before = count();
   ASSERT_GE(before, 4u);
@@ -105,6 +102,19 @@ TEST_F(AccuracyCommandSlow, InterruptedLeavesWhatIsDoneAndGoesOnFromThere) {
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_GT(count(), before);
   EXPECT_EQ(nlohmann::json::parse(file("accuracy.json")).at("points").size(), 6u);
+}
+
+// Started with SIGINT ignored (by nohup's like, or in the background), neither it nor its runs end by one.
+TEST_F(AccuracyCommandSlow, ThatIsToIgnoreInterruptsIgnoresThem) {
+  const Output output = shell(
+      "setsid --wait bash -c " +
+      quote("trap '' INT; " + quote(MBD_PROGRAM) + " accuracy " + quote(model("pendulum")) +
+            " --vary method=radau tolerance=1e-3 --budget 1e6 --refinements 2 --quiet --out " +
+            quote((out_ / "out").string()) +
+            " & while kill -0 $! 2>/dev/null; do kill -INT 0; sleep 0.01; done; wait $!"));
+  EXPECT_EQ(output.status, 0) << output.text;
+  const auto json = nlohmann::json::parse(file("accuracy.json"));
+  EXPECT_EQ(json.at("points").size(), 1u);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "libmbd/compile/loads.hpp"
 #include "libmbd/study/effects/effects_report.hpp"
+#include "tests/support/machine.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_effects {
@@ -71,7 +72,8 @@ const EffectRun& run_of(const EffectsStudy& study, const std::string& key) {
 }
 
 TEST(Effects, OfACantileverAreThoseOfTheClosedForm) {
-  const EffectsStudy study = study_effects(scene_of(cantilever), {.tolerance = 1e-3});
+  const EffectsStudy study =
+      study_effects(scene_of(cantilever), {.tolerance = 1e-3, .budget = no_limit});
   ASSERT_EQ(study.quantities.size(), 2u);
   ASSERT_EQ(study.quantities[0].name, "tip.displacement");
   const double bending = 1.0 / 1500.0, shear = 1.0 / 4e4, whole = bending + shear;
@@ -106,7 +108,7 @@ TEST(EffectsSlow, TheCheapestModelKeepsItsTolerance) {
          <revolute name="pin" between="ground b.start" axis="0 1 0"/> <gravity acceleration="0 0 -9.81"/>
          <transient duration="1" step="0.002"/>
          <record name="tip" at="b.end" quantities="position"/> <record name="pin" joint="pin" quantities="angle"/>)");
-  const EffectsStudy study = study_effects(scene, {.tolerance = 1e-3});
+  const EffectsStudy study = study_effects(scene, {.tolerance = 1e-3, .budget = no_limit});
   const CheapestModel& cheapest = study.cheapest;
   ASSERT_FALSE(cheapest.left_out.empty());
   EXPECT_EQ(study.runs[cheapest.left_out.front()].ablation.key, "rigid:b") << "the dearest";
@@ -148,14 +150,21 @@ TEST(EffectsSlow, OfALongModelAreThoseOfItsBeginning) {
   scene.transient->balance.reset();
   scene.transient->newton_tolerance.reset();
   scene.transient->tolerance = 1e-6;
+  // So much that a run may take as long as a fortieth of the whole does, here and now: each has its share of the budget.
+  Scene beginning = scene;
+  beginning.transient->duration /= 40.0;
+  const Trial part = run_trial(beginning, {.repeats = 1});
+  ASSERT_TRUE(part.complete) << part.failure;
+  const double shares = 3.0 * static_cast<double>(ablations_of(scene).size()) + 4.0;
   std::atomic<bool> stop = false;
-  EffectsOptions options{.budget = 5.0};
+  EffectsOptions options{.budget = part.cpu * shares};
   options.interrupted = &stop;
   options.progress = [&](const std::string& what, std::size_t, std::size_t) {
     if (what.find("without") != std::string::npos) stop = true;  // what comes then is known
   };
   const EffectsStudy study = study_effects(scene, options);
   EXPECT_LT(study.end, study.whole_end);
+  EXPECT_GT(study.end, 0.0);
   ASSERT_FALSE(study.notes.empty());
   EXPECT_NE(study.notes.front().find("the budget"), std::string::npos);
   EXPECT_TRUE(study.interrupted);

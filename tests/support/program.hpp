@@ -17,6 +17,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/machine.hpp"
+
 namespace mbd::test {
 
 inline std::string contents(const std::filesystem::path& file) {
@@ -33,7 +35,8 @@ struct Ended {
   long memory = 0;   // largest resident set [kB]
 };
 
-// The program under way, in the present directory; its output is kept in two files beside `scratch`.
+// The program under way, in the present directory; its output is kept in two files beside `scratch`. Signals do with it
+// what they usually do, also where the tests were started to ignore some (as a job in the background).
 class Program {
  public:
   Program(const std::vector<std::string>& arguments, std::filesystem::path scratch)
@@ -49,7 +52,15 @@ class Program {
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out().c_str(), flags, 0600);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err().c_str(), flags, 0600);
-    const int failed = posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
+    sigset_t usual;
+    sigemptyset(&usual);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&usual, signal);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigdefault(&attributes, &usual);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+    const int failed = posix_spawn(&pid_, argv[0], &actions, &attributes, argv.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0) throw std::runtime_error("cannot start " + all[0]);
   }
@@ -67,12 +78,13 @@ class Program {
     waitpid(pid_, nullptr, 0);
   }
 
-  // Whether it has ended; after 30 s it is made to.
+  // Whether it has ended. One that hangs is made to.
   bool ended() {
     if (pid_ <= 0) return true;
     int status = 0;
     rusage use{};
-    if (std::chrono::steady_clock::now() - begun_ > std::chrono::seconds(30)) {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begun_;
+    if (passed.count() > guard(longest)) {
       ended_.hung = true;
       kill(pid_, SIGKILL);
     }
@@ -101,6 +113,8 @@ class Program {
   }
 
  private:
+  static constexpr double longest = 400.0;  // [s]; none takes a twentieth of it on a quick machine
+
   std::string out() const { return scratch_.string() + ".out"; }
   std::string err() const { return scratch_.string() + ".err"; }
 

@@ -28,6 +28,7 @@ struct AccuracyArguments {
   std::string model, output, reference = "auto";
   std::vector<std::string> set, quantities, vary;
   double budget = 120.0;
+  int refinements = AccuracyOptions().refinements;
   bool quiet = false;
 };
 
@@ -56,18 +57,26 @@ std::string command_of(const AccuracyArguments& arguments) {
   text += given("--set", arguments.set) + given("--quantity", arguments.quantities) +
           given("--vary", arguments.vary);
   if (arguments.reference != "auto") text += " --reference " + arguments.reference;
-  return text + fmt::format(" --budget {:g}", arguments.budget);
+  text += fmt::format(" --budget {:g}", arguments.budget);
+  if (arguments.refinements != AccuracyOptions().refinements)
+    text += fmt::format(" --refinements {}", arguments.refinements);
+  return text;
 }
 
 int study_model(const AccuracyArguments& arguments) {
   if (!(arguments.budget >= 1.0) || !(arguments.budget <= 1e6))
     throw Error(fmt::format("--budget {:g}: give seconds, 1 to 1e6", arguments.budget));
+  if (const int most = AccuracyOptions().refinements;
+      arguments.refinements < 1 || arguments.refinements > most)
+    throw Error(
+        fmt::format("--refinements {}: give a number, 1 to {}", arguments.refinements, most));
   const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   AccuracyOptions options;
   options.quantities = arguments.quantities;
   for (const std::string& one : arguments.vary) add_variation(options.variations, one);
   if (arguments.reference != "auto") options.reference = arguments.reference;
   options.budget = arguments.budget;
+  options.refinements = arguments.refinements;
   const std::filesystem::path output =
       arguments.output.empty() ? std::filesystem::path("results") /
                                      std::filesystem::path(arguments.model).stem() / "accuracy"
@@ -136,6 +145,11 @@ void add_accuracy_command(CLI::App& app, int& status) {
       ->add_option("-b,--budget", arguments->budget,
                    "seconds for it all; half of them at most for the reference; default: 120")
       ->type_name("SECONDS");
+  command
+      ->add_option("--refinements", arguments->refinements,
+                   "of the reference, at most; with a budget that is not used up, what is tried is "
+                   "then the same on every machine; default: 12, or as many as the budget allows")
+      ->type_name("NUMBER");
   command
       ->add_option(
           "-o,--out", arguments->output,

@@ -315,7 +315,7 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
   std::vector<Quantity> quantities = study.quantities;
   Findings other, coarser;
   std::array<Setting, 2> chosen;
-  for (int level = 0; level < 12; ++level) {
+  for (int level = 0; level < options.refinements; ++level) {
     std::array<Setting, 2> ways = ways_of(scene, level);
     if (ways[0].elements && (*ways[0].order > 8 || *ways[0].elements > 64)) break;
     if (ways[0].tolerance && *ways[0].tolerance < 1e-13) break;

@@ -93,6 +93,8 @@ struct AccuracyOptions {
   Variations variations = {};                           // empty knobs: default_variations()
   std::optional<std::filesystem::path> reference = {};  // a history.csv, in place of one's own
   double budget = 120.0;                                // wall time of it all [s]
+  // Of the reference, at most. With a budget that is never used up, what is tried does not depend on the machine.
+  int refinements = 12;
   // Where finished trials are kept and found again (OUT/trials); none: nowhere. `fingerprint` says what they belong to.
   std::optional<std::filesystem::path> keep = {};
   std::string fingerprint = {}, command = {};

@@ -208,8 +208,9 @@ Trial run_in_child(const Scene& scene, const TrialOptions& options) {
   }
   if (child == 0) {
     ::close(ends[0]);
-    std::signal(SIGINT, SIG_DFL);  // not what the parent does then
-    if (options.limit < 1e6) {     // inside a step, nobody looks at the time
+    // Not what the parent does then; but what the program was started to ignore, it goes on to ignore.
+    if (std::signal(SIGINT, SIG_DFL) == SIG_IGN) std::signal(SIGINT, SIG_IGN);
+    if (options.limit < 1e6) {  // inside a step, nobody looks at the time
       const auto most = static_cast<rlim_t>(std::ceil(options.limit + grace));
       const rlimit cpu{most, most + 1};
       ::setrlimit(RLIMIT_CPU, &cpu);
