@@ -6,19 +6,26 @@
 // tangent) * l: what one rounding of a position does.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "elements/beam/beam_classical.hpp"
-#include "elements/beam/beam_elastic.hpp"
-#include "elements/beam/beam_elastic_batch.hpp"
 #include "elements/element.hpp"
+#include "libmbd/core/choices.hpp"
 #include "libmbd/core/dual.hpp"
+#include "libmbd/core/spectral.hpp"
 #include "libmbd/core/system.hpp"
 #include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
+
+namespace mbd {
+class BeamElasticBatch;
+}
 
 namespace mbd::laws {
 
@@ -29,84 +36,35 @@ using D1 = Dual<double>;
 using Eigen::MatrixXd;
 
 // H exp(eps U), written out to first order.
-inline Pose<D1> seeded(const Pose<double>& H, const Vec6& U) {
-  const Quaternion<double> dp = H.p * Quaternion<double>(0.0, 0.5 * U(3), 0.5 * U(4), 0.5 * U(5));
-  const Vec3 dr = H.p * Vec3(linear(U));
-  Pose<D1> G;
-  G.p = Quaternion<D1>(D1(H.p.w(), dp.w()), D1(H.p.x(), dp.x()), D1(H.p.y(), dp.y()),
-                       D1(H.p.z(), dp.z()));
-  for (Index i = 0; i < 3; ++i) G.r(i) = D1(H.r(i), dr(i));
-  return G;
-}
-inline Vector6<D1> seeded(const Vec6& V, const Vec6& dV) {
-  Vector6<D1> x;
-  for (Index i = 0; i < 6; ++i) x(i) = D1(V(i), dV(i));
-  return x;
-}
+Pose<D1> seeded(const Pose<double>& H, const Vec6& U);
+Vector6<D1> seeded(const Vec6& V, const Vec6& dV);
 
 // 1 for displacements, l for rotations.
-inline VecX units(Index rows, double l) {
-  VecX u(rows);
-  for (Index i = 0; i < rows; ++i) u(i) = i % 6 < 3 ? 1.0 : l;
-  return u;
-}
-inline MatrixXd scaled(const MatrixXd& K, double l) {
-  return units(K.rows(), l).cwiseInverse().asDiagonal() * K *
-         units(K.cols(), l).cwiseInverse().asDiagonal();
-}
-inline double force_size(const VecX& r, double l) {
-  return r.cwiseQuotient(units(r.size(), l)).cwiseAbs().maxCoeff();
-}
-inline double tangent_size(const MatrixXd& K, double l) {
-  return scaled(K, l).cwiseAbs().maxCoeff();
-}
-inline double tangent_error(const MatrixXd& got, const MatrixXd& want, double l) {
-  return tangent_size(got - want, l) / tangent_size(want, l);
-}
+VecX units(Index rows, double l);
+MatrixXd scaled(const MatrixXd& K, double l);
+double force_size(const VecX& r, double l);
+double tangent_size(const MatrixXd& K, double l);
+double tangent_error(const MatrixXd& got, const MatrixXd& want, double l);
 
 // The wrenches F_a on frames H_a together, about the first frame's origin: inertial components.
-inline Vec6 resultant(const VecX& F, const std::vector<Pose<double>>& H) {
-  Vec6 sum = Vec6::Zero();
-  for (std::size_t a = 0; a < H.size(); ++a) {
-    const Vec6 f = F.segment<6>(6 * static_cast<Index>(a));
-    const Vec3 n = H[a].p * linear(f), m = H[a].p * angular(f);
-    sum += six<double>(n, m + (H[a].r - H[0].r).cross(n));
-  }
-  return sum;
-}
+Vec6 resultant(const VecX& F, const std::vector<Pose<double>>& H);
 
 // For a force that is the gradient of a potential, in body-frame increments:
 // eta.K xi - xi.K eta = F.[xi, eta] = F.(xi~ eta), so K - K^T = blockdiag(F_a^U). Zero at equilibrium.
-inline MatrixXd skew_part(const VecX& F) {
-  MatrixXd W = MatrixXd::Zero(F.size(), F.size());
-  for (Index a = 0; a < F.size(); a += 6) W.block<6, 6>(a, a) = wrench_hat<double>(F.segment<6>(a));
-  return W;
-}
+MatrixXd skew_part(const VecX& F);
 
-// --- any kernel ---
-
-// Tangent of a kernel's residual with respect to poses, or to rates with the given weights.
-template <Element E>
-MatrixXd dual_tangent(const typename E::Shared& shared, const typename E::Data& data,
-                      const std::vector<NodeState<double>>& x, const Environment& env,
-                      bool of_rates, RateWeights w = {}) {
-  const Index n = 6 * static_cast<Index>(x.size());
-  std::vector<NodeState<D1>> y(x.size());
-  MatrixXd K(n, n);
-  for (Index c = 0; c < n; ++c) {
-    for (std::size_t a = 0; a < x.size(); ++a) {
-      const bool here = static_cast<Index>(a) == c / 6;
-      const Vec6 U = here ? Vec6(Vec6::Unit(c % 6)) : Vec6(Vec6::Zero());
-      y[a].H = of_rates ? x[a].H.template cast<D1>() : seeded(x[a].H, U);
-      y[a].V = seeded(x[a].V, of_rates ? Vec6(w.V * U) : Vec6(Vec6::Zero()));
-      y[a].Vdot = seeded(x[a].Vdot, of_rates ? Vec6(w.A * U) : Vec6(Vec6::Zero()));
-    }
-    typename E::template Output<D1> out;
-    E::template evaluate<Want::residual>(shared, data, y.data(), env, RateWeights{}, out);
-    for (Index i = 0; i < n; ++i) K(i, c) = out.r(i).d;
-  }
-  return K;
-}
+// A batch by itself, through the interface that a System has of it. Node k is node k + 1 of the state: the ground
+// takes no part.
+struct BatchValue {
+  VecX r;
+  MatrixXd K, D;  // of poses, of rates with the weights given
+  bool in_range = false;
+};
+BatchValue linearized(Batch& batch, const State& state, RateWeights w);
+// The residual alone, out of range empty.
+VecX residual_of(const Batch& batch, const State& state);
+// A state of these nodes.
+State state_of(const std::vector<NodeState<double>>& x, const Environment& env);
 
 // --- beams ---
 
@@ -123,129 +81,22 @@ struct Beam {
   Kinematics kinematics = Kinematics::motion;
 };
 
-inline double max_angle(const std::vector<Pose<double>>& H) {
-  double angle = 0;
-  for (std::size_t j = 0; j < H.size(); ++j) {
-    for (std::size_t k = j + 1; k < H.size(); ++k) {
-      const Quaternion<double> p = H[j].p.conjugate() * H[k].p;
-      angle = std::max(angle, 2 * std::atan2(p.vec().norm(), std::abs(p.w())));
-    }
-  }
-  return angle;
-}
+double max_angle(const std::vector<Pose<double>>& H);
 
 // Rotations exp(f phi_k) whose largest relative angle is the given one.
-inline void set_rotations(std::vector<Pose<double>>& H, const std::vector<Vec3>& phi,
-                          double angle) {
-  double factor = 1e-6;
-  for (int i = 0; i < 60; ++i) {
-    for (std::size_t k = 0; k < H.size(); ++k) H[k].p = exp_so3<double>(factor * phi[k]);
-    const double now = max_angle(H);
-    if (i == 59 || std::abs(now - angle) < 1e-13 * angle) break;
-    factor *= angle / now;
-  }
-}
-
-template <class M>
-constexpr Metric metric_of() {
-  return std::is_same_v<M, MatrixMetric>       ? Metric::matrix
-         : std::is_same_v<M, QuaternionMetric> ? Metric::quaternion
-                                               : Metric::geodesic;
-}
+void set_rotations(std::vector<Pose<double>>& H, const std::vector<Vec3>& phi, double angle);
 
 // Curved, twisted, unevenly spaced reference; full random D, in half of the cases one a point. The state is,
 // by turns: rotations varying smoothly; rotations at random, node by node; the reference slightly deformed.
-inline Beam random_beam(Rng& rng, Metric metric, Form form, Rule rule, int order, double range,
-                        double angle) {
-  using test::uniform;
-  const SpectralTable table = spectral_table(order, rule);
-  const double length = test::log_uniform(rng, 1e-2, 1e2),
-               stiffness = test::log_uniform(rng, 1, 1e9);
-  Beam beam{metric, form, rule, order, length, {}, {}, {}, {}};
-  const std::size_t points = uniform(rng, 0, 1) < 0.5 ? 1 : table.rule.points.size();
-  for (std::size_t i = 0; i < points; ++i)
-    beam.D.push_back(test::random_spd(rng, stiffness, length));
-
-  const Pose<double> G = test::random_pose(rng, length);
-  const Vec3 turn = uniform(rng, 0, 0.3 * range) * test::random_direction(rng),
-             bow = test::random_vector<3>(rng, 0.1);
-  const Vec3 a = test::random_vector<3>(rng), b = test::random_vector<3>(rng);
-  const bool smooth = uniform(rng, 0, 1) < 0.5, near = uniform(rng, 0, 1) < 0.25;
-  const double displacement = test::log_uniform(rng, 1e-12, 0.5);
-  std::vector<Vec3> phi;
-  for (std::size_t k = 0; k <= static_cast<std::size_t>(order); ++k) {
-    const double s = 0.5 * (1 + table.nodes.points[k]);
-    beam.J.push_back(0.5 * length * (1 + uniform(rng, -0.1, 0.1)));
-    beam.reference.push_back(G * Pose<double>{exp_so3<double>(s * turn + 0.1 * s * s * bow),
-                                              length * (s * Vec3::UnitX() + s * s * bow)});
-    Pose<double> H;
-    H.r = length * (s * Vec3::UnitX() + displacement * test::random_vector<3>(rng));
-    beam.pose.push_back(H);
-    phi.push_back(smooth ? Vec3(s * a + s * s * b) : test::random_vector<3>(rng));
-  }
-  set_rotations(beam.pose, phi, angle);
-  if (near) {
-    const double u = std::min(displacement, 0.1 * range);
-    for (std::size_t k = 0; k < beam.pose.size(); ++k) {
-      Vec6 U = test::random_vector<6>(rng, u);
-      U.head<3>() *= length;
-      beam.pose[k] = beam.reference[k] * exp_se3(U);
-    }
-  }
-  const Pose<double> motion = test::random_pose(rng, length);
-  for (auto& H : beam.pose) {
-    H = motion * H;
-    if (uniform(rng, 0, 1) < 0.5) H.p.coeffs() *= -1.0;  // the same rotation
-  }
-  return beam;
-}
+Beam random_beam(Rng& rng, Metric metric, Form form, Rule rule, int order, double range,
+                 double angle);
 
 // A smooth curve, strained, s = 0 … 1, of a curved reference of length 1; body-frame fields along it.
-template <class S>
-Pose<S> smooth_reference(const S& s) {
-  Vector6<S> U;
-  U << s, S(0), S(0), S(0.2) * s, S(-0.5) * s, S(0.6) * s;
-  return exp_se3(U);
-}
-template <class S>
-Pose<S> smooth_pose(const S& s) {
-  using std::cos, std::sin;
-  const Vector3<S> phi(S(0.8) * s + S(0.2) * sin(S(3) * s), S(0.3) * s * s - S(0.6) * s,
-                       s - S(0.2) * cos(S(2) * s));
-  const Vector3<S> r(S(1.1) * s, S(0.2) * sin(S(2) * s),
-                     S(0.15) * s * s * s - S(0.1) * cos(S(2.5) * s));
-  return {exp_so3(phi), r};
-}
-inline Vec6 smooth_field(int n, double s) {
-  Vec6 eta;
-  for (int i = 0; i < 6; ++i) eta(i) = std::sin((1.0 + 0.3 * i + n) * s + 0.7 * i * n + 0.5 * i);
-  return eta;
-}
+Vec6 smooth_field(int n, double s);
 // K with K~ = H^-1 H'.
-template <class Curve>
-Vec6 curvature_of(const Curve& curve, double s) {
-  const Pose<D1> H = curve(D1(s, 1.0));
-  const Matrix3<D1> R = H.R();
-  Mat3 R0, dR;
-  Vec3 dr;
-  for (Index i = 0; i < 3; ++i) {
-    dr(i) = H.r(i).d;
-    for (Index j = 0; j < 3; ++j) R0(i, j) = R(i, j).v, dR(i, j) = R(i, j).d;
-  }
-  return six<double>(R0.transpose() * dr, axial<double>(R0.transpose() * dR));
-}
+Vec6 curvature_of(const std::function<Pose<D1>(const D1&)>& curve, double s);
 // Element e of n along the smooth curve.
-inline Beam smooth_element(Metric metric, Form form, int order, int e, int n, const Mat6& D) {
-  const double h = 1.0 / n;
-  Beam b{metric, form, Rule::gauss, order, h, {}, {}, {}, {D}};
-  for (const double xi : gauss_lobatto_rule(order + 1).points) {
-    const double s = h * (e + 0.5 * (1 + xi));
-    b.J.push_back(0.5 * h);
-    b.reference.push_back(smooth_reference(s));
-    b.pose.push_back(smooth_pose(s));
-  }
-  return b;
-}
+Beam smooth_element(Metric metric, Form form, int order, int e, int n, const Mat6& D);
 
 struct BeamValue {
   VecX r;
@@ -258,392 +109,66 @@ struct BeamValue {
 // of the System: the ground takes no part.
 class BeamSystem {
  public:
-  BeamSystem(const Beam& beam, bool run_time_order)
-      : BeamSystem(
-            beam.kinematics == Kinematics::classical
-                ? make_beam_classical(beam.rule, beam.order, run_time_order)
-                : make_beam_elastic(beam.metric, beam.form, beam.rule, beam.order, run_time_order),
-            beam) {}
+  BeamSystem(const Beam& beam, bool run_time_order);
 
   const System& system() const { return system_; }
-  State state(const std::vector<Pose<double>>& pose) const {
-    State s = system_.reference_state();
-    for (std::size_t k = 0; k < pose.size(); ++k) s.pose[k + 1] = pose[k];
-    return s;
-  }
-  BeamValue operator()(const std::vector<Pose<double>>& pose) {
-    const State s = state(pose);
-    BeamValue v;
-    VecX r;
-    v.in_range = system_.linearize(s, {}, r, dense_);
-    v.r = r.tail(r.size() - 6);
-    v.K = dense_.matrix();
-    v.energy = system_.energies(s).strain;
-    return v;
-  }
-  VecX residual(const std::vector<Pose<double>>& pose) const {
-    VecX r;
-    system_.residual(state(pose), r);
-    return r.tail(r.size() - 6);
-  }
-  Vec6 resultants(const std::vector<Pose<double>>& pose, double xi) const {
-    return batch_->resultants(state(pose), 0, xi);
-  }
-  double energy(const std::vector<Pose<double>>& pose) const {
-    return system_.energies(state(pose)).strain;
-  }
+  State state(const std::vector<Pose<double>>& pose) const;
+  BeamValue operator()(const std::vector<Pose<double>>& pose);
+  VecX residual(const std::vector<Pose<double>>& pose) const;
+  Vec6 resultants(const std::vector<Pose<double>>& pose, double xi) const;
+  double energy(const std::vector<Pose<double>>& pose) const;
 
  private:
-  BeamSystem(std::unique_ptr<BeamElasticBatch> batch, const Beam& beam) {
-    std::vector<int> nodes;
-    for (const auto& H : beam.reference)
-      nodes.push_back(static_cast<int>(system_.add_node("node", H)));
-    const int first = batch->add_stiffness(beam.D[0]);
-    for (std::size_t i = 1; i < beam.D.size(); ++i) batch->add_stiffness(beam.D[i]);
-    batch->add_element(beam.J, beam.reference, nodes, first, beam.D.size() > 1 ? 1 : 0,
-                       "element 'x'");
-    batch_ = batch.get();
-    system_.add_batch(std::move(batch));
-    system_.finish(false, beam.length);
-    dense_.analyze(system_.graph());
-  }
-
   System system_;
   const BeamElasticBatch* batch_ = nullptr;
   test::DenseSolver dense_;
 };
 
-inline std::vector<NodeState<double>> node_states(const std::vector<Pose<double>>& pose) {
-  std::vector<NodeState<double>> x;
-  for (const auto& H : pose) x.push_back({H, Vec6::Zero(), Vec6::Zero()});
-  return x;
-}
+std::vector<NodeState<double>> node_states(const std::vector<Pose<double>>& pose);
 
-// In place of a metric and the energy form in the laws below: the classical beam.
-struct ClassicalKind : beam::ClassicalRange {};
+// --- of a kernel on dual numbers (dual_beams.cpp), for an order known at run time ---
 
-template <class MetricType, class FormType>
-struct KernelOf {
-  using Type = beam::Elastic<MetricType, FormType, 0>;
-  static typename Type::Data data(const Beam& b, const SpectralTable& t) {
-    return beam::make_data<MetricType, 0>(t, b.J, b.reference, 0, b.D.size() > 1 ? 1 : 0);
-  }
-};
-template <class FormType>
-struct KernelOf<ClassicalKind, FormType> {
-  using Type = beam::Classical<0>;
-  static typename Type::Data data(const Beam& b, const SpectralTable& t) {
-    return Type::make_data(beam::make_table<0>(t), b.J, b.reference, 0, b.D.size() > 1 ? 1 : 0);
-  }
-};
-
-// The kernel for an order known at run time, on dual numbers.
-template <class MetricType, class FormType>
-struct DualBeam {
-  using Kernel = typename KernelOf<MetricType, FormType>::Type;
-  typename Kernel::Shared shared;
-  typename Kernel::Data data;
-
-  explicit DualBeam(const Beam& b) : DualBeam(b, spectral_table(b.order, b.rule)) {}
-  DualBeam(const Beam& b, const SpectralTable& t)
-      : shared{beam::make_table<0>(t), b.D}, data(KernelOf<MetricType, FormType>::data(b, t)) {}
-
-  MatrixXd tangent(const std::vector<Pose<double>>& pose) const {
-    return dual_tangent<Kernel>(shared, data, node_states(pose), {}, false);
-  }
-  VecX energy_gradient(const std::vector<Pose<double>>& pose) const {
-    const Index n = 6 * static_cast<Index>(pose.size());
-    std::vector<NodeState<D1>> y(pose.size());
-    VecX gradient(n);
-    for (Index c = 0; c < n; ++c) {
-      for (std::size_t a = 0; a < pose.size(); ++a)
-        y[a].H = seeded(
-            pose[a], static_cast<Index>(a) == c / 6 ? Vec6(Vec6::Unit(c % 6)) : Vec6(Vec6::Zero()));
-      gradient(c) = Kernel::template energy<D1>(shared, data, y.data()).d;
-    }
-    return gradient;
-  }
-};
+// Tangent of the residual at the beam's pose.
+MatrixXd dual_tangent(const Beam& b);
+// Gradient of the energy there.
+VecX dual_energy_gradient(const Beam& b);
 
 // What the elements of a metric and form, and those of the classical beam, have in common: to be called by the tests of each.
-template <class MetricType, class FormType>
-struct BeamLaws {
-  static constexpr Form form =
-      std::is_same_v<FormType, beam::EnergyForm> ? Form::energy : Form::paper;
+class BeamLaws {
+ public:
+  BeamLaws(Metric metric, Form form) : metric_(metric), form_(form) {}
+  // The classical beam: its metric and form are not used.
+  static BeamLaws classical();
 
-  static Beam random(Rng& rng, Rule rule, int order, double angle) {
-    Beam b =
-        random_beam(rng, metric_of<MetricType>(), form, rule, order, MetricType::max_angle, angle);
-    if (std::is_same_v<MetricType, ClassicalKind>) b.kinematics = Kinematics::classical;
-    return b;
-  }
+  double largest_angle() const;  // between two nodes, of the metric [rad]
+  Beam random(Rng& rng, Rule rule, int order, double angle) const;
   // f(rng, beam) for orders 1 … 8, both rules, largest relative angles up to 0.9 of the singular one.
-#ifdef MBD_RUNTIME_ORDER_ONLY  // sanitizers: slow, and the two sizes of kernel are one
-  static constexpr int samples_divided_by = 4;
-#else
-  static constexpr int samples_divided_by = 1;
-#endif
-  template <class F>
-  static void sample(int count, const F& f) {
-    count = std::max(1, count / samples_divided_by);
-    Rng rng(21);
-    for (int order = 1; order <= beam::max_order; ++order)
-      for (const Rule rule : {Rule::gauss, Rule::gauss_lobatto})
-        for (int i = 0; i < count; ++i) {
-          const double angle = i == 0 ? MetricType::max_angle * (1 - 1e-6)
-                                      : test::random_angle(rng, MetricType::max_angle * (1 - 1e-6));
-          Beam b = random(rng, rule, order, angle);
-          // Nodes turned at random may have no classical interpolation, at any of these angles.
-          while (std::is_same_v<MetricType, ClassicalKind> && !BeamSystem(b, true)(b.pose).in_range)
-            b = random(rng, rule, order, angle);
-          f(rng, b);
-        }
-  }
-  static std::string name(const Beam& b) {
-    return "N = " + std::to_string(b.order) +
-           (b.rule == Rule::gauss ? ", Gauss" : ", Gauss-Lobatto") + ", largest angle " +
-           testing::PrintToString(max_angle(b.pose)) + ", length " +
-           testing::PrintToString(b.length);
-  }
-  static std::vector<Pose<double>> moved(const Pose<double>& G, std::vector<Pose<double>> H) {
-    for (auto& one : H) one = G * one;
-    return H;
-  }
+  void sample(int count, const std::function<void(Rng&, const Beam&)>& f) const;
+  static std::string name(const Beam& b);
 
-  static void tangent_is_the_derivative() {
-    Worst fixed("fixed_size", 1e-12), run_time("run_time_size", 1e-12);
-    sample(8, [&](Rng&, const Beam& b) {
-      const MatrixXd want = DualBeam<MetricType, FormType>(b).tangent(b.pose);
-      fixed.add(tangent_error(BeamSystem(b, false)(b.pose).K, want, b.length), name(b));
-      run_time.add(tangent_error(BeamSystem(b, true)(b.pose).K, want, b.length), name(b));
-    });
-  }
+  void tangent_is_the_derivative() const;
+  void tangent_fails_under_mutation() const;
+  void residual_is_the_same_with_and_without_tangent() const;
+  void sizes_agree() const;
+  void objectivity() const;
+  void rigid_motion_costs_nothing() const;
+  void force_is_as_written() const;
+  void rolls_up_exactly() const;
+  void rank() const;
+  void range() const;
+  void energy_converges_to_the_continuum() const;
 
-  // Either a stiffness that is 10 % off in one entry, or no geometric part: neither goes unnoticed. The
-  // geometric part is left out by a reference that is the state itself.
-  static void tangent_fails_under_mutation() {
-    int geometric = 0, total = 0;
-    sample(2, [&](Rng&, const Beam& b) {
-      const MatrixXd want = DualBeam<MetricType, FormType>(b).tangent(b.pose);
-      Beam mutant = b;
-      for (Mat6& D : mutant.D) D(1, 1) *= 1.1;
-      EXPECT_GT(tangent_error(BeamSystem(mutant, false)(b.pose).K, want, b.length), 1e-6)
-          << name(b);
-      mutant = b;
-      mutant.reference = b.pose;
-      geometric += tangent_error(BeamSystem(mutant, false)(b.pose).K, want, b.length) > 1e-6;
-      ++total;
-    });
-    // unless the state is next to the reference
-    EXPECT_GT(geometric, (2 * total) / 3);
-  }
-
-  static void residual_is_the_same_with_and_without_tangent() {
-    int same = 0, total = 0;
-    sample(8, [&](Rng&, const Beam& b) {
-      for (const bool run_time : {false, true}) {
-        BeamSystem s(b, run_time);
-        const VecX with = s(b.pose).r, without = s.residual(b.pose);
-        same += (with.array() == without.array()).all();  // NaN is not equal to itself
-        ++total;
-      }
-    });
-    EXPECT_EQ(same, total) << "to the last bit";
-  }
-
-  static void sizes_agree() {
-    Worst force("force", 16), tangent("tangent", 32 * eps), energy("energy", 16);
-    sample(8, [&](Rng&, const Beam& b) {
-      const BeamValue fixed = BeamSystem(b, false)(b.pose), run_time = BeamSystem(b, true)(b.pose);
-      const double K = tangent_size(run_time.K, b.length), u = eps * K * b.length;
-      force.add(
-          force_size(fixed.r - run_time.r, b.length) / (u + eps * force_size(run_time.r, b.length)),
-          name(b));
-      tangent.add(tangent_error(fixed.K, run_time.K, b.length), name(b));
-      energy.add(std::abs(fixed.energy - run_time.energy) / (eps * (fixed.energy + u * b.length)),
-                 name(b));
-    });
-  }
-
-  // Body-frame forces do not change under a rigid motion of all nodes. One rounding of a position far away
-  // is worth eps * distance.
-  static void objectivity() {
-    Worst force("force", 16), tangent("tangent", 16), energy("energy", 16);
-    sample(8, [&](Rng& rng, const Beam& b) {
-      BeamSystem s(b, false);
-      const BeamValue here = s(b.pose);
-      const double distance = b.length * test::log_uniform(rng, 1, 1e6);
-      const Pose<double> G = test::random_pose(rng, distance);
-      const BeamValue there = s(moved(G, b.pose));
-      const double K = tangent_size(here.K, b.length), unit = eps * K * (b.length + distance);
-      force.add(
-          force_size(there.r - here.r, b.length) / (unit + eps * force_size(here.r, b.length)),
-          name(b));
-      tangent.add(tangent_size(there.K - here.K, b.length) / (eps * K * (1 + distance / b.length)),
-                  name(b));
-      // dphi = F dU, and second order at the reference
-      const double dU = eps * (b.length + distance);
-      energy.add(std::abs(there.energy - here.energy) /
-                     ((force_size(here.r, b.length) + K * dU) * dU + eps * here.energy),
-                 name(b));
-    });
-  }
-
-  static void rigid_motion_costs_nothing() {
-    Worst force("force", 32), energy("energy", 128);
-    sample(8, [&](Rng& rng, const Beam& b) {
-      BeamSystem s(b, false);
-      const BeamValue v = s(moved(test::random_pose(rng, b.length), b.reference));
-      const double unit = eps * tangent_size(v.K, b.length) * b.length;
-      force.add(force_size(v.r, b.length) / unit, name(b));
-      energy.add(v.energy / (unit * eps * b.length), name(b));
-      EXPECT_GT(s(b.pose).energy, 0.0);
-    });
-  }
-
-  // The equations of NOTATION.md 3 as they stand there (HB 19, 20, 22, 39), dense and slow; the kernels
-  // sum over pairs instead.
-  struct Written {
-    VecX F;
-    double energy = 0.0;
-    std::vector<Vec6> S;  // sectional forces at the quadrature points
-  };
-  static Written written(const Beam& b) {
-    const SpectralTable t = spectral_table(b.order, b.rule);
-    const Index n = b.order + 1;
-    const auto at = [](Index i) { return static_cast<std::size_t>(i); };
-    const auto pair = [&](const std::vector<Pose<double>>& H, Index j, Index k) {
-      return typename MetricType::template Pair<double>(inverse(H[at(j)]) * H[at(k)]);
-    };
-    std::vector<Vec6> K(at(n), Vec6::Zero()), K0(at(n), Vec6::Zero());
-    MatrixXd B = MatrixXd::Zero(6 * n, 6 * n);
-    for (Index j = 0; j < n; ++j) {
-      const double J = b.J[at(j)];
-      for (Index k = 0; k < n; ++k) {
-        if (k == j) continue;
-        K[at(j)] += t.d(j, k) / J * pair(b.pose, j, k).q();
-        K0[at(j)] += t.d(j, k) / J * pair(b.reference, j, k).q();
-        B.block<6, 6>(6 * j, 6 * k) = t.d(j, k) / J * pair(b.pose, j, k).T_inverse().matrix();
-        B.block<6, 6>(6 * j, 6 * j) -=
-            t.d(j, k) / J * pair(b.pose, k, j).T_inverse().matrix();  // T^-1(-q_jk)
-      }
-    }
-    Written w{VecX::Zero(6 * n), 0.0, {}};
-    for (std::size_t i = 0; i < t.rule.points.size(); ++i) {
-      const VecX l = lagrange(t.nodes.points, t.rule.points[i]);
-      const VecX dl = lagrange_derivative(t.nodes.points, t.rule.points[i]);
-      Vec6 full = Vec6::Zero(), strain = Vec6::Zero();
-      double J = 0;
-      for (Index j = 0; j < n; ++j) {
-        full += l(j) * K[at(j)];
-        strain += l(j) * (K[at(j)] - K0[at(j)]);
-        J += l(j) * b.J[at(j)];
-      }
-      const Vec6 S = b.D[b.D.size() > 1 ? i : 0] * strain;
-      w.S.push_back(S);
-      w.energy += 0.5 * t.rule.weights[i] * J * strain.dot(S);
-      for (Index a = 0; a < n; ++a) {
-        if constexpr (form == Form::paper) {
-          w.F.template segment<6>(6 * a) +=
-              t.rule.weights[i] * (dl(a) * S + J * l(a) * (twist_hat(full).transpose() * S));
-        } else {
-          w.F += B.middleRows<6>(6 * a).transpose() * (t.rule.weights[i] * J * l(a) * S);
-        }
-      }
-    }
-    return w;
-  }
-  static void force_is_as_written() {
-    Worst force("force", 32), energy("energy", 32), resultants("resultants", 32);
-    double mutated = INFINITY;
-    sample(8, [&](Rng&, const Beam& b) {
-      BeamSystem s(b, false);
-      const BeamValue v = s(b.pose);
-      const Written w = written(b);
-      const double unit =
-          eps * (tangent_size(v.K, b.length) * b.length + force_size(w.F, b.length));
-      force.add(force_size(v.r - w.F, b.length) / unit, name(b));
-      energy.add(std::abs(v.energy - w.energy) / (unit * b.length), name(b));
-      const SpectralTable t = spectral_table(b.order, b.rule);
-      for (std::size_t i = 0; i < w.S.size(); ++i)
-        resultants.add(force_size(s.resultants(b.pose, t.rule.points[i]) - w.S[i], b.length) / unit,
-                       name(b));
-      if (force_size(v.r, b.length) > 1e6 * unit) {
-        Beam mutant = b;
-        for (Mat6& D : mutant.D) D(1, 1) *= 1.1;
-        mutated = std::min(mutated, force_size(v.r - written(mutant).F, b.length) / unit);
-      }
-    });
-    EXPECT_GT(mutated, 1e3) << "D 10 % off in one entry may pass unnoticed";
-  }
-
-  // A straight beam rolled up by end moments: exact for the geodesic metric, at any order.
-  static void rolls_up_exactly() {
-    Worst energy("energy", 64 * eps), force("force", 64 * eps), resultants("resultants", 64 * eps);
-    for (int order = 1; order <= beam::max_order; ++order) {
-      for (const Rule rule : {Rule::gauss, Rule::gauss_lobatto}) {
-        const double length = 2.0, bend = 3.0;
-        Mat6 D = Mat6::Zero();
-        D.diagonal() << 5, 3, 2, 1, 1.5, 0.7;
-        Beam b{Metric::geodesic, form, rule, order, length, {}, {}, {}, {D}};
-        const double kappa = std::min(bend, 0.9 * MetricType::max_angle) / length;
-        for (const double xi : gauss_lobatto_rule(order + 1).points) {
-          const double s = 0.5 * length * (1 + xi);
-          b.J.push_back(0.5 * length);
-          b.reference.push_back({{1, 0, 0, 0}, s * Vec3::UnitX()});
-          b.pose.push_back({test::rotation(kappa * s, Vec3::UnitZ()),
-                            Vec3(std::sin(kappa * s), 1 - std::cos(kappa * s), 0) / kappa});
-        }
-        BeamSystem system(b, false);
-        const double M = 0.7 * kappa;
-        VecX want = VecX::Zero(6 * (order + 1));
-        want(5) = -M;
-        want(want.size() - 1) = M;
-        force.add(force_size(system.residual(b.pose) - want, 1.0) / (order * order), name(b));
-        energy.add(std::abs(system.energy(b.pose) - 0.5 * M * kappa * length), name(b));
-        for (const double xi : {-1.0, -0.3, 0.8})
-          resultants.add(
-              (system.resultants(b.pose, xi) - Vec6::Unit(5) * M).norm() / (order * order),
-              name(b));
-      }
-    }
-  }
-
-  // A free element at its reference: six zero singular values and no more.
-  static void rank() {
-    Worst zero("zero", 1e-14);
-    double smallest = 1;
-    sample(4, [&](Rng&, const Beam& b) {
-      BeamSystem s(b, false);
-      const VecX sigma = test::dense::singular_values(scaled(s(b.reference).K, b.length));
-      const Index n = sigma.size();
-      zero.add(sigma(n - 6) / sigma(0), name(b));
-      smallest = std::min(smallest, sigma(n - 7) / sigma(0));
-    });
-    EXPECT_GT(smallest, 1e-7);
-    testing::Test::RecordProperty("smallest", testing::PrintToString(smallest));
-  }
-
-  // In range exactly where no two nodes are turned further than the limit, and by name.
-  static void range() {
-    Rng rng(23);
-    for (int order = 1; order <= beam::max_order; ++order) {
-      for (const double factor : {1 - 1e-9, 1 + 1e-9, 1.02}) {
-        Beam b = random(rng, Rule::gauss, order, 0.5 * MetricType::max_angle);
-        std::vector<Vec3> phi;
-        for (std::size_t k = 0; k < b.pose.size(); ++k)
-          phi.push_back(static_cast<double>(k) * Vec3::UnitZ() + test::random_vector<3>(rng, 0.3));
-        set_rotations(b.pose, phi, factor * MetricType::max_angle);
-        ASSERT_NEAR(max_angle(b.pose) / MetricType::max_angle, factor, 1e-12);
-        BeamSystem s(b, false);
-        VecX r;
-        const State state = s.state(b.pose);
-        EXPECT_EQ(s(b.pose).in_range, factor < 1) << name(b);
-        EXPECT_EQ(s.system().residual(state, r), factor < 1) << name(b);
-        EXPECT_EQ(s.system().out_of_range(state), factor < 1 ? "" : "element 'x'") << name(b);
-      }
-    }
-  }
+ private:
+  Metric metric_;
+  Form form_;
+  Kinematics kinematics_ = Kinematics::motion;
 };
+
+// For suites that go through metrics.
+inline std::string metric_name(const testing::TestParamInfo<Metric>& metric) {
+  return metric.param == Metric::matrix       ? "matrix"
+         : metric.param == Metric::quaternion ? "quaternion"
+                                              : "geodesic";
+}
 
 }  // namespace mbd::laws

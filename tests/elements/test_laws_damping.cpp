@@ -2,9 +2,11 @@
 // one, and random velocities: tangents, objectivity, power; and that its rates are those of the elastic strains.
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "elements/beam/beam_damping.hpp"
 #include "elements/beam/beam_damping_batch.hpp"
-#include "tests/elements/laws.hpp"
+#include "tests/elements/dual_tangent.hpp"
 #include "tests/support/dense.hpp"
 
 namespace mbd::test::test_laws_damping {
@@ -12,105 +14,140 @@ namespace {
 
 using namespace mbd::laws;
 
+constexpr RateWeights weights{1.7, 0.6};
+
+// An element, its viscous stiffness, and a state of it.
+struct Sample {
+  Beam beam;
+  std::vector<Mat6> C;  // one, or one a quadrature point
+  std::vector<NodeState<double>> x;
+
+  std::unique_ptr<BeamDampingBatch> batch() const {
+    auto batch = make_beam_damping(beam.metric, beam.rule, beam.order);
+    std::vector<int> nodes;
+    for (std::size_t k = 0; k < x.size(); ++k) nodes.push_back(static_cast<int>(k) + 1);
+    for (const Mat6& one : C) batch->add_viscosity(one);
+    batch->add_element(beam.J, beam.reference, nodes, 0, C.size() > 1 ? 1 : 0, "x");
+    return batch;
+  }
+};
+
+// What is compiled for each metric: the kernel on dual numbers.
+struct Dual {
+  MatrixXd (*derivative)(const Sample&, bool of_rates);  // of the residual
+  std::vector<Vec6> (*strain_rates)(const Sample&);      // of the elastic term, at the points
+};
 template <class M>
-struct DampingLaws : testing::Test {
+Dual dual() {
   using Kernel = beam::Damping<M, 0>;
-  using Output = typename Kernel::template Output<double>;
-  using Nodes = std::vector<NodeState<double>>;
-  static constexpr RateWeights weights{1.7, 0.6};
+  return {[](const Sample& s, bool of_rates) {
+            const Beam& b = s.beam;
+            const SpectralTable t = spectral_table(b.order, b.rule);
+            return dual_tangent<Kernel>(
+                {b.order, static_cast<int>(t.rule.points.size()), s.C},
+                Kernel::make_data(beam::make_data<M, 0>(t, b.J, b.reference, 0, 0), 0,
+                                  s.C.size() > 1 ? 1 : 0),
+                s.x, {}, of_rates, weights);
+          },
+          [](const Sample& s) {
+            const Beam& b = s.beam;
+            const SpectralTable t = spectral_table(b.order, b.rule);
+            const auto kinematics = beam::make_data<M, 0>(t, b.J, b.reference, 0, 0);
+            beam::Motion<M, 0, D1> motion;
+            std::vector<Pose<D1>> pose;
+            for (const auto& x : s.x) pose.push_back(seeded(x.H, x.V));
+            motion.set(b.order, [&pose](int k) -> const Pose<D1>& {
+              return pose[static_cast<std::size_t>(k)];
+            });
+            std::vector<Vec6> rates(t.rule.points.size());
+            for (std::size_t i = 0; i < rates.size(); ++i) {
+              const Vector6<D1> K = beam::curvature<0, D1>(kinematics, static_cast<int>(i),
+                                                           b.order * (b.order + 1) / 2, motion.q);
+              for (Index c = 0; c < 6; ++c) rates[i](c) = K(c).d;
+            }
+            return rates;
+          }};
+}
 
-  // An element, its viscous stiffness in place of D, and a state of it.
-  struct Sample {
-    Beam beam;
-    typename Kernel::Shared shared;
-    typename Kernel::Data data;
-    beam::Data<0> kinematics;
-    Nodes x;
+struct DampingLaws : testing::TestWithParam<Metric> {
+  const Dual dual_numbers = GetParam() == Metric::matrix       ? dual<MatrixMetric>()
+                            : GetParam() == Metric::quaternion ? dual<QuaternionMetric>()
+                                                               : dual<GeodesicMetric>();
 
-    void set(const std::vector<Mat6>& C) { shared.viscosity = C; }
-  };
-  template <class F>
-  static void sample(int count, const F& f) {
+  static void sample(int count, const std::function<void(Rng&, const Sample&)>& f) {
     Rng rng(51);
+    const double limit = BeamLaws(GetParam(), Form::energy).largest_angle();
     for (int order = 1; order <= beam::max_order; ++order)
       for (const Rule rule : {Rule::gauss, Rule::gauss_lobatto})
         for (int i = 0; i < count; ++i) {
-          const double angle = i == 0 ? M::max_angle * (1 - 1e-6)
-                                      : test::random_angle(rng, M::max_angle * (1 - 1e-6));
+          const double angle =
+              i == 0 ? limit * (1 - 1e-6) : test::random_angle(rng, limit * (1 - 1e-6));
           Beam b;
-          do b = random_beam(rng, metric_of<M>(), Form::energy, rule, order, M::max_angle, angle);
-          while (max_angle(b.pose) > M::max_angle);
-          const SpectralTable t = spectral_table(order, rule);
-          const auto kinematics = beam::make_data<M, 0>(t, b.J, b.reference, 0, 0);
-          Sample s{b,
-                   {order, static_cast<int>(t.rule.points.size()), b.D},
-                   Kernel::make_data(kinematics, 0, b.D.size() > 1 ? 1 : 0),
-                   kinematics,
-                   {}};
+          do b = random_beam(rng, GetParam(), Form::energy, rule, order, limit, angle);
+          while (max_angle(b.pose) > limit);
+          Sample s{b, b.D, {}};
           for (const Pose<double>& H : b.pose) {
             NodeState<double> x{H, test::random_vector<6>(rng), test::random_vector<6>(rng)};
-            x.V.template head<3>() *= b.length;
+            x.V.head<3>() *= b.length;
             s.x.push_back(x);
           }
           f(rng, s);
         }
   }
-  static std::string name(const Sample& s) { return BeamLaws<M, beam::EnergyForm>::name(s.beam); }
-  template <Want want>
-  static Output evaluate(const Sample& s) {
-    Output out;
-    EXPECT_GT(
-        (Kernel::template evaluate<want, double>(s.shared, s.data, s.x.data(), {}, weights, out)),
-        0.0);
-    return out;
+  static std::string name(const Sample& s) { return BeamLaws::name(s.beam); }
+  static BatchValue value(const Sample& s) {
+    const BatchValue v = linearized(*s.batch(), state_of(s.x, {}), weights);
+    EXPECT_TRUE(v.in_range);
+    return v;
+  }
+  static VecX residual(const Sample& s) {
+    VecX r = residual_of(*s.batch(), state_of(s.x, {}));
+    EXPECT_GT(r.size(), 0);
+    return r;
   }
   // Of K and of D.
-  static std::array<double, 2> errors(const Sample& s, const Output& out) {
-    return {
-        tangent_error(out.K, dual_tangent<Kernel>(s.shared, s.data, s.x, {}, false), s.beam.length),
-        tangent_error(out.D, dual_tangent<Kernel>(s.shared, s.data, s.x, {}, true, weights),
-                      s.beam.length)};
+  std::array<double, 2> errors(const Sample& s, const BatchValue& v) const {
+    return {tangent_error(v.K, dual_numbers.derivative(s, false), s.beam.length),
+            tangent_error(v.D, dual_numbers.derivative(s, true), s.beam.length)};
   }
-  static std::vector<Mat6> mutated(std::vector<Mat6> C) {
+  static std::vector<Mat6> mutated_stiffness(std::vector<Mat6> C) {
     for (Mat6& one : C) one(1, 1) *= 1.1;
     return C;
   }
-  static double power(const Sample& s) {
-    return Kernel::damping_power(s.shared, s.data, s.x.data(), {});
-  }
-  static VecX velocities(const Nodes& x) {
+  static double power_of(const Sample& s) { return s.batch()->damping_power(state_of(s.x, {})); }
+  static VecX velocities(const std::vector<NodeState<double>>& x) {
     VecX V(6 * static_cast<Index>(x.size()));
     for (std::size_t a = 0; a < x.size(); ++a) V.segment<6>(6 * static_cast<Index>(a)) = x[a].V;
     return V;
   }
   // The largest force that the velocities of single nodes make: round-off is measured in it.
-  static double force_unit(const Sample& s, const Output& out) {
+  static double force_unit(const Sample& s, const BatchValue& v) {
     double V = 0.0;
     for (const auto& x : s.x)
-      V = std::max(
-          {V, x.V.template head<3>().norm(), s.beam.length * x.V.template tail<3>().norm()});
-    return eps * tangent_size(out.D, s.beam.length) / weights.V * V;
+      V = std::max({V, x.V.head<3>().norm(), s.beam.length * x.V.tail<3>().norm()});
+    return eps * tangent_size(v.D, s.beam.length) / weights.V * V;
   }
 };
-using Metrics = testing::Types<MatrixMetric, QuaternionMetric, GeodesicMetric>;
-TYPED_TEST_SUITE(DampingLaws, Metrics);
+INSTANTIATE_TEST_SUITE_P(Every, DampingLaws,
+                         testing::Values(Metric::matrix, Metric::quaternion, Metric::geodesic),
+                         metric_name);
 
-TYPED_TEST(DampingLaws, TangentsAreTheDerivatives) {
+TEST_P(DampingLaws, TangentsAreTheDerivatives) {
   Worst poses("poses", 1e-12), rates("rates", 1e-12);
-  this->sample(4, [&](Rng&, const auto& s) {
-    const auto [K, D] = this->errors(s, this->template evaluate<Want::tangent>(s));
-    poses.add(K, this->name(s));
-    rates.add(D, this->name(s));
+  sample(4, [&](Rng&, const Sample& s) {
+    const auto [K, D] = errors(s, value(s));
+    poses.add(K, name(s));
+    rates.add(D, name(s));
   });
 }
 
 // An entry of C 10 % off; K without the part of the rates, or without the geometric one.
-TYPED_TEST(DampingLaws, TangentsFailUnderMutation) {
+TEST_P(DampingLaws, TangentsFailUnderMutation) {
   double K_least = INFINITY, D_least = INFINITY;
-  this->sample(1, [&](Rng&, const auto& s) {
-    auto mutant = s;
-    mutant.set(this->mutated(s.beam.D));
-    const auto [K, D] = this->errors(s, this->template evaluate<Want::tangent>(mutant));
+  sample(1, [&](Rng&, const Sample& s) {
+    Sample mutant = s;
+    mutant.C = mutated_stiffness(s.C);
+    const auto [K, D] = errors(s, value(mutant));
     K_least = std::min(K_least, K);
     D_least = std::min(D_least, D);
   });
@@ -118,11 +155,10 @@ TYPED_TEST(DampingLaws, TangentsFailUnderMutation) {
   EXPECT_GT(D_least, 1e-4);
 }
 
-TYPED_TEST(DampingLaws, ResidualIsTheSameWithAndWithoutTangent) {
+TEST_P(DampingLaws, ResidualIsTheSameWithAndWithoutTangent) {
   int same = 0, total = 0;
-  this->sample(4, [&](Rng&, const auto& s) {
-    const VecX with = this->template evaluate<Want::tangent>(s).r,
-               without = this->template evaluate<Want::residual>(s).r;
+  sample(4, [&](Rng&, const Sample& s) {
+    const VecX with = value(s).r, without = residual(s);
     same += (with.array() == without.array()).all();
     ++total;
   });
@@ -131,17 +167,17 @@ TYPED_TEST(DampingLaws, ResidualIsTheSameWithAndWithoutTangent) {
 
 // In axes that turn and move with all nodes, whatever the place and attitude, and whatever rigid motion is added
 // to the velocities: which by itself makes no forces. Detects 1e-6 of a velocity left out at one node.
-TYPED_TEST(DampingLaws, Objectivity) {
+TEST_P(DampingLaws, Objectivity) {
   Worst turned("turned", 64), added("rigid_motion_added", 64), alone("rigid_motion_alone", 64);
   double mutated = INFINITY;
-  this->sample(4, [&](Rng& rng, const auto& s) {
-    const auto out = this->template evaluate<Want::tangent>(s);
-    const double unit = this->force_unit(s, out);
+  sample(4, [&](Rng& rng, const Sample& s) {
+    const auto out = value(s);
+    const double unit = force_unit(s, out);
     const Pose<double> G = test::random_pose(rng, s.beam.length);
     auto there = s;
     for (auto& x : there.x) x.H = G * x.H;
-    const VecX moved = this->template evaluate<Want::residual>(there).r;
-    turned.add(force_size(moved - out.r, s.beam.length) / unit, this->name(s));
+    const VecX moved = residual(there);
+    turned.add(force_size(moved - out.r, s.beam.length) / unit, name(s));
 
     Vec6 V0 = test::random_vector<6>(rng);
     V0.head<3>() *= s.beam.length;
@@ -151,39 +187,32 @@ TYPED_TEST(DampingLaws, Objectivity) {
       faster.x[a].V += own;
       rigid.x[a].V = own;
     }
-    added.add(
-        force_size(this->template evaluate<Want::residual>(faster).r - out.r, s.beam.length) / unit,
-        this->name(s));
-    alone.add(force_size(this->template evaluate<Want::residual>(rigid).r, s.beam.length) / unit,
-              this->name(s));
+    added.add(force_size(residual(faster) - out.r, s.beam.length) / unit, name(s));
+    alone.add(force_size(residual(rigid), s.beam.length) / unit, name(s));
     rigid.x[0].V *= 1 - 1e-6;
-    mutated = std::min(
-        mutated,
-        force_size(this->template evaluate<Want::residual>(rigid).r, s.beam.length) / unit);
+    mutated = std::min(mutated, force_size(residual(rigid), s.beam.length) / unit);
   });
   EXPECT_GT(mutated, 1e3);
 }
 
 // r.V is what the dissipation function says, and no velocity gains by it: r = D V with D symmetric, not negative.
-TYPED_TEST(DampingLaws, Power) {
+TEST_P(DampingLaws, Power) {
   Worst power("power", 1e-13), linear("linear", 64), symmetric("symmetric", 1e-14);
   double mutated = INFINITY, least = 0.0;
-  this->sample(4, [&](Rng&, const auto& s) {
-    const auto out = this->template evaluate<Want::tangent>(s);
-    const VecX V = this->velocities(s.x), r = out.r;
-    const double p = this->power(s);
+  sample(4, [&](Rng&, const Sample& s) {
+    const auto out = value(s);
+    const VecX V = velocities(s.x), r = out.r;
+    const double p = power_of(s);
     EXPECT_LT(p, 0.0);
-    power.add(std::abs(r.dot(V) / p + 1.0), this->name(s));
-    const MatrixXd D = scaled(out.D, s.beam.length) / this->weights.V;
-    linear.add(
-        force_size(out.D * V / this->weights.V - r, s.beam.length) / this->force_unit(s, out),
-        this->name(s));
+    power.add(std::abs(r.dot(V) / p + 1.0), name(s));
+    const MatrixXd D = scaled(out.D, s.beam.length) / weights.V;
+    linear.add(force_size(out.D * V / weights.V - r, s.beam.length) / force_unit(s, out), name(s));
     symmetric.add((D - D.transpose()).cwiseAbs().maxCoeff() / D.cwiseAbs().maxCoeff());
     const VecX values = test::dense::eigenvalues(0.5 * (D + D.transpose()));
     least = std::min(least, values(0) / values(values.size() - 1));
-    auto mutant = s;
-    mutant.set(this->mutated(s.beam.D));
-    mutated = std::min(mutated, std::abs(r.dot(V) / this->power(mutant) + 1.0));
+    Sample mutant = s;
+    mutant.C = mutated_stiffness(s.C);
+    mutated = std::min(mutated, std::abs(r.dot(V) / power_of(mutant) + 1.0));
   });
   EXPECT_GT(mutated, 1e-7);
   EXPECT_GT(least, -1e-14);
@@ -191,47 +220,36 @@ TYPED_TEST(DampingLaws, Power) {
 
 // C Edot is the rate of the elastic term's strain along H exp(t V), times C, and 2 R the sum of Edot.C Edot over the
 // quadrature points. Through the interface of a model; zero where the state has no rates.
-TYPED_TEST(DampingLaws, RatesAreThoseOfTheElasticStrains) {
+TEST_P(DampingLaws, RatesAreThoseOfTheElasticStrains) {
   Worst rates("rates", 1e-12), power("power", 1e-12);
   double mutated = INFINITY;
-  this->sample(4, [&](Rng&, const auto& s) {
+  sample(4, [&](Rng&, const Sample& s) {
     const SpectralTable t = spectral_table(s.beam.order, s.beam.rule);
-    const std::size_t n = s.x.size();
-    auto damping = make_beam_damping(s.beam.metric, s.beam.rule, s.beam.order);
-    std::vector<int> nodes;
-    for (std::size_t k = 0; k < n; ++k) nodes.push_back(static_cast<int>(k) + 1);
-    for (const Mat6& C : s.beam.D) damping->add_viscosity(C);
-    damping->add_element(s.beam.J, s.beam.reference, nodes, 0, s.beam.D.size() > 1 ? 1 : 0, "x");
-    State state;
-    state.pose.assign(1, {});
-    state.pose.insert(state.pose.end(), s.beam.pose.begin(), s.beam.pose.end());
-    EXPECT_TRUE(damping->resultants(state, 0, 0.3).isZero(0.0));
-    EXPECT_EQ(damping->damping_power(state), 0.0);
-    state.V.assign(n + 1, Vec6::Zero());
-    state.Vdot = state.V;
-    for (std::size_t k = 0; k < n; ++k) state.V[k + 1] = s.x[k].V;
-
-    beam::Motion<TypeParam, 0, D1> motion;
-    std::vector<Pose<D1>> pose;
-    for (const auto& x : s.x) pose.push_back(seeded(x.H, x.V));
-    motion.set(s.beam.order,
-               [&pose](int k) -> const Pose<D1>& { return pose[static_cast<std::size_t>(k)]; });
+    const auto damping = s.batch();
+    const State state = state_of(s.x, {});
+    State at_rest = state;
+    at_rest.V.clear();
+    at_rest.Vdot.clear();
+    EXPECT_TRUE(damping->resultants(at_rest, 0, 0.3).isZero(0.0));
+    EXPECT_EQ(damping->damping_power(at_rest), 0.0);
+    const std::vector<Vec6> strain_rates = dual_numbers.strain_rates(s);
+    const std::vector<Mat6> other_C = mutated_stiffness(s.C);
     const VecX units = laws::units(6, s.beam.length);
     double twice_R = 0.0, size = 0.0, difference = 0.0, other = 0.0;
     for (std::size_t i = 0; i < t.rule.points.size(); ++i) {
-      const Vector6<D1> K = beam::curvature<0, D1>(s.kinematics, static_cast<int>(i),
-                                                   s.beam.order * (s.beam.order + 1) / 2, motion.q);
-      Vec6 rate;
-      for (Index c = 0; c < 6; ++c) rate(c) = K(c).d;
-      const Mat6& C = s.beam.D[s.beam.D.size() > 1 ? i : 0];
-      const Vec6 want = C * rate, got = damping->resultants(state, 0, t.rule.points[i]);
-      size = std::max(size, (C.cwiseAbs() * rate.cwiseAbs()).cwiseQuotient(units).norm());
+      const Vec6& rate = strain_rates[i];
+      const std::size_t at = s.C.size() > 1 ? i : 0;
+      const Vec6 want = s.C[at] * rate, got = damping->resultants(state, 0, t.rule.points[i]);
+      size = std::max(size, (s.C[at].cwiseAbs() * rate.cwiseAbs()).cwiseQuotient(units).norm());
       difference = std::max(difference, (got - want).cwiseQuotient(units).norm());
-      other = std::max(other, (this->mutated({C})[0] * rate - got).cwiseQuotient(units).norm());
-      twice_R += s.data.wJ[i] * want.dot(rate);
+      other = std::max(other, (other_C[at] * rate - got).cwiseQuotient(units).norm());
+      const VecX l = lagrange(t.nodes.points, t.rule.points[i]);
+      double J = 0.0;
+      for (Index k = 0; k < l.size(); ++k) J += l(k) * s.beam.J[static_cast<std::size_t>(k)];
+      twice_R += t.rule.weights[i] * J * want.dot(rate);
     }
-    rates.add(difference / size, this->name(s));
-    power.add(std::abs(twice_R / damping->damping_power(state) + 1.0), this->name(s));
+    rates.add(difference / size, name(s));
+    power.add(std::abs(twice_R / damping->damping_power(state) + 1.0), name(s));
     mutated = std::min(mutated, other / size);
   });
   EXPECT_GT(mutated, 1e-4);

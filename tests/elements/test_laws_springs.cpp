@@ -5,16 +5,14 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
 #include <vector>
 
-#include "elements/pair/bushing.hpp"
-#include "elements/pair/bushing_damper.hpp"
-#include "elements/pair/damper.hpp"
-#include "elements/pair/spring.hpp"
-#include "joints/joint_damper.hpp"
-#include "joints/joint_spring.hpp"
-#include "joints/joint_torque.hpp"
-#include "tests/elements/laws.hpp"
+#include "elements/pair/batches.hpp"
+#include "joints/coordinate_batches.hpp"
+#include "tests/elements/dual_tangent.hpp"
 
 namespace mbd::test::test_laws_springs {
 namespace {
@@ -132,77 +130,104 @@ struct Case<JointTorque<C>> : Followed<C> {
   void mutate() { signals[0].f *= 1.1; }
 };
 
-template <class E>
-struct SpringLaws : testing::Test {
-  using Output = typename E::template Output<double>;
-  static constexpr RateWeights weights{1.7, 0.6};
-  static constexpr bool has_energy = requires(const NodeState<double>* x, const Environment& env) {
-    E::energies({}, {}, x, env);
-  };
-  static constexpr bool of_rates = E::has_D;
-  static constexpr bool is_load =
-      std::is_same_v<E, JointTorque<Turning>> || std::is_same_v<E, JointTorque<Sliding>>;
+// A random instance of an element and of its motion: all that the laws below need to know of its type.
+struct Sample {
+  double length = 1.0;
+  Environment env;
+  std::vector<NodeState<double>> x;
 
-  struct Sample {
-    double length;
-    Case<E> one;
-    std::vector<NodeState<double>> x;
-    Sample(Rng& rng, double l) : length(l), one(rng, l) {
-      if constexpr (requires { one.angles; }) one.env.angles = one.angles;
-      if constexpr (requires { one.signals; }) {
-        one.env.signals = one.signals;
-        one.env.load_factor = 0.7;
-      }
-    }
-  };
+  virtual ~Sample() = default;
+  virtual MatrixXd derivative(bool of_rates) const = 0;  // of the residual, by dual numbers
+  virtual std::unique_ptr<Batch> batch() const = 0;
+  virtual void mutate() = 0;
+};
+
+struct Type {
+  std::string name;
+  bool of_rates, is_load;
+  std::unique_ptr<Sample> (*make)(Rng&, double length);
+};
+constexpr RateWeights weights{1.7, 0.6};
+
+template <class E>
+struct SampleOf final : Sample {
+  Case<E> one;
 
   // Node Q at random from P, with a relative rotation of the frames within the range; frames of joints off
   // the place where their angle is not defined.
-  template <class F>
-  static void sample(const F& f) {
+  SampleOf(Rng& rng, double l) : one(rng, l) {
+    length = l;
+    env = one.env;
+    NodeState<double> P{random_pose(rng, length), random_vector<6>(rng), random_vector<6>(rng)},
+        Q{random_pose(rng, length), random_vector<6>(rng), random_vector<6>(rng)};
+    if constexpr (
+        requires { one.data.K; } || requires { one.data.C; }) {
+      const double turn = uniform(rng, 0, 1) < 0.1 ? 1e-9 : uniform(rng, 0, Case<E>::angle);
+      const auto& ends = one.data.ends;
+      Q.H =
+          P.H * ends.a * random_relative(rng, turn, uniform(rng, 0, 2) * length) * inverse(ends.b);
+    } else if constexpr (requires { one.angles; }) {
+      const auto& ends = [&]() -> const two_frames::Ends& {
+        if constexpr (requires { one.data.axis; })
+          return one.data.axis.ends;
+        else
+          return one.data.ends;
+      }();
+      const Pose<double> tilt{rotation(uniform(rng, 0, 0.5), random_direction(rng)),
+                              length * random_vector<3>(rng)},
+          turned{rotation(uniform(rng, -3, 3), Vec3::UnitZ()), Vec3::Zero()};
+      Q.H = P.H * ends.a * turned * tilt * inverse(ends.b);
+      // The last accepted angle lies near the present one.
+      one.angles[0] =
+          joint::unwrapped_angle<double>(relative(P.H * ends.a, Q.H * ends.b).R(), one.angles[0]) +
+          uniform(rng, -1, 1);
+      env.angles = one.angles;
+    }
+    if constexpr (requires { one.signals; }) {
+      env.signals = one.signals;
+      env.load_factor = 0.7;
+    }
+    for (NodeState<double>* node : {&P, &Q}) {
+      node->V.template head<3>() *= length;
+      node->Vdot.template head<3>() *= length;
+    }
+    x = {P, Q};
+  }
+  MatrixXd derivative(bool of_rates) const override {
+    return dual_tangent<E>(one.shared, one.data, x, env, of_rates, weights);
+  }
+  std::unique_ptr<Batch> batch() const override {
+    auto batch = std::make_unique<ElementBatch<E>>("it", one.shared);
+    batch->add(one.data, std::array{1, 2}, "it");
+    return batch;
+  }
+  void mutate() override { one.mutate(); }
+};
+
+template <class E>
+Type type(const char* name, bool is_load = false) {
+  return {name, E::has_D, is_load, [](Rng& rng, double length) -> std::unique_ptr<Sample> {
+            return std::make_unique<SampleOf<E>>(rng, length);
+          }};
+}
+
+struct SpringLaws : testing::TestWithParam<Type> {
+  static void sample(const std::function<void(Rng&, Sample&)>& f) {
     Rng rng(43);
     for (int i = 0; i < 200; ++i) {
       const double length = log_uniform(rng, 1e-2, 1e2);
-      Sample s(rng, length);
-      NodeState<double> P{random_pose(rng, length), random_vector<6>(rng), random_vector<6>(rng)},
-          Q{random_pose(rng, length), random_vector<6>(rng), random_vector<6>(rng)};
-      if constexpr (
-          requires { s.one.data.K; } || requires { s.one.data.C; }) {
-        const double turn = uniform(rng, 0, 1) < 0.1 ? 1e-9 : uniform(rng, 0, Case<E>::angle);
-        const auto& ends = s.one.data.ends;
-        Q.H = P.H * ends.a * random_relative(rng, turn, uniform(rng, 0, 2) * length) *
-              inverse(ends.b);
-      } else if constexpr (requires { s.one.angles; }) {
-        const auto& ends = [&]() -> const two_frames::Ends& {
-          if constexpr (requires { s.one.data.axis; })
-            return s.one.data.axis.ends;
-          else
-            return s.one.data.ends;
-        }();
-        const Pose<double> tilt{rotation(uniform(rng, 0, 0.5), random_direction(rng)),
-                                length * random_vector<3>(rng)},
-            turned{rotation(uniform(rng, -3, 3), Vec3::UnitZ()), Vec3::Zero()};
-        Q.H = P.H * ends.a * turned * tilt * inverse(ends.b);
-        // The last accepted angle lies near the present one.
-        s.one.angles[0] = joint::unwrapped_angle<double>(relative(P.H * ends.a, Q.H * ends.b).R(),
-                                                         s.one.angles[0]) +
-                          uniform(rng, -1, 1);
-      }
-      for (NodeState<double>* node : {&P, &Q}) {
-        node->V.head<3>() *= length;
-        node->Vdot.head<3>() *= length;
-      }
-      s.x = {P, Q};
-      f(rng, s);
+      f(rng, *GetParam().make(rng, length));
     }
   }
-  template <Want want>
-  static Output evaluate(const Sample& s, const std::vector<NodeState<double>>& x) {
-    Output out;
-    EXPECT_GT((E::template evaluate<want, double>(s.one.shared, s.one.data, x.data(), s.one.env,
-                                                  weights, out)),
-              0.0);
-    return out;
+  static BatchValue value(const Sample& s) {
+    const BatchValue v = linearized(*s.batch(), state_of(s.x, s.env), weights);
+    EXPECT_TRUE(v.in_range);
+    return v;
+  }
+  static VecX residual(const Sample& s, const std::vector<NodeState<double>>& x) {
+    VecX r = residual_of(*s.batch(), state_of(x, s.env));
+    EXPECT_EQ(r.size(), 12);
+    return r;
   }
   static VecX rates(const std::vector<NodeState<double>>& x) {
     VecX V(12);
@@ -216,38 +241,39 @@ struct SpringLaws : testing::Test {
     return y;
   }
 };
+INSTANTIATE_TEST_SUITE_P(Every, SpringLaws,
+                         testing::Values(type<Spring>("spring"), type<Damper>("damper"),
+                                         type<Bushing>("bushing"),
+                                         type<BushingDamper>("bushing_damper"),
+                                         type<JointSpring<Turning>>("spring_of_an_angle"),
+                                         type<JointSpring<Sliding>>("spring_of_a_displacement"),
+                                         type<JointDamper<Turning>>("damper_of_an_angle"),
+                                         type<JointDamper<Sliding>>("damper_of_a_displacement"),
+                                         type<JointTorque<Turning>>("torque", true),
+                                         type<JointTorque<Sliding>>("force", true)),
+                         [](const testing::TestParamInfo<Type>& it) { return it.param.name; });
 
-using Types = testing::Types<Spring, Damper, Bushing, BushingDamper, JointSpring<Turning>,
-                             JointSpring<Sliding>, JointDamper<Turning>, JointDamper<Sliding>,
-                             JointTorque<Turning>, JointTorque<Sliding>>;
-TYPED_TEST_SUITE(SpringLaws, Types);
-
-TYPED_TEST(SpringLaws, TangentsAreDerivatives) {
-  using E = TypeParam;
+TEST_P(SpringLaws, TangentsAreDerivatives) {
   Worst K("K", 1e-13), D("D", 1e-13);
   double mutated = INFINITY;
-  TestFixture::sample([&](Rng&, auto& s) {
-    const auto out = TestFixture::template evaluate<Want::tangent>(s, s.x);
-    const MatrixXd want = dual_tangent<E>(s.one.shared, s.one.data, s.x, s.one.env, false);
-    K.add(tangent_error(out.K, want, s.length));
-    const MatrixXd rate =
-        dual_tangent<E>(s.one.shared, s.one.data, s.x, s.one.env, true, TestFixture::weights);
-    if constexpr (E::has_D)
-      D.add(tangent_error(out.D, rate, s.length));
+  sample([&](Rng&, Sample& s) {
+    const BatchValue v = value(s);
+    const MatrixXd want = s.derivative(false), rate = s.derivative(true);
+    K.add(tangent_error(v.K, want, s.length));
+    if (GetParam().of_rates)
+      D.add(tangent_error(v.D, rate, s.length));
     else
-      D.add(rate.cwiseAbs().maxCoeff());
-    s.one.mutate();
-    const auto other = TestFixture::template evaluate<Want::tangent>(s, s.x);
-    mutated = std::min(mutated, tangent_error(other.K, want, s.length));
+      D.add(std::max(rate.cwiseAbs().maxCoeff(), v.D.cwiseAbs().maxCoeff()));
+    s.mutate();
+    mutated = std::min(mutated, tangent_error(value(s).K, want, s.length));
   });
   EXPECT_GT(mutated, 1e-8) << "10 % off in one coefficient may pass unnoticed";
 }
 
-TYPED_TEST(SpringLaws, ResidualIsTheSameWithAndWithoutTangent) {
+TEST_P(SpringLaws, ResidualIsTheSameWithAndWithoutTangent) {
   int same = 0, total = 0;
-  TestFixture::sample([&](Rng&, auto& s) {
-    const VecX with = TestFixture::template evaluate<Want::tangent>(s, s.x).r,
-               without = TestFixture::template evaluate<Want::residual>(s, s.x).r;
+  sample([&](Rng&, Sample& s) {
+    const VecX with = value(s).r, without = residual(s, s.x);
     same += (with.array() == without.array()).all();
     ++total;
   });
@@ -256,23 +282,21 @@ TYPED_TEST(SpringLaws, ResidualIsTheSameWithAndWithoutTangent) {
 
 // Body-frame forces do not change under a rigid motion of both nodes; what acts on both sides balances; a rigid
 // velocity makes no force of rates.
-TYPED_TEST(SpringLaws, IsObjectiveAndBalanced) {
+TEST_P(SpringLaws, IsObjectiveAndBalanced) {
   Worst objective("objective", 1e-11), balance("balance", 1e-13), rest("rest", 1e-11);
-  TestFixture::sample([&](Rng& rng, auto& s) {
-    const VecX r = TestFixture::template evaluate<Want::residual>(s, s.x).r;
+  sample([&](Rng& rng, Sample& s) {
+    const VecX r = residual(s, s.x);
     const double size = force_size(r, s.length);
     const Pose<double> G = random_pose(rng, 10 * s.length);
     auto x = s.x;
     for (auto& node : x) node.H = G * node.H;
-    const VecX there = TestFixture::template evaluate<Want::residual>(s, x).r;
-    objective.add(force_size(there - r, s.length) / (size + 1e-3));
+    objective.add(force_size(residual(s, x) - r, s.length) / (size + 1e-3));
     balance.add(force_size(resultant(r, {s.x[0].H, s.x[1].H}), s.length) / (size + 1e-3));
-    if constexpr (TestFixture::of_rates) {
+    if (GetParam().of_rates) {
       const Vec6 V = s.x[0].V;
       x = s.x;
       x[1].V = adjoint_inverse(relative(x[0].H, x[1].H)) * V;
-      rest.add(force_size(TestFixture::template evaluate<Want::residual>(s, x).r, s.length) /
-               (size + 1e-3));
+      rest.add(force_size(residual(s, x), s.length) / (size + 1e-3));
     } else {
       rest.add(0.0);
     }
@@ -280,34 +304,26 @@ TYPED_TEST(SpringLaws, IsObjectiveAndBalanced) {
 }
 
 // Springs: the force is the gradient of the energy. Others: its power is what they say.
-TYPED_TEST(SpringLaws, EnergyAndPowerAreThoseOfTheForce) {
-  using E = TypeParam;
+TEST_P(SpringLaws, EnergyAndPowerAreThoseOfTheForce) {
   Worst power("power", 1e-10);
   int mutated = 0, total = 0;
-  TestFixture::sample([&](Rng&, auto& s) {
+  sample([&](Rng&, Sample& s) {
     const auto stated = [&] {
-      if constexpr (TestFixture::of_rates) {
-        return -E::damping_power(s.one.shared, s.one.data, s.x.data(), s.one.env);
-      } else if constexpr (TestFixture::is_load) {
-        return -E::load_power(s.one.shared, s.one.data, s.x.data(), s.one.env);
-      } else {
-        const auto energy = [&](double step) {
-          const auto x = TestFixture::stepped(s.x, step);
-          Eigen::Matrix<double, 1, 1> value;
-          value(0) = E::energies(s.one.shared, s.one.data, x.data(), s.one.env).strain;
-          return value;
-        };
-        return first_difference(energy, 2e-3)(0);
-      }
+      const std::unique_ptr<Batch> batch = s.batch();
+      if (GetParam().of_rates) return -batch->damping_power(state_of(s.x, s.env));
+      if (GetParam().is_load) return -batch->load_power(state_of(s.x, s.env));
+      const auto energy = [&](double step) {
+        const auto x = stepped(s.x, step);
+        Eigen::Matrix<double, 1, 1> value;
+        value(0) = batch->energies(state_of(x, s.env)).strain;
+        return value;
+      };
+      return first_difference(energy, 2e-3)(0);
     };
-    const auto done = [&] {
-      return TestFixture::template evaluate<Want::residual>(s, s.x).r.dot(TestFixture::rates(s.x));
-    };
-    const double size =
-        force_size(TestFixture::template evaluate<Want::residual>(s, s.x).r, s.length) * s.length;
-    const double want = done();
+    const VecX r = residual(s, s.x);
+    const double size = force_size(r, s.length) * s.length, want = r.dot(rates(s.x));
     power.add(std::abs(stated() - want) / size);
-    s.one.mutate();
+    s.mutate();
     mutated += std::abs(stated() - want) / size > 1e-6;
     ++total;
   });
