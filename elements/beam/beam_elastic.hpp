@@ -15,6 +15,7 @@
 // point. Not used: interpolating displacement and rotation apart (needs a rule for objectivity).
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "elements/beam/beam_motion.hpp"
@@ -191,6 +192,21 @@ struct Elastic {
     }
   }
 
+  // The tangent is worked on by so many rows at a time: all, or eight where the compiler does not know how many they are
+  // (the last of which may be none of the element's).
+  static constexpr int lanes = N > 0 ? 6 * Z::max_nodes : 8;
+  static constexpr int padded(int rows) { return (rows + lanes - 1) / lanes * lanes; }
+  template <class S>
+  using Lanes = Matrix<S, lanes, 1>;
+
+  // Rows of the columns of m from row r, each times a weight.
+  template <class M, class Weights>
+  MBD_INLINE static Lanes<typename M::Scalar> combined(const M& m, int r, const Weights& w) {
+    const auto column = [&](int q) { return block_at<lanes, 1>(m, r, q); };
+    return column(0) * w(0) + column(1) * w(1) + column(2) * w(2) + column(3) * w(3) +
+           column(4) * w(4) + column(5) * w(5);
+  }
+
   // (3) or (5)
   template <class S>
   [[gnu::noinline, gnu::flatten]] static void tangent(const Shared& shared, const Data& data,
@@ -199,12 +215,15 @@ struct Elastic {
     const int order = shared.table.order();
     const int rows = 6 * (order + 1);
     const int points = shared.table.points;
-    // Bbar_i^T: columns are contiguous and as long as the element has unknowns.
-    using Strip = Eigen::Matrix<S, Output<S>::size, 6, Eigen::ColMajor | Eigen::DontAlign,
-                                6 * Z::max_nodes, 6>;
+    // Bbar_i^T: a row for each unknown of the element, columns contiguous.
+    using Strip = Eigen::Matrix<S, padded(6 * Z::max_nodes), 6, Eigen::ColMajor | Eigen::DontAlign>;
+    const int last = N > 0 ? padded(6 * Z::max_nodes) : padded(rows);
     std::array<Strip, Z::max_points> Bt, X;
     std::array<DualMatrix<S>, Z::max_pairs> T;
-    for (int i = 0; i < points; ++i) Bt[static_cast<std::size_t>(i)].setZero(rows, 6);
+    for (int i = 0; i < points; ++i)
+      for (int q = 0; q < 6; ++q)
+        for (int r = 0; r < last; r += lanes)
+          block_at<lanes, 1>(Bt[static_cast<std::size_t>(i)], r, q).setZero();
     std::size_t p = 0;
     for (int j = 0; j < order; ++j) {
       for (int k = j + 1; k <= order; ++k, ++p) {
@@ -227,32 +246,35 @@ struct Elastic {
       const Matrix6<S> D = D_at(shared, data, i).template cast<S>();
       if constexpr (is_energy) {
         const Matrix6<S> wD = S(data.wJ[I]) * D.transpose();
-        X[I].noalias() = Bt[I].lazyProduct(wD);
+        for (int r = 0; r < last; r += lanes)
+          for (int q = 0; q < 6; ++q)
+            block_at<lanes, 1>(X[I], r, q) = combined(Bt[I], r, wD.col(q));
       } else {
         // row blocks: w l'_a D Bbar + w J l_a (K~^T D + S^U) Bbar
         const Matrix6<S> turned =
             S(data.wJ[I]) * (twist_hat(full[I]).transpose().lazyProduct(D) + wrench_hat(force[I]));
         const Matrix6<S> along = S(shared.table.w[I]) * D;
-        X[I].resize(rows, 6);
+        for (int q = 0; q < 6; ++q) block_at<lanes, 1>(X[I], last - lanes, q).setZero();
         for (int a = 0; a <= order; ++a) {
           const auto ia = static_cast<std::size_t>(i * Z::max_nodes + a);
-          X[I].template middleRows<6>(6 * a) =
+          block_at<6, 6>(X[I], 6 * a, 0) =
               S(shared.table.dl[ia]) * along + S(shared.table.l[ia]) * turned;
         }
       }
     }
-    // K = sum_i X_i Bbar_i, column by column with the sum in registers.
+    // K = sum_i X_i Bbar_i, with the sum in registers.
     out.K.resize(rows, rows);
+    Matrix<S, padded(6 * Z::max_nodes), 1> column;
     for (Index c = 0; c < rows; ++c) {
-      typename Output<S>::Vector column;
-      column.setZero(rows);
-      for (int i = 0; i < points; ++i) {
-        const Strip& x = X[static_cast<std::size_t>(i)];
-        const Strip& b = Bt[static_cast<std::size_t>(i)];
-        column += x.col(0) * b(c, 0) + x.col(1) * b(c, 1) + x.col(2) * b(c, 2) +
-                  x.col(3) * b(c, 3) + x.col(4) * b(c, 4) + x.col(5) * b(c, 5);
+      for (int r = 0; r < last; r += lanes) {
+        Lanes<S> sum = Lanes<S>::Zero();
+        for (int i = 0; i < points; ++i) {
+          const auto I = static_cast<std::size_t>(i);
+          sum += combined(X[I], r, Bt[I].row(c));
+        }
+        rows_at<lanes>(column, r) = sum;
       }
-      out.K.col(c) = column;
+      std::copy_n(column.data(), rows, out.K.data() + c * rows);
     }
     if constexpr (is_energy) {
       p = 0;

@@ -1,5 +1,5 @@
-// Instantiation of the elastic term for one metric and form, all orders: included by one small .cpp each,
-// since a templated kernel is slow to compile.
+// Instantiation of the elastic term for one metric and form, all orders: included by one small .cpp for each metric, since
+// a templated kernel is slow to compile.
 #pragma once
 
 #include "elements/beam/beam_elastic.hpp"
@@ -59,8 +59,6 @@ std::unique_ptr<BeamElasticBatch> make_elastic(const SpectralTable& table, bool 
         return std::make_unique<ElasticBatch<MetricType, FormType, 2>>(table);
       case 3:
         return std::make_unique<ElasticBatch<MetricType, FormType, 3>>(table);
-      case 4:
-        return std::make_unique<ElasticBatch<MetricType, FormType, 4>>(table);
       default:
         break;
     }

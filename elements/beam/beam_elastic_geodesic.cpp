@@ -3,4 +3,6 @@
 namespace mbd::beam {
 template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, EnergyForm>(
     const SpectralTable&, bool);
-}
+template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, PaperForm>(
+    const SpectralTable&, bool);
+}  // namespace mbd::beam

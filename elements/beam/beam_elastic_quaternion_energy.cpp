@@ -1,6 +1,0 @@
-#include "elements/beam/beam_elastic_instances.hpp"
-
-namespace mbd::beam {
-template std::unique_ptr<BeamElasticBatch> make_elastic<QuaternionMetric, EnergyForm>(
-    const SpectralTable&, bool);
-}
