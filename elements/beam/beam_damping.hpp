@@ -28,7 +28,7 @@
 
 #include <vector>
 
-#include "elements/beam/beam_motion.hpp"
+#include "elements/beam/beam_strips.hpp"
 #include "elements/element.hpp"
 #include "libmbd/core/batch.hpp"
 
@@ -150,35 +150,7 @@ struct Damping {
       weighted[I] =
           S(data.wJ[I]) * times<S>(C_at(shared, data, i).template cast<S>(), work.rate[I]);
     }
-    out.r.setZero(6 * (order + 1));
-    std::size_t p = 0;
-    for (int j = 0; j < order; ++j) {
-      for (int k = j + 1; k <= order; ++k, ++p) {
-        work.W[p].setZero();
-        for (int i = 0; i < shared.points; ++i)
-          work.W[p] += S(data.c[static_cast<std::size_t>(i * Z::max_pairs) + p]) *
-                       weighted[static_cast<std::size_t>(i)];
-        const PairForces<S> f = work.motion.pair[p].forces(work.W[p]);
-        out.r.template segment<3>(6 * k) += f.force_k;
-        out.r.template segment<3>(6 * k + 3) += f.moment_k;
-        out.r.template segment<3>(6 * j) -= f.minus_force_j;
-        out.r.template segment<3>(6 * j + 3) -= f.minus_moment_j;
-      }
-    }
-  }
-
-  // A row of 6x6 blocks, one a node, transposed: its columns are contiguous.
-  template <class S>
-  using Strip =
-      Eigen::Matrix<S, Output<S>::size, 6, Eigen::ColMajor | Eigen::DontAlign, 6 * Z::max_nodes, 6>;
-
-  // Adds c [A B; 0 A] as the block of a node.
-  template <class S>
-  static void add_block(Strip<S>& strip, int node, S c, const DualMatrix<S>& block) {
-    const Matrix3<S> At = c * block.A.transpose();
-    strip.template block<3, 3>(6 * node, 0) += At;
-    strip.template block<3, 3>(6 * node + 3, 0) += c * block.B.transpose();
-    strip.template block<3, 3>(6 * node + 3, 3) += At;
+    assemble_pairs<N, S>(data, order, shared.points, work.motion, weighted, work.W, out);
   }
 
   template <class S>
@@ -198,11 +170,11 @@ struct Damping {
     const auto& [motion, T, rate, W] = work;
     const int order = shared.order(), points = shared.points;
     const int rows = 6 * (order + 1);
-    std::array<Strip<S>, Z::max_points> by_V, by_U, X;  // Bbar_i, d(Edot_i)/dU, w J Bbar^T C
-    for (int i = 0; i < points; ++i) {
-      by_V[static_cast<std::size_t>(i)].setZero(rows, 6);
-      by_U[static_cast<std::size_t>(i)].setZero(rows, 6);
-    }
+    using All = Strips<N, S>;
+    const int last = All::last(rows);
+    typename All::All by_V, by_U, X;  // Bbar_i, d(Edot_i)/dU, w J Bbar^T C
+    All::clear(by_V, points, last);
+    All::clear(by_U, points, last);
     std::size_t p = 0;
     for (int j = 0; j < order; ++j) {
       for (int k = j + 1; k <= order; ++k, ++p) {
@@ -214,51 +186,27 @@ struct Damping {
         const DualMatrix<S> odd = product(tilde(zeta), T[p]), turned = product(T[p], tilde(y));
         G.A -= odd.A + turned.A;
         G.B -= odd.B + turned.B;
-        const DualMatrix<S> G_j = product(G, Ad), T_j = T[p].transposed_parts();
+        // All transposed; of node j T is T[p] with its parts transposed.
+        const DualMatrix<S> T_k = T[p].transposed_parts(), G_k = G.transposed_parts(),
+                            G_j = product(G, Ad).transposed_parts();
         for (int i = 0; i < points; ++i) {
           const auto I = static_cast<std::size_t>(i);
           const S c = S(data.c[static_cast<std::size_t>(i * Z::max_pairs) + p]);
-          add_block<S>(by_V[I], k, c, T[p]);
-          add_block<S>(by_V[I], j, -c, T_j);
-          add_block<S>(by_U[I], k, c, G);
-          add_block<S>(by_U[I], j, -c, G_j);
+          All::add(by_V[I], k, c, T_k.A, T_k.B);
+          All::add(by_V[I], j, -c, T[p].A, T[p].B);
+          All::add(by_U[I], k, c, G_k.A, G_k.B);
+          All::add(by_U[I], j, -c, G_j.A, G_j.B);
         }
       }
     }
     for (int i = 0; i < points; ++i) {
       const auto I = static_cast<std::size_t>(i);
       const Matrix6<S> wC = S(data.wJ[I]) * C_at(shared, data, i).template cast<S>();
-      X[I].noalias() = by_V[I].lazyProduct(wC);
+      All::multiply(by_V[I], wC, last, X[I]);
     }
-    // Column by column with the sum in registers, as in beam_elastic.hpp.
-    const auto product_sum = [&](const std::array<Strip<S>, Z::max_points>& right, S factor,
-                                 typename Output<S>::Square& sum) {
-      sum.resize(rows, rows);
-      for (Index c = 0; c < rows; ++c) {
-        typename Output<S>::Vector column;
-        column.setZero(rows);
-        for (int i = 0; i < points; ++i) {
-          const Strip<S>& l = X[static_cast<std::size_t>(i)];
-          const Strip<S>& b = right[static_cast<std::size_t>(i)];
-          column += l.col(0) * b(c, 0) + l.col(1) * b(c, 1) + l.col(2) * b(c, 2) +
-                    l.col(3) * b(c, 3) + l.col(4) * b(c, 4) + l.col(5) * b(c, 5);
-        }
-        sum.col(c) = factor * column;
-      }
-    };
-    product_sum(by_V, weight, out.D);
-    product_sum(by_U, S(1), out.K);
-    p = 0;
-    for (int j = 0; j < order; ++j) {
-      for (int k = j + 1; k <= order; ++k, ++p) {
-        const PairTangent<S> t = pair_tangent(motion.g[p], motion.pair[p].forces(W[p]).on_k(),
-                                              linearized_force(motion.pair[p], T[p], W[p]));
-        out.K.template block<6, 6>(6 * k, 6 * k) += t.kk;
-        out.K.template block<6, 6>(6 * k, 6 * j) += t.kj;
-        out.K.template block<6, 6>(6 * j, 6 * k) += t.jk;
-        out.K.template block<6, 6>(6 * j, 6 * j) += t.jj;
-      }
-    }
+    All::product_sum(X, by_V, points, rows, weight, out.D);
+    All::product_sum(X, by_U, points, rows, S(1), out.K);
+    add_geometric_stiffness<N, S>(order, motion, T, W, out.K);
   }
 };
 

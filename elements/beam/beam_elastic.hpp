@@ -1,8 +1,7 @@
 // Elastic term of the spectral beam: sectional forces S_i = D E_i at the quadrature points, E_i = K_i - K0_i.
 //
 // Energy form (NOTATION.md 3). phi = 1/2 sum_i w_i J_i E_i^T D E_i. With (1) of beam_motion.hpp
-//   W_p = dphi/dq_p = sum_i w_i J_i c_ip S_i                                                       (1)
-//   F   = sum_p { F_k += T^-1(q_p)^T W_p,  F_j -= T^-1(-q_p)^T W_p }                               (2)
+//   W_p = dphi/dq_p and F of beam_strips.hpp (1)                                                   (1), (2)
 //   dF  = sum_i w_i J_i Bbar_i^T D Bbar_i dU + sum_p (geometric stiffness of the pair, metrics.hpp (4)) (3)
 // Self-equilibrated and objective to round-off, the gradient of phi, conserves a discrete energy.
 // (3) is not symmetric, because body-frame increments do not commute; at equilibrium it is.
@@ -15,10 +14,9 @@
 // point. Not used: interpolating displacement and rotation apart (needs a rule for objectivity).
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
-#include "elements/beam/beam_motion.hpp"
+#include "elements/beam/beam_strips.hpp"
 #include "elements/element.hpp"
 #include "libmbd/core/batch.hpp"
 
@@ -125,8 +123,12 @@ struct Elastic {
       if constexpr (!is_energy) work.full[I] = K;
     }
     if constexpr (is_energy) {
-      pair_forces(data, pairs, points, work.force, work.W);
-      assemble_pairs(order, work.motion, work.W, out);
+      std::array<Vector6<S>, Z::max_points> weighted;
+      for (int i = 0; i < points; ++i) {
+        const auto I = static_cast<std::size_t>(i);
+        weighted[I] = S(data.wJ[I]) * work.force[I];
+      }
+      assemble_pairs<N, S>(data, order, points, work.motion, weighted, work.W, out);
     } else {
       assemble_paper(shared.table, data, work.force, work.full, out);
     }
@@ -136,42 +138,6 @@ struct Elastic {
   static Vector6<S> strain(const Data& data, int i, int pairs, const Motion<Metric, N, S>& motion) {
     return curvature<N, S>(data, i, pairs, motion.q) -
            data.K0[static_cast<std::size_t>(i)].template cast<S>();
-  }
-
-  // (1)
-  template <class S>
-  static void pair_forces(const Data& data, int pairs, int points,
-                          const std::array<Vector6<S>, Z::max_points>& force,
-                          std::array<Vector6<S>, Z::max_pairs>& W) {
-    std::array<Vector6<S>, Z::max_points> weighted;
-    for (int i = 0; i < points; ++i) {
-      const auto I = static_cast<std::size_t>(i);
-      weighted[I] = S(data.wJ[I]) * force[I];
-    }
-    for (int p = 0; p < pairs; ++p) {
-      const auto P = static_cast<std::size_t>(p);
-      W[P].setZero();
-      for (int i = 0; i < points; ++i)
-        W[P] += S(data.c[static_cast<std::size_t>(i * Z::max_pairs + p)]) *
-                weighted[static_cast<std::size_t>(i)];
-    }
-  }
-
-  // (2)
-  template <class S>
-  static void assemble_pairs(int order, const Motion<Metric, N, S>& motion,
-                             const std::array<Vector6<S>, Z::max_pairs>& W, Output<S>& out) {
-    out.r.setZero(6 * (order + 1));
-    std::size_t p = 0;
-    for (int j = 0; j < order; ++j) {
-      for (int k = j + 1; k <= order; ++k, ++p) {
-        const PairForces<S> f = motion.pair[p].forces(W[p]);
-        rows_at<3>(out.r, 6 * k) += f.force_k;
-        rows_at<3>(out.r, 6 * k + 3) += f.moment_k;
-        rows_at<3>(out.r, 6 * j) -= f.minus_force_j;
-        rows_at<3>(out.r, 6 * j + 3) -= f.minus_moment_j;
-      }
-    }
   }
 
   // (4)
@@ -192,21 +158,6 @@ struct Elastic {
     }
   }
 
-  // The tangent is worked on by so many rows at a time: all, or eight where the compiler does not know how many they are
-  // (the last of which may be none of the element's).
-  static constexpr int lanes = N > 0 ? 6 * Z::max_nodes : 8;
-  static constexpr int padded(int rows) { return (rows + lanes - 1) / lanes * lanes; }
-  template <class S>
-  using Lanes = Matrix<S, lanes, 1>;
-
-  // Rows of the columns of m from row r, each times a weight.
-  template <class M, class Weights>
-  MBD_INLINE static Lanes<typename M::Scalar> combined(const M& m, int r, const Weights& w) {
-    const auto column = [&](int q) { return block_at<lanes, 1>(m, r, q); };
-    return column(0) * w(0) + column(1) * w(1) + column(2) * w(2) + column(3) * w(3) +
-           column(4) * w(4) + column(5) * w(5);
-  }
-
   // (3) or (5)
   template <class S>
   [[gnu::noinline, gnu::flatten]] static void tangent(const Shared& shared, const Data& data,
@@ -215,29 +166,21 @@ struct Elastic {
     const int order = shared.table.order();
     const int rows = 6 * (order + 1);
     const int points = shared.table.points;
-    // Bbar_i^T: a row for each unknown of the element, columns contiguous.
-    using Strip = Eigen::Matrix<S, padded(6 * Z::max_nodes), 6, Eigen::ColMajor | Eigen::DontAlign>;
-    const int last = N > 0 ? padded(6 * Z::max_nodes) : padded(rows);
-    std::array<Strip, Z::max_points> Bt, X;
+    using All = Strips<N, S>;
+    const int last = All::last(rows);
+    typename All::All Bbar, X;
     std::array<DualMatrix<S>, Z::max_pairs> T;
-    for (int i = 0; i < points; ++i)
-      for (int q = 0; q < 6; ++q)
-        for (int r = 0; r < last; r += lanes)
-          block_at<lanes, 1>(Bt[static_cast<std::size_t>(i)], r, q).setZero();
+    All::clear(Bbar, points, last);
     std::size_t p = 0;
     for (int j = 0; j < order; ++j) {
       for (int k = j + 1; k <= order; ++k, ++p) {
         T[p] = motion.pair[p].T_inverse();
-        const Matrix3<S> At = T[p].A.transpose(), Bdt = T[p].B.transpose();
+        const Matrix3<S> At = T[p].A.transpose(), Bt = T[p].B.transpose();
         for (int i = 0; i < points; ++i) {
+          const auto I = static_cast<std::size_t>(i);
           const S c = S(data.c[static_cast<std::size_t>(i * Z::max_pairs) + p]);
-          Strip& b = Bt[static_cast<std::size_t>(i)];
-          block_at<3, 3>(b, 6 * k, 0) += c * At;
-          block_at<3, 3>(b, 6 * k + 3, 0) += c * Bdt;
-          block_at<3, 3>(b, 6 * k + 3, 3) += c * At;
-          block_at<3, 3>(b, 6 * j, 0) -= c * T[p].A;
-          block_at<3, 3>(b, 6 * j + 3, 0) -= c * T[p].B;
-          block_at<3, 3>(b, 6 * j + 3, 3) -= c * T[p].A;
+          All::add(Bbar[I], k, c, At, Bt);
+          All::add(Bbar[I], j, -c, T[p].A, T[p].B);
         }
       }
     }
@@ -246,15 +189,13 @@ struct Elastic {
       const Matrix6<S> D = D_at(shared, data, i).template cast<S>();
       if constexpr (is_energy) {
         const Matrix6<S> wD = S(data.wJ[I]) * D.transpose();
-        for (int r = 0; r < last; r += lanes)
-          for (int q = 0; q < 6; ++q)
-            block_at<lanes, 1>(X[I], r, q) = combined(Bt[I], r, wD.col(q));
+        All::multiply(Bbar[I], wD, last, X[I]);
       } else {
         // row blocks: w l'_a D Bbar + w J l_a (K~^T D + S^U) Bbar
         const Matrix6<S> turned =
             S(data.wJ[I]) * (twist_hat(full[I]).transpose().lazyProduct(D) + wrench_hat(force[I]));
         const Matrix6<S> along = S(shared.table.w[I]) * D;
-        for (int q = 0; q < 6; ++q) block_at<lanes, 1>(X[I], last - lanes, q).setZero();
+        for (int q = 0; q < 6; ++q) block_at<All::lanes, 1>(X[I], last - All::lanes, q).setZero();
         for (int a = 0; a <= order; ++a) {
           const auto ia = static_cast<std::size_t>(i * Z::max_nodes + a);
           block_at<6, 6>(X[I], 6 * a, 0) =
@@ -262,33 +203,8 @@ struct Elastic {
         }
       }
     }
-    // K = sum_i X_i Bbar_i, with the sum in registers.
-    out.K.resize(rows, rows);
-    Matrix<S, padded(6 * Z::max_nodes), 1> column;
-    for (Index c = 0; c < rows; ++c) {
-      for (int r = 0; r < last; r += lanes) {
-        Lanes<S> sum = Lanes<S>::Zero();
-        for (int i = 0; i < points; ++i) {
-          const auto I = static_cast<std::size_t>(i);
-          sum += combined(X[I], r, Bt[I].row(c));
-        }
-        rows_at<lanes>(column, r) = sum;
-      }
-      std::copy_n(column.data(), rows, out.K.data() + c * rows);
-    }
-    if constexpr (is_energy) {
-      p = 0;
-      for (int j = 0; j < order; ++j) {
-        for (int k = j + 1; k <= order; ++k, ++p) {
-          const PairTangent<S> t = pair_tangent(motion.g[p], motion.pair[p].forces(W[p]).on_k(),
-                                                linearized_force(motion.pair[p], T[p], W[p]));
-          block_at<6, 6>(out.K, 6 * k, 6 * k) += t.kk;
-          block_at<6, 6>(out.K, 6 * k, 6 * j) += t.kj;
-          block_at<6, 6>(out.K, 6 * j, 6 * k) += t.jk;
-          block_at<6, 6>(out.K, 6 * j, 6 * j) += t.jj;
-        }
-      }
-    }
+    All::product_sum(X, Bbar, points, rows, S(1), out.K);
+    if constexpr (is_energy) add_geometric_stiffness<N, S>(order, motion, T, W, out.K);
   }
 };
 
