@@ -57,6 +57,8 @@ std::unique_ptr<BeamElasticBatch> make_classical(const SpectralTable& table, boo
         return std::make_unique<ClassicalBatch<2>>(table);
       case 3:
         return std::make_unique<ClassicalBatch<3>>(table);
+      case 4:
+        return std::make_unique<ClassicalBatch<4>>(table);
       default:
         break;
     }

@@ -59,6 +59,8 @@ std::unique_ptr<BeamElasticBatch> make_elastic(const SpectralTable& table, bool 
         return std::make_unique<ElasticBatch<MetricType, FormType, 2>>(table);
       case 3:
         return std::make_unique<ElasticBatch<MetricType, FormType, 3>>(table);
+      case 4:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 4>>(table);
       default:
         break;
     }
