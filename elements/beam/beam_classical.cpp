@@ -59,6 +59,8 @@ std::unique_ptr<BeamElasticBatch> make_classical(const SpectralTable& table, boo
         return std::make_unique<ClassicalBatch<3>>(table);
       case 4:
         return std::make_unique<ClassicalBatch<4>>(table);
+      case 5:
+        return std::make_unique<ClassicalBatch<5>>(table);
       default:
         break;
     }

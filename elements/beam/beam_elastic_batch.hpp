@@ -31,9 +31,8 @@ class BeamElasticBatch : public Batch {
   virtual const SpectralTable& table() const = 0;
 };
 
-// Order 1 … 8; throws Error for others. Kernels of fixed size up to order 4, and one of run-time size above: there it takes
-// 0.8 to 1.2 times as long as a fixed one would, which costs the compiler as much as all others (and it keeps 3 kB an
-// element, where order 5 needs 1). For all orders where the library was built with MBD_RUNTIME_ORDER_ONLY (or
+// Order 1 … 8; throws Error for others. Kernels of fixed size up to order 5, and one of run-time size above: at order 6 it
+// takes 0.8 to 1.1 times as long as a fixed one would, but keeps 3 kB an element where that would keep half. For all orders where the library was built with MBD_RUNTIME_ORDER_ONLY (or
 // run_time_order is asked for).
 std::unique_ptr<BeamElasticBatch> make_beam_elastic(Metric metric, Form form, Rule rule, int order,
                                                     bool run_time_order = false);

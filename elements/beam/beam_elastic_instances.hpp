@@ -61,6 +61,8 @@ std::unique_ptr<BeamElasticBatch> make_elastic(const SpectralTable& table, bool 
         return std::make_unique<ElasticBatch<MetricType, FormType, 3>>(table);
       case 4:
         return std::make_unique<ElasticBatch<MetricType, FormType, 4>>(table);
+      case 5:
+        return std::make_unique<ElasticBatch<MetricType, FormType, 5>>(table);
       default:
         break;
     }
