@@ -11,10 +11,9 @@
 #include "elements/beam/beam_damping_batch.hpp"
 #include "elements/beam/beam_elastic_batch.hpp"
 #include "elements/node/batches.hpp"
-#include "libmbd/compile/drags.hpp"
 #include "libmbd/compile/joints.hpp"
-#include "libmbd/compile/loads.hpp"
 #include "libmbd/compile/model.hpp"
+#include "libmbd/compile/nodal_terms.hpp"
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/springs.hpp"
 #include "libmbd/language/check_scene.hpp"
@@ -69,14 +68,11 @@ class Compiler {
     add_mass_damping();
     if (scene_.gravity) add_gravity();
     if (scene_.base_motion) add_base_motion();
-    add_loads();
-    if (!scene_.drags.empty()) add_drags();
-    joints_.emplace(scene_, *system_, length_,
-                    [this](const Place& place, const Source& source, std::string_view who) {
-                      return find(place, source, who);
-                    });
+    const Nodes nodes = nodes_of_scene();
+    NodalTerms::compile(scene_, nodes);
+    joints_.emplace(scene_, *system_, length_, nodes.find);
     joints_->add_all();
-    add_springs();
+    add_springs(nodes.find);
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
@@ -558,7 +554,8 @@ class Compiler {
       const double m = *added.density * *added.coefficient * 0.25 * std::numbers::pi *
                        *added.diameter * *added.diameter;
       const Part part = part_of(added);
-      for (const BeamNode& here : nodes_between(beam_nodes(added), part.from, part.to)) {
+      const auto nodes = nodes_of_scene().along(added.beam, added.source, label(added));
+      for (const BeamNode& here : nodes_between(nodes, part.from, part.to)) {
         Mat6 M = Mat6::Zero();
         M(1, 1) = M(2, 2) = here.weight * m;
         all[static_cast<std::size_t>(here.node)] +=
@@ -568,11 +565,15 @@ class Compiler {
     return all;
   }
 
-  // Of what acts along a beam, whose name it checks.
-  template <class Along>
-  std::span<const BeamNode> beam_nodes(const Along& along) const {
-    find({Place::Kind::beam, along.beam, 0.0}, along.source, label(along));
-    return find_beam(along.beam)->nodes;
+  Nodes nodes_of_scene() const {
+    return {*system_, scene_.transient.has_value(),
+            [this](const Place& place, const Source& source, std::string_view who) {
+              return find(place, source, who);
+            },
+            [this](const std::string& beam, const Source& source, std::string_view who) {
+              find({Place::Kind::beam, beam, 0.0}, source, who);
+              return std::span<const BeamNode>(find_beam(beam)->nodes);
+            }};
   }
 
   // Adds mass and static moment of each node that has mass.
@@ -654,39 +655,8 @@ class Compiler {
         signal, derivatives == 0 ? SignalUse::load : SignalUse::drive, said(base.source, who)));
   }
 
-  void add_drags() {
-    Drags drags(*system_);
-    for (const DragScene& drag : scene_.drags) {
-      if (drag.at) {
-        const Attachment at = find(*drag.at, drag.source, label(drag));
-        if (scene_.transient || flows(drag) || at.node == 0) drags.add(drag, at.node, frame_of(at));
-      } else {
-        const std::span<const BeamNode> nodes = beam_nodes(drag);
-        if (scene_.transient || flows(drag)) drags.add(drag, nodes);
-      }
-    }
-    drags.finish();
-  }
-
-  void add_loads() {
-    Loads loads(*system_);
-    for (const LoadScene& load : scene_.loads) {
-      const Attachment at = find(load.at, load.source, label(load));
-      loads.add(load, at.node, frame_of(at));
-    }
-    for (const DistributedLoadScene& load : scene_.distributed_loads) {
-      // Checks the beam's name; its ends are places like any other.
-      find({Place::Kind::beam, load.beam, 0.0}, load.source, label(load));
-      loads.add(load, find_beam(load.beam)->nodes);
-    }
-    loads.finish();
-  }
-
-  void add_springs() {
-    springs_.emplace(*system_, length_, scene_.transient.has_value(), *joints_,
-                     [this](const Place& place, const Source& source, std::string_view who) {
-                       return find(place, source, who);
-                     });
+  void add_springs(const FindPlace& find_place) {
+    springs_.emplace(*system_, length_, scene_.transient.has_value(), *joints_, find_place);
     for (const SpringScene& spring : scene_.springs) springs_->add(spring);
     for (const BushingScene& bushing : scene_.bushings) springs_->add(bushing);
     for (const JointSpringScene& spring : scene_.joint_springs) springs_->add(spring);

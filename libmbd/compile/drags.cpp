@@ -49,20 +49,29 @@ drag::Flow Drags::flow(const DragScene& drag) {
   return result;
 }
 
-void Drags::add(const DragScene& drag, int node, const Pose<double>& frame) {
-  if (node == 0)
-    throw Error(drag.source,
-                label(drag) + ": on the ground it does nothing; give a beam or a body");
-  const double b = 0.5 * drag.density * *drag.coefficient * *drag.area;
-  const Vec3 offset = frame * drag.offset.value_or(Vec3::Zero());
-  const std::string name = fmt::format("drag on {}", system_.node_name(node));
-  if (flows(drag))
-    add_one(point_in_flow_, {b, offset, flow(drag)}, node, name);
-  else
-    add_one(point_, {b, offset, {}}, node, name);
+void Drags::add(const DragScene& drag) {
+  // In statics nothing moves, and what does not flow drags nothing.
+  const bool drags = nodes_.rates || flows(drag);
+  if (drag.at) {
+    const Attachment at = nodes_.find_moving(drag, *drag.at, label(drag));
+    if (drags) add_at(drag, at);
+  } else {
+    const std::span<const BeamNode> nodes = nodes_.along(drag.beam, drag.source, label(drag));
+    if (drags) add_along(drag, nodes);
+  }
 }
 
-void Drags::add(const DragScene& drag, std::span<const BeamNode> nodes) {
+void Drags::add_at(const DragScene& drag, const Attachment& at) {
+  const double b = 0.5 * drag.density * *drag.coefficient * *drag.area;
+  const Vec3 offset = nodes_.frame_of(at) * drag.offset.value_or(Vec3::Zero());
+  const std::string name = fmt::format("drag on {}", system_.node_name(at.node));
+  if (flows(drag))
+    add_one(point_in_flow_, {b, offset, flow(drag)}, at.node, name);
+  else
+    add_one(point_, {b, offset, {}}, at.node, name);
+}
+
+void Drags::add_along(const DragScene& drag, std::span<const BeamNode> nodes) {
   const double half = 0.5 * drag.density * *drag.diameter;
   const double across = half * *drag.normal_coefficient,
                along = half * std::numbers::pi * *drag.tangential_coefficient;

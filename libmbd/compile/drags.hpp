@@ -15,19 +15,20 @@ namespace mbd {
 
 class Drags {
  public:
-  explicit Drags(System& system) : system_(system) {}
+  explicit Drags(const Nodes& nodes) : nodes_(nodes), system_(nodes.system) {}
 
-  // Both of scenes that have passed check_scene. Throws Error for drag on the ground.
-  // `frame`: the place in the node's.
-  void add(const DragScene& drag, int node, const Pose<double>& frame);
-  // `nodes`: those of each element in turn, with `from` and `to` among the ends of elements.
-  void add(const DragScene& drag, std::span<const BeamNode> nodes);
+  // Of scenes that have passed check_scene. Throws Error for drag on the ground.
+  void add(const DragScene& drag);
 
   void finish();  // hands the batches to the system
 
  private:
+  void add_at(const DragScene& drag, const Attachment& at);
+  // `nodes`: those of each element in turn, with `from` and `to` among the ends of elements.
+  void add_along(const DragScene& drag, std::span<const BeamNode> nodes);
   drag::Flow flow(const DragScene& drag);
 
+  const Nodes& nodes_;
   System& system_;
   std::map<double, int> constants_;  // signals of constants, shared
   std::unique_ptr<ElementBatch<LineDrag<false>>> line_;

@@ -9,19 +9,12 @@
 
 #include "joints/any_joint_batch.hpp"
 #include "libmbd/compile/model.hpp"
+#include "libmbd/compile/places.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/scene/scene.hpp"
 
 namespace mbd {
-
-// What a place of a scene is attached to.
-struct Attachment {
-  int node = 0;
-  bool is_point = false;              // of a beam: joints act at the place itself
-  Pose<double> pose{};                // reference pose of the place, inertial
-  const RigidScene* rigid = nullptr;  // which the place is part of
-};
 
 // Axes of a joint: a rotation whose third column is `third`; the first is `first`, or one perpendicular to it that
 // depends on the inertial axes.
@@ -33,11 +26,8 @@ void check_axes(const std::optional<Vec3>& axis, const std::optional<Vec3>& seco
 
 class JointCompiler {
  public:
-  // Finds the node of a place; throws Error in the name of `who`.
-  using Find = std::function<Attachment(const Place&, const Source&, std::string_view who)>;
-
   // `length`: size of the scene. All arguments must outlive the compiler.
-  JointCompiler(const Scene& scene, System& system, double length, Find find)
+  JointCompiler(const Scene& scene, System& system, double length, FindPlace find)
       : scene_(scene), system_(system), length_(length), find_(std::move(find)) {}
 
   void add_all();
@@ -83,7 +73,7 @@ class JointCompiler {
   const Scene& scene_;
   System& system_;
   double length_;
-  Find find_;
+  FindPlace find_;
   std::map<std::string, Reading> readings_;
   std::map<std::string, joint::Definition> definitions_;  // of joints
   std::vector<Model::Maker> makers_;

@@ -96,10 +96,10 @@ void Loads::add_follower(const load::Signals& signals, double weight, const Vec3
                          fmt::format("follower load on {}", system_.node_name(node)));
 }
 
-void Loads::add(const LoadScene& load, int node, const Pose<double>& frame) {
-  if (node == 0)
-    throw Error(load.source,
-                label(load) + ": on the ground it does nothing; give a beam or a body");
+void Loads::add(const LoadScene& load) {
+  const Attachment at = nodes_.find_moving(load, load.at, label(load));
+  const int node = at.node;
+  const Pose<double> frame = nodes_.frame_of(at);
   const Vec3 offset = frame * load.offset;
   add_dead(signals(load, node, "", load.force, load.moment), 1.0, offset, node);
   const auto in_node = [&](const Components& laws) {
@@ -110,8 +110,9 @@ void Loads::add(const LoadScene& load, int node, const Pose<double>& frame) {
       1.0, offset, node);
 }
 
-void Loads::add(const DistributedLoadScene& load, std::span<const BeamNode> nodes) {
+void Loads::add(const DistributedLoadScene& load) {
   const std::string who = label(load);
+  const std::span<const BeamNode> nodes = nodes_.along(load.beam, load.source, who);
   if (!(load.from >= 0.0 && load.to - load.from > 2.0 * same_parameter && load.to <= 1.0))
     throw Error(load.source,
                 fmt::format("{}: from={:g} and to={:g} must be fractions of the beam's length, "

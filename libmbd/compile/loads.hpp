@@ -7,19 +7,11 @@
 #include <vector>
 
 #include "elements/node/batches.hpp"
+#include "libmbd/compile/places.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/scene/scene.hpp"
 
 namespace mbd {
-
-// A point of a beam that stands for a piece of it: a node as its element sees it, or of a rigid beam a point of
-// quadrature, which many have the node of.
-struct BeamNode {
-  int node;
-  double s;              // fraction of the beam's reference length
-  double weight;         // reference length it stands for in its element: w_a J [m]
-  Pose<double> frame{};  // of the section, in the node's
-};
 
 // R (laws), component by component.
 std::array<Expression, 3> turned_law(const std::array<Expression, 3>& laws, const Mat3& R);
@@ -30,13 +22,12 @@ std::vector<BeamNode> nodes_between(std::span<const BeamNode> nodes, double from
 
 class Loads {
  public:
-  explicit Loads(System& system) : system_(system) {}
+  explicit Loads(const Nodes& nodes) : nodes_(nodes), system_(nodes.system) {}
 
   // Both throw Error for a load that does nothing or cannot be evaluated.
-  // `frame`: the place in the node's.
-  void add(const LoadScene& load, int node, const Pose<double>& frame = {});
-  // `nodes`: those of each element in turn, with `from` and `to` among the ends of elements.
-  void add(const DistributedLoadScene& load, std::span<const BeamNode> nodes);
+  void add(const LoadScene& load);
+  // `from` and `to` must be among the ends of elements.
+  void add(const DistributedLoadScene& load);
 
   void finish();  // hands the batches to the system
 
@@ -59,6 +50,7 @@ class Loads {
   };
   using Sums = std::map<load::Signals, Sum>;
 
+  const Nodes& nodes_;
   System& system_;
   std::map<double, int> constants_;  // signals of constants, shared
   std::unique_ptr<ElementBatch<PointLoad>> dead_;

@@ -22,8 +22,7 @@ namespace mbd {
 class Springs {
  public:
   // `length`: size of the scene; `rates`: whether it has a transient, without which nothing damps.
-  Springs(System& system, double length, bool rates, const JointCompiler& joints,
-          JointCompiler::Find find)
+  Springs(System& system, double length, bool rates, const JointCompiler& joints, FindPlace find)
       : system_(system), length_(length), rates_(rates), joints_(joints), find_(std::move(find)) {}
 
   // Throw Error for what is between a thing and itself, or has no direction.
@@ -81,7 +80,7 @@ class Springs {
   double length_;
   bool rates_;
   const JointCompiler& joints_;
-  JointCompiler::Find find_;
+  FindPlace find_;
   std::map<std::string, Reading> readings_;
   Made<Spring> springs_;
   Made<Damper> dampers_;

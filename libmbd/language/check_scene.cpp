@@ -17,13 +17,14 @@
 namespace mbd {
 namespace {
 
-// An item of the scene and the element of the schema it is an instance of.
+using field::About;
+
+// An item of the scene, for messages.
 class Checked {
  public:
-  Checked(std::string_view element, const std::string& name, const Source& source)
-      : element_(schema::find_element(element)), source_(source), label_(label(element, name)) {
-    if (!element_) throw std::logic_error("not in the schema: " + std::string(element));
-  }
+  template <class T>
+  explicit Checked(const T& item) : source_(item.source), label_(label(item)) {}
+  Checked(const Source& source, std::string label) : source_(source), label_(std::move(label)) {}
 
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(source_, label_ + ": " + what);
@@ -31,52 +32,102 @@ class Checked {
   void fail_if(bool bad, const std::string& what) const {
     if (bad) fail(what);
   }
-
-  void number(std::string_view attribute, double value) const { check(attribute, value, ""); }
-  void number(std::string_view attribute, const std::optional<double>& value) const {
-    if (value) number(attribute, *value);
+  void required(const schema::Attribute& attribute, bool given) const {
+    if (!given) fail(schema::missing(attribute));
   }
-  void numbers(std::string_view attribute, std::span<const double> values) const {
+
+  // What the field says of it: in range and finite; laws of time at the start: later ones end the run that comes to
+  // them, and at those of motions compile() looks.
+  void check(const About& about, double value) const { in_range(about.attribute, value, ""); }
+  void check(const About& about, std::span<const double> values) const {
     for (std::size_t i = 0; i < values.size(); ++i)
-      check(attribute, values[i], "component " + std::to_string(i + 1) + " ");
+      in_range(about.attribute, values[i], "component " + std::to_string(i + 1) + " ");
   }
-  void vector(std::string_view attribute, const Vec3& value) const {
-    numbers(attribute, {value.data(), 3});
+  template <class Derived>
+  void check(const About& about, const Eigen::PlainObjectBase<Derived>& matrix) const {
+    check(about, std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
   }
-  void vector(std::string_view attribute, const std::optional<Vec3>& value) const {
-    if (value) vector(attribute, *value);
-  }
-
-  void required(std::string_view attribute, bool given) const {
-    if (!given) fail(schema::missing(entry(attribute)));
-  }
-
-  void place(std::string_view attribute, const Place& p) const {
+  void check(const About& about, const Place& p) const {
     fail_if(p.kind == Place::Kind::beam && !(p.parameter >= 0.0 && p.parameter <= 1.0),
-            std::string(attribute) + ": " + excerpt(p.name) + "@" + schema::shortest(p.parameter) +
+            std::string(about.attribute.name) + ": " + excerpt(p.name) + "@" +
+                schema::shortest(p.parameter) +
                 " is no place; it must lie between 0, the start of the beam, and 1, its end");
   }
-  void place(std::string_view attribute, const std::optional<Place>& p) const {
-    if (p) place(attribute, *p);
+  void check(const About& about, const Expression& law, std::string_view component = "") const {
+    if (about.has(field::prescribed)) return;
+    const double value = law(0.0).v;
+    fail_if(!std::isfinite(value), std::string(about.attribute.name) + std::string(component) +
+                                       " is " + schema::shortest(value) +
+                                       " at t = 0, must be a finite number");
   }
-
-  const schema::Element& element() const { return *element_; }
+  void check(const About& about, const LawVector& laws) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      check(about, laws[i], " component " + std::to_string(i + 1));
+  }
+  void check(const About& about, const LawScene& law) const {
+    check_law(law, about.has(field::of_rate) ? LawOf::rate : LawOf::displacement, source_, label_,
+              about.attribute.name);
+  }
 
  private:
-  const schema::Attribute& entry(std::string_view attribute) const {
-    const schema::Attribute* const found = schema::find_attribute(*element_, attribute);
-    if (!found) throw std::logic_error("not in the schema: " + std::string(attribute));
-    return *found;
-  }
-  void check(std::string_view attribute, double value, const std::string& which) const {
-    if (const std::string fault = schema::fault(entry(attribute), value); !fault.empty())
-      fail(std::string(attribute) + " " + which + fault);
+  void in_range(const schema::Attribute& a, double value, const std::string& which) const {
+    if (const std::string fault = schema::fault(a, value); !fault.empty())
+      fail(std::string(a.name) + " " + which + fault);
   }
 
-  const schema::Element* element_;
   const Source& source_;
   std::string label_;
 };
+
+template <class T, class Value>
+void check_field(const Checked& item, const T& x, const field::Field<T, Value>& field) {
+  using Plain = typename field::Plain<Value>::type;
+  if (field.about.attribute.name.empty() || (field.is_there && !field.is_there(x))) return;
+  if constexpr (std::is_arithmetic_v<Value> &&
+                std::is_default_constructible_v<T>)  // an optional number that is not given
+    if (field.about.attribute.fallback == field::optional && x.*field.member == T{}.*field.member)
+      return;
+  constexpr bool is_checked = requires(const Plain& value) { item.check(field.about, value); };
+  if constexpr (is_checked && !std::is_enum_v<Plain> && !std::is_same_v<Plain, bool>)
+    field::each_in(x.*field.member, [&](const auto& value) { item.check(field.about, value); });
+}
+// Of fields along a beam: at the ends, where poles and roots sit; elsewhere compile() evaluates them.
+template <class T>
+void check_field(const Checked& item, const T& x,
+                 const field::Field<T, std::optional<FieldVector>>& field) {
+  const std::string_view name = field.about.attribute.name;
+  for (std::size_t i = 0; x.*field.member && i < 3; ++i)
+    for (const double s : {x.from, x.to}) {
+      const std::string component = " component " + std::to_string(i + 1);
+      std::optional<Expression> here;
+      try {
+        here = (*(x.*field.member))[i].at(s);
+      } catch (const Error& error) {
+        item.fail(std::string(name) + component + ", at s = " + schema::shortest(s) + ": " +
+                  error.what());
+      }
+      item.check(field.about, *here, component);
+    }
+}
+// Its laws are named after the bushing.
+void check_field(const Checked&, const BushingLawScene&,
+                 const field::Field<BushingLawScene, LawScene>&) {}
+
+// What the lists of fields say.
+template <class T>
+void check_fields(const Checked& item, const T& x) {
+  T::each_field([&]<class F>(const F& field) {
+    if constexpr (requires { field.is_there; })
+      check_field(item, x, field);
+    else if constexpr (requires { field.member; })
+      field::each_part(x.*field.member, [&](const auto& part) {
+        if constexpr (requires { part.source; })
+          check_fields(Checked(part), part);
+        else
+          check_fields(item, part);
+      });
+  });
+}
 
 // Names that must differ, and who has them.
 class NamesTaken {
@@ -103,69 +154,40 @@ class NamesTaken {
   std::map<std::string, const Source*> seen_;
 };
 
-void check(const Section& section) {
-  const Checked item("section", section.name, section.source);
-  for (const Station& station : section.stations)
-    Checked("station", {}, station.source).number("at", station.at);
+// --- what no list says, of each kind ---
+
+template <class T>
+void check(const Checked&, const T&, const Scene&) {}
+
+void check(const Checked& item, const Section& section, const Scene&) {
   item.fail_if(section.stations.empty() && section.interpolation != Interpolation::linear,
                "interpolation is between stations; leave it out or give <station>s");
-  if (const auto& damping = section.damping) {
-    const Checked of("damping", {}, damping->source);
-    of.number("stiffness_proportional", damping->stiffness_proportional);
-    of.number("mass_proportional", damping->mass_proportional);
+  if (section.damping) {
+    const schema::Element* const element = schema::find_element("damping");
     constexpr std::string_view diagonal[] = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
     for (Index i = 0; i < 6; ++i)
-      of.number(diagonal[static_cast<std::size_t>(i)], damping->viscous(i, i));
+      Checked(*section.damping)
+          .check(About{*schema::find_attribute(*element, diagonal[i])},
+                 section.damping->viscous(i, i));
   }
   check_section(section);
 }
 
-void check(const BeamScene& beam) {
-  const Checked item(element_of(beam), beam.name, beam.source);
-  item.vector("normal", beam.normal);
-  item.number("elements", beam.elements);
-  item.number("order", beam.order);
-  if (beam.kinematics == Kinematics::classical) {
-    const BeamScene defaults;
-    item.fail_if(beam.metric != defaults.metric,
-                 "metric is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
-    item.fail_if(beam.form != defaults.form,
-                 "form is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
-  }
-  if (const auto* const line = std::get_if<Straight>(&beam.line)) {
-    item.vector("from", line->from);
-    item.vector("to", line->to);
-  } else if (const auto* const arc = std::get_if<Arc>(&beam.line)) {
-    item.vector("from", arc->from);
-    item.vector("center", arc->center);
-    item.vector("axis", arc->axis);
-    item.number("angle", arc->angle);
-  } else {
-    const std::vector<CurvePoint>& points = std::get<Curve>(beam.line).points;
-    for (const CurvePoint& p : points) {
-      const Checked point("point", {}, p.source);
-      point.vector("at", p.at);
-      point.vector("normal", p.normal);
-      point.number("twist", p.twist);
-    }
-  }
+void check(const Checked& item, const BeamScene& beam, const Scene&) {
+  if (beam.kinematics != Kinematics::classical) return;
+  const BeamScene defaults;
+  item.fail_if(beam.metric != defaults.metric,
+               "metric is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
+  item.fail_if(beam.form != defaults.form,
+               "form is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
 }
 
-void check(const BodyScene& body) {
-  const Checked item("body", body.name, body.source);
+void check(const Checked& item, const BodyScene& body, const Scene&) {
   const auto taken = [&](std::string_view attribute, bool given) {
     item.fail_if(
         body.attached_to && given,
         std::string(attribute) + " is taken from the place of attached_to; leave one of them out");
   };
-  item.place("attached_to", body.attached_to);
-  item.vector("at", body.at);
-  item.vector("velocity", body.velocity);
-  item.vector("angular_velocity", body.angular_velocity);
-  item.vector("center", body.center);
-  item.number("mass", body.mass);
-  item.numbers("orientation", {body.orientation.data(), 9});
-  item.numbers("inertia", {body.inertia.data(), 9});
   taken("at", !body.at.isZero(0.0));
   taken("orientation", body.orientation != Mat3::Identity());
   taken("velocity", !body.velocity.isZero(0.0));
@@ -179,59 +201,40 @@ void check(const BodyScene& body) {
       "expressions, or give a rotation vector");
 }
 
-void check(const JointScene& joint) {
-  const schema::JointKind* const kind = schema::find_joint_kind(joint.kind);
-  if (!kind) {
-    std::vector<std::string_view> known;
-    for (const schema::JointKind& k : schema::joint_kinds()) known.push_back(k.name);
-    throw Error(joint.source, label(joint) + ": there is no joint <" + excerpt(joint.kind) + ">" +
-                                  suggest(joint.kind, known, "kinds"));
-  }
-  const Checked item(joint.kind, joint.name, joint.source);
+const schema::JointKind& kind_of(const JointScene& joint) {
+  if (const schema::JointKind* const kind = schema::find_joint_kind(joint.kind)) return *kind;
+  std::vector<std::string_view> known;
+  for (const schema::JointKind& k : schema::joint_kinds()) known.push_back(k.name);
+  throw Error(joint.source, label(joint) + ": there is no joint <" + excerpt(joint.kind) + ">" +
+                                suggest(joint.kind, known, "kinds"));
+}
+
+// Has what its kind has, and no more.
+void check(const Checked& item, const JointScene& joint, const Scene&) {
+  const std::string_view parameter = kind_of(joint).traits.parameter.name;
+  const schema::Element& element = *schema::find_element(joint.kind);
   const auto given = [&](std::string_view attribute, bool is_given) {
-    const schema::Attribute* const known = schema::find_attribute(item.element(), attribute);
-    item.fail_if(is_given && !known, schema::unknown_attribute(item.element(), attribute));
-    if (known && known->fallback == schema::required) item.required(attribute, is_given);
+    const schema::Attribute* const known = schema::find_attribute(element, attribute);
+    item.fail_if(is_given && !known, schema::unknown_attribute(element, attribute));
+    if (known && known->fallback == schema::required) item.required(*known, is_given);
+    return known;
   };
-  item.place("between", joint.a);
-  item.place("between", joint.b);
-  const std::string parameter = kind->traits.parameter.name;
-  given("at", joint.at.has_value());
-  given("at_a", joint.at_a.has_value());
-  given("at_b", joint.at_b.has_value());
-  given("axis", joint.axis.has_value());
-  given("second_axis", joint.second_axis.has_value());
-  given(parameter.empty() ? "parameter" : parameter, joint.parameter.has_value());
-  for (const auto& [attribute, value] :
-       {std::pair{"at", &joint.at}, std::pair{"at_a", &joint.at_a}, std::pair{"at_b", &joint.at_b},
-        std::pair{"axis", &joint.axis}, std::pair{"second_axis", &joint.second_axis}})
-    if (*value) item.vector(attribute, *value);
-  if (joint.parameter) item.number(parameter, joint.parameter);
+  JointScene::each_field([&]<class Value>(const field::Field<JointScene, Value>& field) {
+    if constexpr (std::is_same_v<Value, std::optional<Vec3>>)
+      given(field.about.attribute.name, (joint.*field.member).has_value());
+  });
+  const schema::Attribute* const number =
+      given(parameter.empty() ? "parameter" : parameter, joint.parameter.has_value());
+  if (joint.parameter) item.check(About{*number}, *joint.parameter);
 }
 
-void check(const MotionScene& motion) {
-  const Checked item("motion", motion.name, motion.source);
-  item.place("of", motion.of);
-  item.vector("axis", motion.axis);
-}
-
-void check(const DriveScene& drive) {
-  const Checked item("drive", {}, drive.source);
+void check(const Checked& item, const DriveScene& drive, const Scene&) {
   const int laws = drive.rate.has_value() + drive.angle.has_value() + drive.speed.has_value() +
                    drive.displacement.has_value();
   item.fail_if(laws == 0, "give one of the attributes rate, angle, speed and displacement");
   item.fail_if(laws > 1,
                "give one of the attributes rate, angle, speed and displacement, not more; another "
                "coordinate has a drive of its own");
-}
-
-// At the start; later ones end the run that comes to them.
-void check_finite(const Checked& item, std::string_view attribute, std::size_t component,
-                  const Expression& e) {
-  const double value = e(0.0).v;
-  item.fail_if(!std::isfinite(value),
-               std::string(attribute) + " component " + std::to_string(component + 1) + " is " +
-                   schema::shortest(value) + " at t = 0, must be a finite number");
 }
 
 // Of both kinds of loads.
@@ -241,63 +244,26 @@ void check_some(const Checked& item, const Load& load) {
                "give a force, a moment or both: force, moment, follower_force, follower_moment");
 }
 
-void check(const LoadScene& load) {
-  const Checked item("load", load.name, load.source);
+void check(const Checked& item, const LoadScene& load, const Scene&) {
   check_some(item, load);
-  const auto finite = [&](std::string_view name,
-                          const std::optional<std::array<Expression, 3>>& value) {
-    for (std::size_t i = 0; value && i < 3; ++i) check_finite(item, name, i, (*value)[i]);
-  };
-  finite("force", load.force);
-  finite("moment", load.moment);
-  finite("follower_force", load.follower_force);
-  finite("follower_moment", load.follower_moment);
-  item.place("at", load.at);
-  item.vector("offset", load.offset);
   item.fail_if(!load.force && !load.follower_force && !load.offset.isZero(0.0),
                "offset is where a force acts, and there is none; leave it out");
 }
 
-void check(const DistributedLoadScene& load) {
-  const Checked item("distributed", load.name, load.source);
-  check_some(item, load);
-  item.number("from", load.from);
-  item.number("to", load.to);
-  item.fail_if(!(load.from < load.to), "to is " + schema::shortest(load.to) +
-                                           ", must lie behind from, " +
-                                           schema::shortest(load.from));
-  // At the ends, where poles and roots sit; elsewhere compile() evaluates them.
-  const auto fields = [&](std::string_view name,
-                          const std::optional<std::array<FieldExpression, 3>>& value) {
-    for (std::size_t i = 0; value && i < 3; ++i)
-      for (const double s : {load.from, load.to}) {
-        std::optional<Expression> here;
-        try {
-          here = (*value)[i].at(s);
-        } catch (const Error& error) {
-          item.fail(std::string(name) + " component " + std::to_string(i + 1) +
-                    ", at s = " + schema::shortest(s) + ": " + error.what());
-        }
-        check_finite(item, name, i, *here);
-      }
-  };
-  fields("force", load.force);
-  fields("moment", load.moment);
-  fields("follower_force", load.follower_force);
-  fields("follower_moment", load.follower_moment);
+void check_order(const Checked& item, double from, double to) {
+  item.fail_if(!(from < to), "to is " + schema::shortest(to) + ", must lie behind from, " +
+                                 schema::shortest(from));
 }
 
-void check(const PointMassScene& mass) {
-  const Checked item("point_mass", mass.name, mass.source);
-  item.place("at", mass.at);
-  item.number("mass", mass.mass);
-  item.vector("offset", mass.offset);
+void check(const Checked& item, const DistributedLoadScene& load, const Scene&) {
+  check_some(item, load);
+  check_order(item, load.from, load.to);
 }
 
 // `members`: of the rigid ones before, each with the name of its own.
-void check(const RigidScene& rigid, const Scene& scene,
-           std::map<std::string, std::string>& members) {
-  const Checked item("rigid", rigid.name, rigid.source);
+void check_members(const RigidScene& rigid, const Scene& scene,
+                   std::map<std::string, std::string>& members) {
+  const Checked item(rigid);
   item.fail_if(rigid.of.empty(), "of is empty; name beams and free bodies that are to be one");
   std::vector<std::string_view> known;
   for (const BeamScene& b : scene.beams) known.push_back(b.name);
@@ -318,24 +284,12 @@ void check(const RigidScene& rigid, const Scene& scene,
   }
 }
 
-void check(const SpringScene& spring) {
-  const Checked item("spring", spring.name, spring.source);
-  item.place("between", spring.a);
-  item.place("between", spring.b);
-  item.vector("at_a", spring.at_a);
-  item.vector("at_b", spring.at_b);
-  item.number("stiffness", spring.stiffness);
-  item.number("damping", spring.damping);
-  item.number("length", spring.length);
+void check(const Checked& item, const SpringScene& spring, const Scene&) {
   const bool elastic = spring.stiffness > 0.0 || spring.force;
   item.fail_if(!elastic && !(spring.damping > 0.0) && !spring.damping_force,
                "it does nothing; give a stiffness, a damping, a force or a damping_force");
   item.fail_if(!elastic && spring.length.has_value(),
                "length is where a spring exerts nothing, and it is a damper only; leave it out");
-  if (spring.force)
-    check_law(*spring.force, LawOf::displacement, spring.source, label(spring), "force");
-  if (spring.damping_force)
-    check_law(*spring.damping_force, LawOf::rate, spring.source, label(spring), "damping_force");
 }
 
 // Of a potential, or of a power that is never positive: symmetric and without a negative eigenvalue.
@@ -347,8 +301,10 @@ void check_semidefinite(const Checked& item, std::string_view what, const Mat6& 
                    name + ": row " + std::to_string(i + 1) + ", column " + std::to_string(j + 1) +
                        " is " + schema::shortest(M(i, j)) + ", must be a finite number");
   const Vec6 diagonal = M.diagonal();
-  item.numbers(name, {diagonal.data(), 3});
-  item.numbers("angular_" + name, {diagonal.data() + 3, 3});
+  const schema::Element& element = *schema::find_element("bushing");
+  for (const auto& [attribute, first] : {std::pair{name, 0}, std::pair{"angular_" + name, 3}})
+    item.check(About{*schema::find_attribute(element, attribute)},
+               Vec3(diagonal.segment<3>(first)));
   constexpr double round_off = 1e-10;
   for (Index i = 0; i < 6; ++i) {
     for (Index j = i + 1; j < 6; ++j)
@@ -367,13 +323,7 @@ void check_semidefinite(const Checked& item, std::string_view what, const Mat6& 
                name + ": it is negative for some motion; check signs and sizes of the couplings");
 }
 
-void check(const BushingScene& bushing) {
-  const Checked item("bushing", bushing.name, bushing.source);
-  item.place("between", bushing.a);
-  item.place("between", bushing.b);
-  item.vector("at", bushing.at);
-  item.vector("axis", bushing.axis);
-  item.vector("second_axis", bushing.second_axis);
+void check(const Checked& item, const BushingScene& bushing, const Scene&) {
   item.fail_if(bushing.second_axis && !bushing.axis,
                "second_axis is perpendicular to axis, which is missing; give it too");
   check_semidefinite(item, "stiffness", bushing.stiffness);
@@ -381,7 +331,6 @@ void check(const BushingScene& bushing) {
   item.fail_if(bushing.stiffness.isZero(0.0) && bushing.damping.isZero(0.0) && bushing.laws.empty(),
                "it does nothing; give a stiffness, a damping or a <law>");
   for (auto it = bushing.laws.begin(); it != bushing.laws.end(); ++it) {
-    Checked("law", {}, it->source).number("component", it->component);
     item.fail_if(
         std::any_of(bushing.laws.begin(), it,
                     [&](const BushingLawScene& l) { return l.component == it->component; }),
@@ -391,102 +340,51 @@ void check(const BushingScene& bushing) {
   }
 }
 
-void check(const JointSpringScene& spring) {
-  const Checked item("joint_spring", spring.name, spring.source);
-  const bool turns = spring.coordinate == JointSpringScene::Coordinate::angle;
-  item.number(turns ? "angular_stiffness" : "stiffness", spring.stiffness);
-  item.number(turns ? "angular_damping" : "damping", spring.damping);
-  item.number(turns ? "rest_angle" : "rest_displacement", spring.rest);
+void check(const Checked& item, const JointSpringScene& spring, const Scene&) {
   item.fail_if(!(spring.stiffness > 0.0) && !(spring.damping > 0.0) && !spring.force &&
                    !spring.damping_force,
                "it does nothing; give a stiffness or a damping (of an angle: angular_stiffness, "
                "angular_damping), or a law");
-  if (spring.force)
-    check_law(*spring.force, LawOf::displacement, spring.source, label(spring),
-              turns ? "moment" : "force");
-  if (spring.damping_force)
-    check_law(*spring.damping_force, LawOf::rate, spring.source, label(spring),
-              turns ? "damping_moment" : "damping_force");
 }
 
-void check(const JointTorqueScene& torque) {
-  const Checked item("joint_torque", torque.name, torque.source);
+void check(const Checked& item, const JointTorqueScene& torque, const Scene&) {
   item.fail_if(!torque.moment && !torque.force, "give a moment, a force or both");
-  const auto finite = [&](std::string_view name, const std::optional<Expression>& law) {
-    if (!law) return;
-    const double value = (*law)(0.0).v;
-    item.fail_if(!std::isfinite(value), std::string(name) + " is " + schema::shortest(value) +
-                                            " at t = 0, must be a finite number");
-  };
-  finite("moment", torque.moment);
-  finite("force", torque.force);
 }
 
 // Of what acts along a beam or at a place: attributes of one of the two, and none of the other.
-struct Given {
-  std::string_view attribute;
-  bool given;
-  bool needed;
-};
-template <class Item>
-void check_beam_or_place(const Checked& item, const Item& x, std::initializer_list<Given> of_beam,
-                         std::initializer_list<Given> of_place) {
+template <class T>
+void check_beam_or_place(const Checked& item, const T& x) {
   item.fail_if(x.at && !x.beam.empty(),
                "give one of the attributes \"beam\" (along it) and \"at\" (at a place), not both");
   item.fail_if(!x.at && x.beam.empty(),
                "give one of the attributes \"beam\" (along it) and \"at\" (at a place)");
-  for (const Given& other : x.at ? of_beam : of_place)
-    item.fail_if(other.given,
-                 std::string(other.attribute) + " is of what acts " +
+  const auto each = [&x](const auto& look) {
+    T::each_field([&](const auto& field) {
+      if constexpr (requires { (x.*field.member).has_value(); })
+        look(field.about, (x.*field.member).has_value());
+    });
+  };
+  each([&](const About& about, bool given) {
+    item.fail_if(given && about.has(x.at ? field::along_beam : field::at_place),
+                 std::string(about.attribute.name) + " is of what acts " +
                      (x.at ? "along a beam, not at a place" : "at a place, not along a beam") +
                      "; leave it out");
-  for (const Given& own : x.at ? of_place : of_beam)
-    if (own.needed) item.required(own.attribute, own.given);
-  item.number("from", x.from);
-  item.number("to", x.to);
-  const Part part = part_of(x);
-  item.fail_if(!(part.from < part.to), "to is " + schema::shortest(part.to) +
-                                           ", must lie behind from, " +
-                                           schema::shortest(part.from));
-  item.place("at", x.at);
+  });
+  each([&](const About& about, bool given) {
+    if (about.has(x.at ? field::at_place : field::along_beam) && about.has(field::needed))
+      item.required(about.attribute, given);
+  });
+  check_order(item, part_of(x).from, part_of(x).to);
 }
 
-void check(const DragScene& drag) {
-  const Checked item("drag", drag.name, drag.source);
-  check_beam_or_place(item, drag,
-                      {{"from", drag.from.has_value(), false},
-                       {"to", drag.to.has_value(), false},
-                       {"diameter", drag.diameter.has_value(), true},
-                       {"normal_coefficient", drag.normal_coefficient.has_value(), true},
-                       {"tangential_coefficient", drag.tangential_coefficient.has_value(), true}},
-                      {{"area", drag.area.has_value(), true},
-                       {"coefficient", drag.coefficient.has_value(), true},
-                       {"offset", drag.offset.has_value(), false}});
-  item.number("density", drag.density);
-  item.number("diameter", drag.diameter);
-  item.number("normal_coefficient", drag.normal_coefficient);
-  item.number("tangential_coefficient", drag.tangential_coefficient);
-  item.number("area", drag.area);
-  item.number("coefficient", drag.coefficient);
-  item.vector("offset", drag.offset);
-  for (std::size_t i = 0; drag.flow && i < 3; ++i) check_finite(item, "flow", i, (*drag.flow)[i]);
+void check(const Checked& item, const DragScene& drag, const Scene&) {
+  check_beam_or_place(item, drag);
 }
 
-void check(const AddedMassScene& mass) {
-  const Checked item("added_mass", mass.name, mass.source);
-  check_beam_or_place(item, mass,
-                      {{"from", mass.from.has_value(), false},
-                       {"to", mass.to.has_value(), false},
-                       {"density", mass.density.has_value(), true},
-                       {"diameter", mass.diameter.has_value(), true},
-                       {"coefficient", mass.coefficient.has_value(), true}},
-                      {{"matrix", mass.matrix.has_value(), true}});
-  item.number("density", mass.density);
-  item.number("diameter", mass.diameter);
-  item.number("coefficient", mass.coefficient);
+void check(const Checked& item, const AddedMassScene& mass, const Scene&) {
+  check_beam_or_place(item, mass);
   if (!mass.matrix) return;
   const Mat6& M = *mass.matrix;
-  item.numbers("matrix", {M.data(), 36});
   item.fail_if(M != M.transpose(),
                "matrix is not symmetric; the energy of a fluid at rest is a "
                "quadratic form of the velocities: M = M^T");
@@ -494,38 +392,21 @@ void check(const AddedMassScene& mass) {
                "matrix: some motion would have negative energy; check the signs");
 }
 
-void check(const BaseMotionScene& base) {
-  const Checked item("base_motion", {}, base.source);
+void check(const Checked& item, const BaseMotionScene& base, const Scene&) {
   const int laws =
       base.acceleration.has_value() + base.velocity.has_value() + base.displacement.has_value();
   item.fail_if(laws == 0, "give one of the attributes acceleration, velocity and displacement");
   item.fail_if(laws > 1,
                "give one of the attributes acceleration, velocity and displacement, not more");
-  // Laws of velocity and displacement are derived by compile(), which looks at the derivatives.
-  for (std::size_t i = 0; base.acceleration && i < 3; ++i)
-    check_finite(item, "acceleration", i, (*base.acceleration)[i]);
 }
 
-void check(const StaticScene& statics) {
-  const Checked item("static", {}, statics.source);
-  item.number("steps", statics.steps);
-  item.number("tolerance", statics.tolerance);
+void check(const Checked& item, const PathScene&, const Scene& scene) {
+  item.fail_if(scene.statics || scene.transient, std::string("it takes the place of <") +
+                                                     (scene.statics ? "static" : "transient") +
+                                                     ">; leave one of them out");
 }
 
-void check(const PathScene& path) {
-  const Checked item("path", {}, path.source);
-  item.number("step", path.step);
-  item.number("max_step", path.max_step);
-  item.number("points", path.points);
-  item.number("length", path.length);
-  item.number("tolerance", path.tolerance);
-  for (const PathMarkScene& mark : path.marks)
-    Checked(mark.stops ? "stop" : "mark", {}, mark.source).number("value", mark.value);
-}
-
-void check(const TransientScene& transient) {
-  const Checked item("transient", {}, transient.source);
-  item.number("duration", transient.duration);
+void check(const Checked& item, const TransientScene& transient, const Scene&) {
   const std::string method = " method=" + in_quotes(name_of(transient.method));
   const bool alpha = transient.method == TimeMethod::generalized_alpha;
   const bool ida = transient.method == TimeMethod::ida;
@@ -540,26 +421,21 @@ void check(const TransientScene& transient) {
       ida ? "attribute \"tolerance\" is missing: the relative error, which" + method + " needs"
           : "give one of the attributes \"step\" (fixed steps) and \"tolerance\" (steps that "
             "follow the estimated error)");
-  item.number("step", transient.step);
-  item.number("tolerance", transient.tolerance);
   for (const auto& [name, value] :
        {std::pair{"position_tolerance", &transient.position_tolerance},
         {"rotation_tolerance", &transient.rotation_tolerance},
         {"velocity_tolerance", &transient.velocity_tolerance},
         {"angular_velocity_tolerance", &transient.angular_velocity_tolerance},
-        {"max_step", &transient.max_step}}) {
-    item.number(name, *value);
+        {"max_step", &transient.max_step}})
     item.fail_if(
         transient.step && *value,
         std::string(name) + " belongs to \"tolerance\", and the steps are fixed; leave it out");
-  }
   for (const auto& [name, value] :
        {std::pair{"velocity_tolerance", &transient.velocity_tolerance},
         {"angular_velocity_tolerance", &transient.angular_velocity_tolerance}})
     item.fail_if(*value && alpha, std::string(name) + ":" + method +
                                       " estimates errors of positions and rotations only; leave it "
                                       "out, or give method=\"radau\"");
-  item.number("rho_infinity", transient.rho_infinity);
   const auto of_alpha = [&](std::string_view name, bool given) {
     item.fail_if(given && !alpha, std::string(name) +
                                       " belongs to method=\"generalized_alpha\", not to" + method +
@@ -570,19 +446,15 @@ void check(const TransientScene& transient) {
   item.fail_if(transient.balance == Balance::momentum && transient.inertia != InertiaTerms::full,
                "balance=\"momentum\" balances the whole of inertia; leave out inertia, or give "
                "balance=\"acceleration\"");
-  item.number("newton_tolerance", transient.newton_tolerance);
   item.fail_if(transient.newton_tolerance && !takes_newton_tolerance(transient),
                "newton_tolerance:" + method + (ida ? "" : " with a \"tolerance\"") +
                    " derives its own from \"tolerance\"; leave it out");
-  item.number("output", transient.output);
   item.fail_if(
       transient.output && transient.output_steps,
       "output is a time between rows or the ends of steps, not both; leave one of them out");
 }
 
-void check(const RecordScene& record) {
-  const Checked item("record", record.name, record.source);
-  item.place("at", record.at);
+void check(const Checked& item, const RecordScene& record, const Scene&) {
   item.fail_if(record.at && record.joint,
                "give one of the attributes \"at\" and \"joint\", not both (neither: the whole "
                "system)");
@@ -615,63 +487,31 @@ void check(const RecordScene& record) {
   }
 }
 
-void check(const PlotScene& plot) {
-  const Checked item("plot", {}, plot.source);
+void check(const Checked& item, const PlotScene& plot, const Scene&) {
   item.fail_if(plot.y.empty(), "y are missing; give one at least");
-  item.number("x_scale", plot.x_scale);
-  item.number("y_scale", plot.y_scale);
-  if (!plot.x_range) return;
-  item.numbers("x_range", *plot.x_range);
-  item.fail_if(!((*plot.x_range)[0] < (*plot.x_range)[1]),
+  item.fail_if(plot.x_range && !((*plot.x_range)[0] < (*plot.x_range)[1]),
                "x_range: the second number must be the greater");
 }
 
-void check(const ExpectScene& expect) {
-  const Checked item("expect", {}, expect.source);
-  item.number("at", expect.at);
-  item.number("value", expect.value);
-  item.number("tolerance", expect.tolerance);
+void check(const Checked& item, const ExpectScene& expect, const Scene&) {
   item.fail_if(expect.of != ExpectScene::Of::value_at && expect.at != 0.0,
                "at is the time of a value; an extreme is taken over the whole run, leave it out");
 }
 
 void check_names(const Scene& scene) {
-  NamesTaken sections("sections"), parts("beams, bodies, joints and motions"), records("records"),
-      loads("loads, masses, drags and joint torques");
-  for (const Section& s : scene.sections)
-    sections.add(Checked("section", s.name, s.source), s.name, s.source);
-  const auto place = [&parts](const Checked& item, const std::string& name, const Source& source) {
-    item.fail_if(name == "ground", "\"ground\" is the inertial frame; choose another name");
-    parts.add(item, name, source);
-  };
-  for (const BeamScene& b : scene.beams)
-    place(Checked(element_of(b), b.name, b.source), b.name, b.source);
-  for (const BodyScene& b : scene.bodies)
-    place(Checked("body", b.name, b.source), b.name, b.source);
-  for (const RigidScene& r : scene.rigids)
-    place(Checked("rigid", r.name, r.source), r.name, r.source);
-  for (const JointScene& j : scene.joints)
-    parts.add(Checked(j.kind, j.name, j.source), j.name, j.source);
-  for (const MotionScene& m : scene.motions)
-    parts.add(Checked("motion", m.name, m.source), m.name, m.source);
-  for (const RecordScene& r : scene.records)
-    records.add(Checked("record", r.name, r.source), r.name, r.source);
-  const auto optional = [&loads](std::string_view element, const auto& l) {
-    if (!l.name.empty()) loads.add(Checked(element, l.name, l.source), l.name, l.source);
-  };
-  for (const LoadScene& l : scene.loads) optional("load", l);
-  for (const DistributedLoadScene& l : scene.distributed_loads) optional("distributed", l);
-  for (const PointMassScene& m : scene.point_masses) optional("point_mass", m);
-  NamesTaken springs("springs, bushings and joint springs");
-  for (const SpringScene& s : scene.springs)
-    springs.add(Checked("spring", s.name, s.source), s.name, s.source);
-  for (const BushingScene& b : scene.bushings)
-    springs.add(Checked("bushing", b.name, b.source), b.name, b.source);
-  for (const JointSpringScene& s : scene.joint_springs)
-    springs.add(Checked("joint_spring", s.name, s.source), s.name, s.source);
-  for (const JointTorqueScene& t : scene.joint_torques) optional("joint_torque", t);
-  for (const DragScene& d : scene.drags) optional("drag", d);
-  for (const AddedMassScene& m : scene.added_masses) optional("added_mass", m);
+  std::map<std::string_view, NamesTaken> taken;
+  each_item(scene, [&]<class T>(const T& x) {
+    if constexpr (!T::item.names.empty()) {
+      if (x.name.empty() && T::item.names == field::of_loads) return;
+      constexpr bool has_places = std::is_same_v<T, BeamScene> || std::is_same_v<T, BodyScene> ||
+                                  std::is_same_v<T, RigidScene>;
+      const Checked item(x);
+      item.fail_if(has_places && x.name == "ground",
+                   "\"ground\" is the inertial frame; choose another name");
+      taken.try_emplace(T::item.names, std::string(T::item.names))
+          .first->second.add(item, x.name, x.source);
+    }
+  });
 }
 
 // With more nodes the entries of the matrix are more than the linear solver can count (int), long after they are
@@ -682,51 +522,28 @@ void check_size(const Scene& scene) {
   for (const BeamScene& b : scene.beams) {
     nodes += 1 + long{b.elements} * long{b.order};
     if (nodes > most_nodes)
-      Checked(element_of(b), b.name, b.source)
-          .fail("with it the model has " + std::to_string(nodes) + " nodes, of which it may have " +
-                std::to_string(most_nodes) + "; take fewer elements or a lower order");
+      Checked(b).fail("with it the model has " + std::to_string(nodes) +
+                      " nodes, of which it may have " + std::to_string(most_nodes) +
+                      "; take fewer elements or a lower order");
   }
 }
 
 }  // namespace
 
 void check_scene(const Scene& scene) {
-  const Checked model("mbd", scene.name, scene.source);
-  model.required("name", !scene.name.empty());
+  const Checked model(scene.source, label("mbd", scene.name));
+  const schema::Element& element = *schema::find_element("mbd");
+  model.required(*schema::find_attribute(element, "name"), !scene.name.empty());
   model.fail_if(!schema::is_name(scene.name), "the name " + in_quotes(excerpt(scene.name)) +
                                                   " is no name; " + std::string(schema::names_are));
-  for (const Section& s : scene.sections) check(s);
-  for (const BeamScene& b : scene.beams) check(b);
+  each_item(scene, [&scene](const auto& x) {
+    const Checked item(x);
+    check_fields(item, x);
+    check(item, x, scene);
+  });
   check_size(scene);
-  for (const BodyScene& b : scene.bodies) check(b);
   std::map<std::string, std::string> members;
-  for (const RigidScene& r : scene.rigids) check(r, scene, members);
-  for (const JointScene& j : scene.joints) check(j);
-  for (const DriveScene& d : scene.drives) check(d);
-  for (const MotionScene& m : scene.motions) check(m);
-  for (const LoadScene& l : scene.loads) check(l);
-  for (const DistributedLoadScene& l : scene.distributed_loads) check(l);
-  for (const PointMassScene& m : scene.point_masses) check(m);
-  for (const SpringScene& s : scene.springs) check(s);
-  for (const BushingScene& b : scene.bushings) check(b);
-  for (const JointSpringScene& s : scene.joint_springs) check(s);
-  for (const JointTorqueScene& t : scene.joint_torques) check(t);
-  for (const DragScene& d : scene.drags) check(d);
-  for (const AddedMassScene& m : scene.added_masses) check(m);
-  if (scene.base_motion) check(*scene.base_motion);
-  if (scene.gravity)
-    Checked("gravity", {}, scene.gravity->source)
-        .vector("acceleration", scene.gravity->acceleration);
-  if (scene.statics) check(*scene.statics);
-  if (scene.path) check(*scene.path);
-  if (scene.path && (scene.statics || scene.transient))
-    Checked("path", {}, scene.path->source)
-        .fail(std::string("it takes the place of <") + (scene.statics ? "static" : "transient") +
-              ">; leave one of them out");
-  if (scene.transient) check(*scene.transient);
-  for (const RecordScene& r : scene.records) check(r);
-  for (const PlotScene& p : scene.plots) check(p);
-  for (const ExpectScene& e : scene.expects) check(e);
+  for (const RigidScene& rigid : scene.rigids) check_members(rigid, scene, members);
   check_names(scene);
 }
 

@@ -273,6 +273,8 @@ std::vector<const Element*> elements_of(const Group& group) {
   }
   for (const std::string_view name : schema::words(group.elements))
     if (const Element* const element = schema::find_element(name)) result.push_back(element);
+  for (const Element& element : schema::elements())
+    if (element.group == group.title) result.push_back(&element);
   return result;
 }
 

@@ -1,5 +1,5 @@
 // What the manual says beyond the schema: how numbers, units, names and files work, and an example for each
-// group of elements. What a single element is stands in schema.cpp only.
+// group of elements. What a single element is stands with its item in libmbd/scene, or in schema.cpp.
 #pragma once
 
 #include <span>
@@ -26,7 +26,7 @@ std::string_view opening();
 std::span<const Chapter> chapters();
 
 // Elements that are described together. Each element of the schema is in one group; joints are not listed
-// but known by their kind.
+// but known by their kind, nor are items that say their group themselves.
 struct Group {
   std::string_view title;
   std::string_view elements;  // separated by blanks; empty: the joints

@@ -91,39 +91,14 @@ class Reader {
         {"parameter", &Reader::parameter},  //
         {"include", &Reader::include},
         {"defaults", &Reader::defaults},
-        {"section", &Reader::section},
-        {"beam", &Reader::beam},
-        {"arc", &Reader::beam},
-        {"curve", &Reader::beam},
-        {"distributed", &Reader::distributed},
-        {"rigid", &Reader::rigid},
-        {"point_mass", &Reader::point_mass},
-        {"body", &Reader::body},
-        {"drive", &Reader::drive},
-        {"motion", &Reader::motion},
-        {"load", &Reader::load},
-        {"spring", &Reader::spring},
-        {"bushing", &Reader::bushing},
-        {"joint_spring", &Reader::joint_spring},
-        {"joint_torque", &Reader::joint_torque},
-        {"drag", &Reader::drag},
-        {"added_mass", &Reader::added_mass},
-        {"base_motion", &Reader::base_motion},
-        {"gravity", &Reader::gravity},
-        {"static", &Reader::statics},
-        {"path", &Reader::path},
-        {"transient", &Reader::transient},
-        {"record", &Reader::record},
-        {"plot", &Reader::plot},
-        {"expect", &Reader::expect},
-        {"repeat", &Reader::repeat},
+        {"repeat", &Reader::repeat_children},
     };
     for (const xml::Element& child : parent.xml().children) {
       const Item item(child, parent);
-      if (schema::find_joint_kind(child.name))
-        joint(item);
+      if (const auto read = readers.find(child.name); read != readers.end())
+        (this->*read->second)(item);
       else
-        (this->*readers.at(child.name))(item);
+        each_kind(scene_, [&](auto& items) { read_into(items, item); });
     }
   }
 
@@ -259,10 +234,122 @@ class Reader {
     }
   }
 
-  void section(const Item& item) {
-    Section section;
-    section.source = item.source();
-    section.name = item.name();
+  // --- items: their fields as their lists say, and what is special to some of them ---
+
+  template <class Items>
+  void read_into(Items& items, const Item& item) {
+    using T = typename Items::value_type;
+    if (!stands_for<T>(item.element().name)) return;
+    T made = read<T>(item);
+    if (!complete(item, made)) return;
+    if constexpr (requires { items.push_back(made); })
+      items.push_back(std::move(made));
+    else
+      set_once(items, item, std::move(made));
+  }
+
+  template <class T>
+  static bool stands_for(std::string_view element) {
+    if constexpr (std::is_same_v<T, JointScene>)
+      return schema::find_joint_kind(element) != nullptr;
+    else if constexpr (std::is_same_v<T, BeamScene>)
+      return element == Straight::item.element || element == Arc::item.element ||
+             element == Curve::item.element;
+    else
+      return element == T::item.element;
+  }
+
+  template <class T>
+  static T read(const Item& item) {
+    T made;
+    if constexpr (requires { made.source; }) made.source = item.source();
+    T::each_field([&]<class F>(const F& field) {
+      if constexpr (requires { field.member; }) read_field(item, made, field);
+    });
+    return made;
+  }
+
+  template <class T, class Value>
+  static void read_field(const Item& item, T& made, const field::Field<T, Value>& field) {
+    const schema::Attribute& a = field.about.attribute;
+    if (a.name.empty() || field.about.has(field::second_place) || !item.has(a.name)) return;
+    if constexpr (requires { made.b; })
+      if (field.about.has(field::first_place)) {
+        std::tie(made.a, made.b) = item.places(a.name);
+        return;
+      }
+    if constexpr (std::is_same_v<Value, std::optional<double>>)
+      if (!a.choices.empty() && item.is_word(a.name)) return;
+    made.*field.member = value<typename field::Plain<Value>::type>(item, field.about);
+  }
+
+  // One of several lines: that of the element's name.
+  template <class T, class... Line>
+  static void read_field(const Item& item, T& made,
+                         const field::Parts<T, std::variant<Line...>>& line) {
+    const auto read_line = [&]<class L>() {
+      if (item.element().name == L::item.element) made.*line.member = read<L>(item);
+    };
+    (read_line.template operator()<Line>(), ...);
+  }
+  template <class T, class Value>
+  static void read_field(const Item&, T&, const field::Parts<T, Value>&) {}
+
+  template <class T>
+  static T value(const Item& item, const field::About& about) {
+    const std::string_view name = about.attribute.name;
+    if constexpr (std::is_same_v<T, std::string>) {
+      return item.text(name);
+    } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+      return item.names(name);
+    } else if constexpr (std::is_same_v<T, Place>) {
+      return item.place(name);
+    } else if constexpr (std::is_same_v<T, double>) {
+      return item.number(name);
+    } else if constexpr (std::is_same_v<T, int>) {
+      return item.count(name);
+    } else if constexpr (std::is_same_v<T, bool>) {
+      return item.choice<int>(name) == 1;
+    } else if constexpr (std::is_enum_v<T>) {
+      return item.choice<T>(name);
+    } else if constexpr (std::is_same_v<T, Vec3>) {
+      return item.vector(name);
+    } else if constexpr (std::is_same_v<T, Mat3>) {
+      return about.has(field::rotation) ? item.orientation(name) : item.symmetric(name);
+    } else if constexpr (std::is_same_v<T, Mat6>) {
+      return upper_half(item.numbers(name));
+    } else if constexpr (std::is_same_v<T, std::array<double, 2>>) {
+      const std::vector<double> ends = item.numbers(name);
+      return {ends[0], ends[1]};
+    } else if constexpr (std::is_same_v<T, Expression>) {
+      return item.signal(name);
+    } else if constexpr (std::is_same_v<T, LawVector>) {
+      return item.signals(name);
+    } else if constexpr (std::is_same_v<T, FieldVector>) {
+      return item.fields(name);
+    } else {
+      static_assert(std::is_same_v<T, LawScene>);
+      return item.law(name);
+    }
+  }
+
+  // Of a symmetric matrix: the upper half row by row, or the diagonal.
+  static Mat6 upper_half(const std::vector<double>& numbers) {
+    Mat6 M = Mat6::Zero();
+    std::size_t k = 0;
+    for (Index i = 0; i < 6; ++i)
+      for (Index j = i; j < (numbers.size() == 6 ? i + 1 : 6); ++j)
+        M(i, j) = M(j, i) = numbers[k++];
+    return M;
+  }
+
+  // What no list of fields says. False: the item is not meant.
+  template <class T>
+  bool complete(const Item&, T&) {
+    return true;
+  }
+
+  bool complete(const Item& item, Section& section) {
     bool stiff = false;
     each(item, [&](const Item& part) {
       if (part.element().name == "station")
@@ -281,14 +368,11 @@ class Reader {
     } else if (stiff || section.mass) {
       item.fail("stiffness and mass must stand in the stations, or there must be no stations");
     }
-    section.interpolation = item.choice<Interpolation>("interpolation");
-    scene_.sections.push_back(std::move(section));
+    return true;
   }
 
   Station station(const Item& item) {
-    Station station;
-    station.source = item.source();
-    station.at = item.number("at");
+    Station station = read<Station>(item);
     bool stiff = false;
     each(item, [&](const Item& part) { matrix(item, part, station, stiff); });
     if (!stiff) item.fail("<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers");
@@ -343,10 +427,7 @@ class Reader {
       item.fail(
           "give stiffness_proportional, mass_proportional, or viscous entries EA, GA2, GA3, "
           "GJ, EI2, EI3, D12 …; or leave it out");
-    SectionDamping damping;
-    damping.source = item.source();
-    damping.stiffness_proportional = item.number("stiffness_proportional");
-    damping.mass_proportional = item.number("mass_proportional");
+    SectionDamping damping = read<SectionDamping>(item);
     constexpr std::array<std::string_view, 6> diagonal = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
     for (int i = 0; i < 6; ++i) {
       damping.viscous(i, i) = item.number(diagonal[static_cast<std::size_t>(i)]);
@@ -371,158 +452,35 @@ class Reader {
     return M;
   }
 
-  void beam(const Item& item) {
-    BeamScene beam;
-    beam.source = item.source();
-    beam.name = item.name();
-    beam.section = item.text("section");
-    if (item.element().name == "arc")
-      beam.line = Arc{item.vector("from"), item.vector("center"), item.vector("axis"),
-                      item.number("angle")};
-    else if (item.element().name == "curve")
-      beam.line = curve(item);
-    else
-      beam.line = Straight{item.vector("from"), item.vector("to")};
-    beam.normal = item.vector("normal");
-    beam.elements = item.count("elements");
-    beam.order = item.count("order");
-    beam.kinematics = item.choice<Kinematics>("kinematics");
-    if (beam.kinematics == Kinematics::classical) {
+  bool complete(const Item& item, BeamScene& beam) {
+    if (beam.kinematics == Kinematics::classical)
       for (const std::string_view of_motion : {"metric", "form"})
         if (item.has(of_motion))
           item.refuse(of_motion,
                       "is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
-    }
-    beam.metric = item.choice<Metric>("metric");
-    beam.rule = item.choice<Rule>("rule");
-    beam.form = item.choice<Form>("form");
-    scene_.beams.push_back(std::move(beam));
+    if (auto* const curve = std::get_if<Curve>(&beam.line))
+      each(item, [&](const Item& part) { curve->points.push_back(read<CurvePoint>(part)); });
+    return true;
   }
 
-  Curve curve(const Item& item) {
-    Curve curve;
-    if (item.has("degree")) curve.degree = item.count("degree");
-    each(item, [&](const Item& part) {
-      CurvePoint point;
-      point.source = part.source();
-      point.at = part.vector("at");
-      if (part.has("normal")) point.normal = part.vector("normal");
-      point.twist = part.number("twist");
-      curve.points.push_back(std::move(point));
-    });
-    return curve;
-  }
-
-  void body(const Item& item) {
-    BodyScene body;
-    body.source = item.source();
-    body.name = item.name();
-    if (item.has("attached_to")) {
+  bool complete(const Item& item, BodyScene& body) {
+    if (body.attached_to)
       for (const std::string_view other : {"at", "orientation", "velocity", "angular_velocity"})
         if (item.has(other))
           item.refuse(other, "is taken from the place of attached_to; leave one of them out");
-      body.attached_to = item.place("attached_to");
-    }
-    if (item.has("at")) body.at = item.vector("at");
-    if (item.has("orientation")) body.orientation = item.orientation("orientation");
-    if (item.has("velocity")) body.velocity = item.vector("velocity");
-    if (item.has("angular_velocity")) body.angular_velocity = item.vector("angular_velocity");
-    body.mass = item.number("mass");
-    body.center = item.vector("center");
-    body.inertia = item.symmetric("inertia");
-    scene_.bodies.push_back(std::move(body));
+    return true;
   }
 
-  void joint(const Item& item) {
-    JointScene joint;
-    joint.source = item.source();
+  bool complete(const Item& item, JointScene& joint) {
     joint.kind = item.element().name;
-    joint.name = item.name();
-    std::tie(joint.a, joint.b) = item.places("between");
-    if (item.has("at")) joint.at = item.vector("at");
-    const joint::Traits& traits = schema::find_joint_kind(joint.kind)->traits;
-    if (traits.axis) joint.axis = item.vector("axis");
-    if (traits.second_axis) joint.second_axis = item.vector("second_axis");
-    if (traits.parameter.name[0] != '\0') joint.parameter = item.number(traits.parameter.name);
-    if (item.has("at_a")) joint.at_a = item.vector("at_a");
-    if (item.has("at_b")) joint.at_b = item.vector("at_b");
-    scene_.joints.push_back(std::move(joint));
-  }
-
-  void drive(const Item& item) {
-    DriveScene drive;
-    drive.source = item.source();
-    drive.joint = item.text("joint");
-    if (item.has("rate")) drive.rate = item.signal("rate");
-    if (item.has("angle")) drive.angle = item.signal("angle");
-    if (item.has("speed")) drive.speed = item.signal("speed");
-    if (item.has("displacement")) drive.displacement = item.signal("displacement");
-    scene_.drives.push_back(std::move(drive));
-  }
-
-  void motion(const Item& item) {
-    MotionScene motion;
-    motion.source = item.source();
-    motion.name = item.name();
-    motion.of = item.place("of");
-    if (item.has("displacement")) motion.displacement = item.signals("displacement");
-    if (item.has("velocity")) motion.velocity = item.signals("velocity");
-    if (item.has("rotation")) motion.rotation = item.signals("rotation");
-    if (item.has("axis")) motion.axis = item.vector("axis");
-    if (item.has("angle")) motion.angle = item.signal("angle");
-    if (item.has("rate")) motion.rate = item.signal("rate");
-    scene_.motions.push_back(std::move(motion));
-  }
-
-  void load(const Item& item) {
-    LoadScene load;
-    load.source = item.source();
-    if (item.has("name")) load.name = item.name();
-    load.at = item.place("at");
-    if (item.has("force")) load.force = item.signals("force");
-    if (item.has("moment")) load.moment = item.signals("moment");
-    if (item.has("follower_force")) load.follower_force = item.signals("follower_force");
-    if (item.has("follower_moment")) load.follower_moment = item.signals("follower_moment");
-    load.offset = item.vector("offset");
-    scene_.loads.push_back(std::move(load));
-  }
-
-  void distributed(const Item& item) {
-    DistributedLoadScene load;
-    load.source = item.source();
-    if (item.has("name")) load.name = item.name();
-    load.beam = item.text("beam");
-    load.from = item.number("from");
-    load.to = item.number("to");
-    const auto fields = [&](std::string_view name, auto& slot) {
-      if (item.has(name)) slot = item.fields(name);
-    };
-    fields("force", load.force);
-    fields("moment", load.moment);
-    fields("follower_force", load.follower_force);
-    fields("follower_moment", load.follower_moment);
-    scene_.distributed_loads.push_back(std::move(load));
-  }
-
-  void rigid(const Item& item) {
-    scene_.rigids.push_back({item.source(), item.name(), item.names("of")});
-  }
-
-  void point_mass(const Item& item) {
-    PointMassScene mass;
-    mass.source = item.source();
-    if (item.has("name")) mass.name = item.name();
-    mass.at = item.place("at");
-    mass.mass = item.number("mass");
-    mass.offset = item.vector("offset");
-    scene_.point_masses.push_back(std::move(mass));
+    const joint::Parameter& parameter = schema::find_joint_kind(joint.kind)->traits.parameter;
+    if (parameter.name[0] != '\0') joint.parameter = item.number(parameter.name);
+    return true;
   }
 
   // Pairs, as text.
   static TableScene table(const Item& item) {
-    TableScene table;
-    table.source = item.source();
-    table.interpolation = item.choice<Interpolation>("interpolation");
+    TableScene table{item.source(), {}, item.choice<Interpolation>("interpolation")};
     const std::vector<std::string_view> words = schema::words(item.xml().text);
     if (words.size() % 2 != 0)
       item.fail("has " + std::to_string(words.size()) +
@@ -533,43 +491,22 @@ class Reader {
     return table;
   }
 
-  // A law by its attribute, or by a <table> of that name.
-  static void law(const Item& item, std::string_view attribute, std::optional<LawScene>& slot) {
-    if (item.has(attribute)) slot = item.law(attribute);
-  }
+  // A law by a <table> in place of its attribute.
   static void law(const Item& part, std::optional<LawScene>& slot) {
     if (slot) part.fail("its " + part.text_of("of") + " is given already; leave one of them out");
     slot = table(part);
   }
 
-  void spring(const Item& item) {
-    SpringScene spring;
-    spring.source = item.source();
-    spring.name = item.name();
-    std::tie(spring.a, spring.b) = item.places("between");
-    if (item.has("at_a")) spring.at_a = item.vector("at_a");
-    if (item.has("at_b")) spring.at_b = item.vector("at_b");
-    if (item.has("stiffness")) spring.stiffness = item.number("stiffness");
-    if (item.has("damping")) spring.damping = item.number("damping");
-    if (item.has("length")) spring.length = item.number("length");
-    law(item, "force", spring.force);
-    law(item, "damping_force", spring.damping_force);
+  bool complete(const Item& item, SpringScene& spring) {
     each(item, [&](const Item& part) {
       const int of = part.choice<int>("of");
       if (of > 1) part.refuse("of", "is a moment of a joint_spring; write force or damping_force");
       law(part, of == 0 ? spring.force : spring.damping_force);
     });
-    scene_.springs.push_back(std::move(spring));
+    return true;
   }
 
-  void bushing(const Item& item) {
-    BushingScene bushing;
-    bushing.source = item.source();
-    bushing.name = item.name();
-    std::tie(bushing.a, bushing.b) = item.places("between");
-    if (item.has("at")) bushing.at = item.vector("at");
-    if (item.has("axis")) bushing.axis = item.vector("axis");
-    if (item.has("second_axis")) bushing.second_axis = item.vector("second_axis");
+  bool complete(const Item& item, BushingScene& bushing) {
     std::array<bool, 2> given{};
     const auto diagonal = [&](std::string_view name, Mat6& M, Index first, bool& is_given) {
       if (!item.has(name)) return;
@@ -593,7 +530,7 @@ class Reader {
       is_given = true;
       (of == 0 ? bushing.stiffness : bushing.damping) = full_matrix(part);
     });
-    scene_.bushings.push_back(std::move(bushing));
+    return true;
   }
 
   static Mat6 full_matrix(const Item& item) {
@@ -623,17 +560,14 @@ class Reader {
     return {item.source(), component, has_table ? LawScene(table(item)) : LawScene(item.law(name))};
   }
 
-  void joint_spring(const Item& item) {
+  // Of which coordinate it is, the attributes and tables say.
+  bool complete(const Item& item, JointSpringScene& spring) {
     using Coordinate = JointSpringScene::Coordinate;
-    constexpr std::array<std::array<std::string_view, 5>, 2> names = {
-        {{"angular_stiffness", "angular_damping", "rest_angle", "moment", "damping_moment"},
-         {"stiffness", "damping", "rest_displacement", "force", "damping_force"}}};
-    JointSpringScene spring;
-    spring.source = item.source();
-    spring.name = item.name();
-    spring.joint = item.text("joint");
+    constexpr std::array<std::string_view, 4> laws = {"force", "damping_force", "moment",
+                                                      "damping_moment"};
     std::string_view first;  // that says which coordinate
-    const auto choose = [&](Coordinate coordinate, std::string_view by, const Item& of) {
+    const auto choose = [&](bool turns, std::string_view by, const Item& of) {
+      const Coordinate coordinate = turns ? Coordinate::angle : Coordinate::displacement;
       if (!first.empty() && coordinate != spring.coordinate)
         of.fail(std::string(first) + " and " + std::string(by) +
                 " are of different coordinates, angle and displacement; give each its own "
@@ -641,191 +575,41 @@ class Reader {
       spring.coordinate = coordinate;
       if (first.empty()) first = by;
     };
-    for (std::size_t c = 0; c < 2; ++c)
-      for (const std::string_view name : names[c])
-        if (item.has(name)) choose(static_cast<Coordinate>(c), name, item);
+    const JointSpringScene turning;
+    JointSpringScene::each_field([&](const auto& field) {
+      const std::string_view name = field.about.attribute.name;
+      if (field.is_there != nullptr && item.has(name)) choose(field.is_there(turning), name, item);
+    });
     each(item, [&](const Item& part) {
       const int of = part.choice<int>("of");
-      choose(of < 2 ? Coordinate::displacement : Coordinate::angle,
-             names[of < 2 ? 1 : 0][of % 2 == 0 ? 3 : 4], part);
+      choose(of > 1, laws[static_cast<std::size_t>(of)], part);
     });
-    const auto& own = names[static_cast<std::size_t>(spring.coordinate)];
-    if (item.has(own[0])) spring.stiffness = item.number(own[0]);
-    if (item.has(own[1])) spring.damping = item.number(own[1]);
-    if (item.has(own[2])) spring.rest = item.number(own[2]);
-    law(item, own[3], spring.force);
-    law(item, own[4], spring.damping_force);
     each(item, [&](const Item& part) {
       law(part, part.choice<int>("of") % 2 == 0 ? spring.force : spring.damping_force);
     });
-    scene_.joint_springs.push_back(std::move(spring));
+    return true;
   }
 
-  void joint_torque(const Item& item) {
-    JointTorqueScene torque;
-    torque.source = item.source();
-    if (item.has("name")) torque.name = item.name();
-    torque.joint = item.text("joint");
-    if (item.has("moment")) torque.moment = item.signal("moment");
-    if (item.has("force")) torque.force = item.signal("force");
-    scene_.joint_torques.push_back(std::move(torque));
-  }
-
-  static void read(const Item& item, std::string_view name, std::optional<double>& value) {
-    if (item.has(name)) value = item.number(name);
-  }
-
-  void drag(const Item& item) {
-    DragScene drag;
-    drag.source = item.source();
-    if (item.has("name")) drag.name = item.name();
-    drag.density = item.number("density");
-    if (item.has("flow")) drag.flow = item.signals("flow");
-    if (item.has("beam")) drag.beam = item.text("beam");
-    read(item, "from", drag.from);
-    read(item, "to", drag.to);
-    read(item, "diameter", drag.diameter);
-    read(item, "normal_coefficient", drag.normal_coefficient);
-    read(item, "tangential_coefficient", drag.tangential_coefficient);
-    if (item.has("at")) drag.at = item.place("at");
-    read(item, "area", drag.area);
-    read(item, "coefficient", drag.coefficient);
-    if (item.has("offset")) drag.offset = item.vector("offset");
-    scene_.drags.push_back(std::move(drag));
-  }
-
-  void added_mass(const Item& item) {
-    AddedMassScene mass;
-    mass.source = item.source();
-    if (item.has("name")) mass.name = item.name();
-    if (item.has("beam")) mass.beam = item.text("beam");
-    read(item, "from", mass.from);
-    read(item, "to", mass.to);
-    read(item, "density", mass.density);
-    read(item, "diameter", mass.diameter);
-    read(item, "coefficient", mass.coefficient);
-    if (item.has("at")) mass.at = item.place("at");
-    if (item.has("matrix")) {
-      const std::vector<double> numbers = item.numbers("matrix");
-      Mat6 M = Mat6::Zero();
-      std::size_t k = 0;
-      for (Index i = 0; i < 6; ++i)
-        for (Index j = i; j < (numbers.size() == 6 ? i + 1 : 6); ++j)
-          M(i, j) = M(j, i) = numbers[k++];
-      mass.matrix = M;
-    }
-    scene_.added_masses.push_back(std::move(mass));
-  }
-
-  void base_motion(const Item& item) {
-    BaseMotionScene base;
-    base.source = item.source();
-    if (item.has("acceleration")) base.acceleration = item.signals("acceleration");
-    if (item.has("velocity")) base.velocity = item.signals("velocity");
-    if (item.has("displacement")) base.displacement = item.signals("displacement");
-    set_once(scene_.base_motion, item, std::move(base));
-  }
-
-  void gravity(const Item& item) {
-    set_once(scene_.gravity, item, Gravity{item.source(), item.vector("acceleration")});
-  }
-
-  void statics(const Item& item) {
-    StaticScene statics;
-    statics.source = item.source();
-    statics.steps = item.count("steps");
-    statics.tolerance = item.number("tolerance");
-    statics.solver = item.choice<StaticSolver>("solver");
-    statics.line_search = item.choice<int>("line_search") == 1;
-    set_once(scene_.statics, item, std::move(statics));
-  }
-
-  void path(const Item& item) {
-    PathScene path;
-    path.source = item.source();
-    path.method = item.choice<PathMethod>("method");
-    path.direction = item.choice<PathDirection>("direction");
-    path.step = item.number("step");
-    path.max_step = item.number("max_step");
-    path.points = item.count("points");
-    if (item.has("length")) path.length = item.number("length");
-    path.branch = item.count("branch");
-    path.tolerance = item.number("tolerance");
+  bool complete(const Item& item, PathScene& path) {
     each(item, [&](const Item& part) {
-      path.marks.push_back({part.source(), part.text("quantity"), part.number("value"),
-                            part.element().name == "stop"});
+      path.marks.push_back(read<PathMarkScene>(part));
+      path.marks.back().stops = part.element().name == "stop";
     });
-    set_once(scene_.path, item, std::move(path));
+    return true;
   }
 
-  void transient(const Item& item) {
-    TransientScene transient;
-    transient.source = item.source();
-    transient.duration = item.number("duration");
-    transient.method = item.choice<TimeMethod>("method");
-    const auto read = [&item](std::string_view name, std::optional<double>& value) {
-      Reader::read(item, name, value);
-    };
-    read("step", transient.step);
-    read("tolerance", transient.tolerance);
-    read("position_tolerance", transient.position_tolerance);
-    read("rotation_tolerance", transient.rotation_tolerance);
-    read("velocity_tolerance", transient.velocity_tolerance);
-    read("angular_velocity_tolerance", transient.angular_velocity_tolerance);
-    read("max_step", transient.max_step);
-    read("newton_tolerance", transient.newton_tolerance);
-    read("rho_infinity", transient.rho_infinity);
-    if (item.has("balance")) transient.balance = item.choice<Balance>("balance");
-    transient.inertia = item.choice<InertiaTerms>("inertia");
+  bool complete(const Item& item, TransientScene& transient) {
     transient.output_steps = item.has("output") && item.is_word("output");
-    if (!transient.output_steps) read("output", transient.output);
-    set_once(scene_.transient, item, std::move(transient));
+    return true;
   }
 
-  void record(const Item& item) {
-    RecordScene record;
-    record.source = item.source();
-    record.name = item.name();
-    if (item.has("at")) record.at = item.place("at");
-    if (item.has("joint")) record.joint = item.text("joint");
-    if (item.has("spring")) record.spring = item.text("spring");
-    record.quantities = item.names("quantities");
-    scene_.records.push_back(std::move(record));
-  }
-
-  void plot(const Item& item) {
-    PlotScene plot;
-    plot.source = item.source();
-    if (item.has("x")) plot.x = item.text("x");
-    plot.y = item.names("y");
-    plot.x_scale = item.number("x_scale");
-    plot.y_scale = item.number("y_scale");
-    if (item.has("x_label")) plot.x_label = item.text("x_label");
-    if (item.has("y_label")) plot.y_label = item.text("y_label");
-    if (item.has("title")) plot.title = item.text("title");
-    if (item.has("x_range")) {
-      const std::vector<double> ends = item.numbers("x_range");
-      plot.x_range = {ends[0], ends[1]};
-    }
-    scene_.plots.push_back(std::move(plot));
-  }
-
-  void expect(const Item& item) {
-    ExpectScene expect;
-    expect.source = item.source();
-    expect.quantity = item.text("quantity");
-    expect.of = item.choice<ExpectScene::Of>("of");
+  bool complete(const Item& item, ExpectScene& expect) {
     const bool timed = expect.of == ExpectScene::Of::value_at;
     if (item.has("at") && !timed)
       item.refuse("at",
                   "is the time of a value; an extreme is taken over the whole run, leave it out");
-    expect.number = item.count("number");
-    if (item.has("at")) expect.at = item.number("at");
     if (timed && !item.has("at")) untimed_.push_back(expect.source);
-    expect.value = item.number("value");
-    expect.tolerance = item.number("tolerance");
-    expect.reference = item.text("source");
-    if (!item.has("when") || holds(item)) scene_.expects.push_back(std::move(expect));
+    return !item.has("when") || holds(item);
   }
 
   // Whether every parameter=value of `when` is so.
@@ -851,7 +635,7 @@ class Reader {
       throw Error(untimed_.front(), "expect: attribute \"at\" is missing: time of the value [s]");
   }
 
-  void repeat(const Item& item) {
+  void repeat_children(const Item& item) {
     repeat(item, [&] { read_children(item); });
   }
 

@@ -1,9 +1,8 @@
-// What a model file may say: one table of elements and their attributes. The reader, its messages, the
-// manual and the XSD come from here; a new attribute is one line here and one where it is read.
+// What a model file may say: one table of elements and their attributes, from the fields of a scene's items
+// (libmbd/scene/field.hpp) and from what stands in a file only. The reader, its messages, the manual and the XSD come
+// from here.
 #pragma once
 
-#include <array>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,53 +10,15 @@
 
 #include "joints/traits.hpp"
 #include "libmbd/language/units.hpp"
+#include "libmbd/scene/field.hpp"
 
 namespace mbd::schema {
 
-// What the text of an attribute is. Numbers are expressions of the model's parameters, signals also of
-// time t; components are separated by white space and contain none.
-enum class Kind {
-  name,      // of an item, unique among its like: letters, digits, _ and -
-  text,      // anything
-  place,     // ground, a body, or beam.start, beam.end, beam@0.5
-  places,    // two places
-  names,     // names of items, quantities or columns of history.csv
-  number,    // one expression
-  count,     // one expression, a whole number
-  numbers,   // as many expressions as `sizes` says
-  signal,    // one expression of t
-  signals,   // three expressions of t
-  fields,    // three expressions of s, the fraction of a beam's length, and t
-  law,       // one expression of a displacement x
-  rate_law,  // one expression of a rate v
-  choice     // one of `choices`
-};
-
-// Numbers allowed; the ends belong to it unless `open`.
-struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool open = false;
-};
-inline constexpr Range any{};
-inline constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true};
-inline constexpr Range not_negative{0.0};
-
-// In place of a default value: what it means to leave the attribute out.
-inline constexpr std::string_view required = "(required)";
-inline constexpr std::string_view optional = "(optional)";
-
-struct Attribute {
-  std::string_view name;
-  Kind kind = Kind::text;
-  std::string_view unit;      // SI; pure_number, or any_unit (units.hpp)
-  std::string_view fallback;  // `required`, `optional`, or the default as one would write it
-  std::string_view doc;
-  Range range = any;                  // of number, count and each of numbers
-  std::array<int, 2> sizes = {3, 3};  // of numbers: either
-  // Separated by blanks, in the order of the enum they stand for; of a number: words it may be instead.
-  std::string_view choices = {};
-};
+using field::Attribute;
+using field::Kind;
+using field::optional;
+using field::Range;
+using field::required;
 
 struct Element {
   std::string_view name;
@@ -65,6 +26,7 @@ struct Element {
   std::string_view doc;
   std::vector<Attribute> attributes;
   std::string_view content = {};  // what its text is, if it may have any
+  std::string_view group = {};    // of the manual, of those that manual_chapters.cpp does not list
 };
 
 // Version of the format of model files: the newest that this library reads.

@@ -6,11 +6,13 @@
 #include <string>
 #include <string_view>
 
+#include "libmbd/scene/field.hpp"
+
 namespace mbd {
 
 // What the unit of an attribute may be besides an SI unit: a pure number, or any unit at all.
-inline constexpr std::string_view pure_number = "";
-inline constexpr std::string_view any_unit = "any";
+using field::any_unit;
+using field::pure_number;
 
 // What a number in `unit` must be multiplied by to be in `wanted`, an SI unit such as "N.m2", or any_unit.
 // Throws Error (without source) for names that are not known, units of another quantity, units with a zero

@@ -214,7 +214,8 @@ class Grammar {
   }
 
   bool is_required(const Element& element, const Attribute& a) const {
-    return a.fallback == schema::required && (!may_be_default(element.name) || is_of_one_item(a));
+    return a.fallback == schema::required &&
+           (!may_be_default(element.name) || schema::is_of_one_item(a));
   }
 
   // Attributes that are the same in both types of what may be a default.

@@ -90,32 +90,19 @@ Index beam_elements(const System& system) {
 // ---- check -------------------------------------------------------------------------------------
 
 std::vector<Count> stated_counts(const Scene& scene) {
-  const auto size = [](const auto& list) { return static_cast<Index>(list.size()); };
   Index elements = 0;
   for (const BeamScene& beam : scene.beams) elements += beam.elements;
   const auto damped = std::count_if(scene.sections.begin(), scene.sections.end(),
                                     [](const Section& s) { return s.damping.has_value(); });
-  return {{"sections", size(scene.sections)},  //
-          {"damped sections", damped},
-          {"beams", size(scene.beams)},
-          {"elements", elements},
-          {"bodies", size(scene.bodies)},
-          {"point masses", size(scene.point_masses)},
-          {"rigid groups", size(scene.rigids)},
-          {"joints", size(scene.joints)},
-          {"drives", size(scene.drives)},
-          {"motions", size(scene.motions)},
-          {"loads", size(scene.loads)},
-          {"distributed loads", size(scene.distributed_loads)},
-          {"springs", size(scene.springs)},
-          {"bushings", size(scene.bushings)},
-          {"joint springs", size(scene.joint_springs)},
-          {"joint torques", size(scene.joint_torques)},
-          {"drags", size(scene.drags)},
-          {"added masses", size(scene.added_masses)},
-          {"records", size(scene.records)},
-          {"plots", size(scene.plots)},
-          {"expectations", size(scene.expects)}};
+  std::vector<Count> counts;
+  each_kind(scene, [&]<class Items>(const Items& items) {
+    using Item = typename Items::value_type;
+    if constexpr (requires { items.size(); })
+      counts.push_back({std::string(Item::item.plural), std::ssize(items)});
+    if constexpr (std::is_same_v<Item, Section>) counts.push_back({"damped sections", damped});
+    if constexpr (std::is_same_v<Item, BeamScene>) counts.push_back({"elements", elements});
+  });
+  return counts;
 }
 
 Index stated(const CheckReport& report, std::string_view what) {
@@ -304,6 +291,13 @@ class Explainer {
       present(what, std::move(names));
   }
 
+  // Of kinds of which there is no more to say.
+  template <class Item>
+  void stated(const std::vector<Item>& items) {
+    either(std::string(Item::item.explained), from(items),
+           fmt::format("no <{}>", Item::item.element));
+  }
+
   const Batch* batch(std::string_view type) const {
     for (const auto& one : system_.batches())
       if (one->type() == type) return one.get();
@@ -480,8 +474,15 @@ class Explainer {
     const auto follows = [](const auto& load) {
       return load.follower_force || load.follower_moment;
     };
-    either("loads at places", from(scene_.loads), "no <load>");
-    either("distributed loads", from(scene_.distributed_loads), "no <distributed>");
+    stated(scene_.loads);
+    stated(scene_.distributed_loads);
+    each_kind(scene_, [this]<class Items>(const Items& items) {
+      using Item = typename Items::value_type;
+      constexpr bool elsewhere =
+          std::is_same_v<Item, LoadScene> || std::is_same_v<Item, DistributedLoadScene> ||
+          std::is_same_v<Item, JointTorqueScene> || std::is_same_v<Item, MotionScene>;
+      if constexpr (!Item::item.explained.empty() && !elsewhere) stated(items);
+    });
     if (scene_.loads.empty() && scene_.distributed_loads.empty()) return;
 
     // Components that are zero are not in a batch: what is stated may do nothing.
@@ -517,7 +518,7 @@ class Explainer {
     for (const DriveScene& drive : scene_.drives)
       drives.push_back(at(label("drive", drive.joint), drive.source));
     either("driven joints", drives, "no <drive>");
-    either("prescribed motions of places", from(scene_.motions), "no <motion>");
+    stated(scene_.motions);
   }
 
   void springs() {
@@ -547,8 +548,7 @@ class Explainer {
            "no <joint_spring> has a stiffness or a law");
     dampers("dampers of joints", from(scene_.joint_springs, damped),
             "no <joint_spring> has a damping");
-    either("moments and forces along the axes of joints", from(scene_.joint_torques),
-           "no <joint_torque>");
+    stated(scene_.joint_torques);
   }
 
   // Nothing damps in equilibria.

@@ -10,10 +10,4 @@ std::string said(const Source& source, const std::string& what) {
   return Error(source, what).what();
 }
 
-std::string_view element_of(const BeamScene& beam) {
-  return std::holds_alternative<Straight>(beam.line) ? "beam"
-         : std::holds_alternative<Arc>(beam.line)    ? "arc"
-                                                     : "curve";
-}
-
 }  // namespace mbd

@@ -15,23 +15,25 @@ std::string label(std::string_view element, std::string_view name = {});
 // "rod.xml:12: what", as messages begin.
 std::string said(const Source& source, const std::string& what);
 
-std::string_view element_of(const BeamScene& beam);  // "beam", "arc" or "curve"
+// "beam", "arc" or "curve"; of a joint its kind.
+template <class Item>
+std::string_view element_of(const Item&) {
+  return Item::item.element;
+}
+inline std::string_view element_of(const BeamScene& beam) {
+  return std::visit([](const auto& line) { return element_of(line); }, beam.line);
+}
+inline std::string_view element_of(const JointScene& joint) { return joint.kind; }
+inline std::string_view element_of(const PathMarkScene& mark) {
+  return mark.stops ? "stop" : "mark";
+}
 
-inline std::string label(const Section& s) { return label("section", s.name); }
-inline std::string label(const BeamScene& b) { return label(element_of(b), b.name); }
-inline std::string label(const BodyScene& b) { return label("body", b.name); }
-inline std::string label(const RigidScene& r) { return label("rigid", r.name); }
-inline std::string label(const JointScene& j) { return label(j.kind, j.name); }
-inline std::string label(const MotionScene& m) { return label("motion", m.name); }
-inline std::string label(const LoadScene& l) { return label("load", l.name); }
-inline std::string label(const DistributedLoadScene& l) { return label("distributed", l.name); }
-inline std::string label(const PointMassScene& m) { return label("point_mass", m.name); }
-inline std::string label(const SpringScene& s) { return label("spring", s.name); }
-inline std::string label(const BushingScene& b) { return label("bushing", b.name); }
-inline std::string label(const JointSpringScene& s) { return label("joint_spring", s.name); }
-inline std::string label(const JointTorqueScene& t) { return label("joint_torque", t.name); }
-inline std::string label(const DragScene& d) { return label("drag", d.name); }
-inline std::string label(const AddedMassScene& m) { return label("added_mass", m.name); }
-inline std::string label(const RecordScene& r) { return label("record", r.name); }
+template <class Item>
+requires(!std::is_convertible_v<Item, std::string_view>) std::string label(const Item& item) {
+  if constexpr (requires { item.name; })
+    return label(element_of(item), item.name);
+  else
+    return label(element_of(item));
+}
 
 }  // namespace mbd

@@ -17,17 +17,14 @@ std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int 
   each_place(scene, [&](const Place& place) {
     if (place.kind == Place::Kind::beam && place.name == beam.name) add(place.parameter);
   });
-  const auto add_parts = [&](const auto& items) {
+  each_kind_along(scene, [&](const auto& items) {
     for (const auto& item : items) {
       if (item.beam != beam.name) continue;
       const Part part = part_of(item);
       add(part.from);
       add(part.to);
     }
-  };
-  add_parts(scene.distributed_loads);
-  add_parts(scene.drags);
-  add_parts(scene.added_masses);
+  });
   std::sort(ends.begin(), ends.end());
   return ends;
 }

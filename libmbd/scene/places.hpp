@@ -12,34 +12,32 @@ namespace mbd {
 template <class SomeScene, class Look>
 requires std::is_same_v<std::remove_const_t<SomeScene>, Scene>
 void each_place(SomeScene& scene, const Look& look) {
-  const auto some = [&](auto& place) {
-    if (place) look(*place);
-  };
-  const auto pairs = [&](auto& items) {
-    for (auto& item : items) look(item.a), look(item.b);
-  };
-  for (auto& body : scene.bodies) some(body.attached_to);
-  pairs(scene.joints);
-  for (auto& motion : scene.motions) look(motion.of);
-  for (auto& load : scene.loads) look(load.at);
-  for (auto& mass : scene.point_masses) look(mass.at);
-  pairs(scene.springs);
-  pairs(scene.bushings);
-  for (auto& drag : scene.drags) some(drag.at);
-  for (auto& mass : scene.added_masses) some(mass.at);
-  for (auto& record : scene.records) some(record.at);
+  each_item(scene, [&look](auto& item) {
+    field::each_value(item, [&look]<class Value>(Value& value, const field::About&) {
+      if constexpr (std::is_same_v<std::remove_const_t<Value>, Place>) look(value);
+    });
+  });
 }
 
 // What lies along a part of a beam: from where to where, fractions of its reference length.
 struct Part {
   double from = 0.0, to = 1.0;
 };
-inline Part part_of(const DistributedLoadScene& load) { return {load.from, load.to}; }
-inline Part part_of(const DragScene& drag) {
-  return {drag.from.value_or(0.0), drag.to.value_or(1.0)};
+inline double value_or(double value, double) { return value; }
+inline double value_or(const std::optional<double>& value, double other) {
+  return value.value_or(other);
 }
-inline Part part_of(const AddedMassScene& mass) {
-  return {mass.from.value_or(0.0), mass.to.value_or(1.0)};
+template <class Along>
+Part part_of(const Along& along) {
+  return {value_or(along.from, 0.0), value_or(along.to, 1.0)};
+}
+
+// Calls f with the items of each kind that may lie along a beam.
+template <class SomeScene, class F>
+void each_kind_along(SomeScene& scene, const F& f) {
+  each_kind(scene, [&f]<class Items>(Items& items) {
+    if constexpr (requires(typename Items::value_type item) { item.beam; }) f(items);
+  });
 }
 
 // Where elements of the beam end, as fractions of its reference length from 0 to 1: its ends, those of `elements` equal

@@ -125,12 +125,15 @@ class Effects {
   }
 
   template <class T>
-  void add_each(const std::vector<T>& items, std::string_view element,
-                std::vector<T> Scene::*member) {
+  void add_each(const std::vector<T>& items) {
+    const std::string_view element = T::item.element;
     for (const T& item : items)
-      add(fmt::format("{}:{}", element, item.name), label(element, item.name),
-          left_out(element, item.name),
-          [member, name = item.name](Scene& s) { erase_named(s.*member, name); });
+      add(fmt::format("{}:{}", element, item.name), label(item), left_out(element, item.name),
+          [name = item.name](Scene& s) {
+            each_kind(s, [&name](auto& all) {
+              if constexpr (std::is_same_v<decltype(all), std::vector<T>&>) erase_named(all, name);
+            });
+          });
   }
 
   void flexibility() {
@@ -190,8 +193,8 @@ class Effects {
           [](Scene& s) {
             for (Section& section : s.sections) each_mass(section, lower_rotary_inertia);
           });
-    add_each(scene_.point_masses, "point_mass", &Scene::point_masses);
-    add_each(scene_.added_masses, "added_mass", &Scene::added_masses);
+    add_each(scene_.point_masses);
+    add_each(scene_.added_masses);
     if (scene_.transient && scene_.transient->inertia == InertiaTerms::full &&
         scene_.transient->balance.value_or(Balance::acceleration) == Balance::acceleration)
       add("gyroscopic", "gyroscopic moments of rotary inertia",
@@ -214,15 +217,16 @@ class Effects {
     if (scene_.base_motion)
       add("base_motion", "motion of the base", left_out("base_motion", {}),
           [](Scene& s) { s.base_motion.reset(); });
-    add_each(scene_.drags, "drag", &Scene::drags);
+    add_each(scene_.drags);
     if (scene_.gravity && !scene_.gravity->acceleration.isZero(0.0))
       add("gravity", "gravity", left_out("gravity", {}), [](Scene& s) { s.gravity.reset(); });
-    add_each(scene_.loads, "load", &Scene::loads);
-    add_each(scene_.distributed_loads, "distributed", &Scene::distributed_loads);
-    add_each(scene_.springs, "spring", &Scene::springs);
-    add_each(scene_.bushings, "bushing", &Scene::bushings);
-    add_each(scene_.joint_springs, "joint_spring", &Scene::joint_springs);
-    add_each(scene_.joint_torques, "joint_torque", &Scene::joint_torques);
+    each_kind(scene_, [this]<class Items>(const Items& items) {
+      using Item = typename Items::value_type;
+      constexpr bool has_been = std::is_same_v<Item, PointMassScene> ||
+                                std::is_same_v<Item, AddedMassScene> ||
+                                std::is_same_v<Item, DragScene>;
+      if constexpr (Item::item.is_an_effect && !has_been) add_each(items);
+    });
   }
 
   // Last, as it renames beams and copies sections.
@@ -246,15 +250,10 @@ class Effects {
 };
 
 Scene named(Scene scene) {
-  name_all(scene.loads, "load");
-  name_all(scene.distributed_loads, "distributed");
-  name_all(scene.point_masses, "point_mass");
-  name_all(scene.added_masses, "added_mass");
-  name_all(scene.drags, "drag");
-  name_all(scene.springs, "spring");
-  name_all(scene.bushings, "bushing");
-  name_all(scene.joint_springs, "joint_spring");
-  name_all(scene.joint_torques, "joint_torque");
+  each_kind(scene, []<class Items>(Items& items) {
+    using Item = typename Items::value_type;
+    if constexpr (Item::item.is_an_effect) name_all(items, Item::item.element);
+  });
   return scene;
 }
 
@@ -262,11 +261,11 @@ Scene named(Scene scene) {
 void leave_out_records(Scene& scene) {
   std::vector<std::string> gone;
   const auto exists = [&](const std::string& spring) {
-    const auto among = [&](const auto& items) {
-      return std::any_of(items.begin(), items.end(),
-                         [&](const auto& item) { return item.name == spring; });
-    };
-    return among(scene.springs) || among(scene.bushings) || among(scene.joint_springs);
+    bool found = false;
+    each_item(scene, [&]<class T>(const T& item) {
+      if constexpr (T::item.names == field::of_springs) found = found || item.name == spring;
+    });
+    return found;
   };
   for (RecordScene& record : scene.records) {
     if (record.spring && !exists(*record.spring)) {

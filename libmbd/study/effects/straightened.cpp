@@ -21,11 +21,12 @@ const Section* section_of(const Scene& scene, const BeamScene& beam) {
 }
 
 bool is_taken(const Scene& scene, const std::string& name) {
-  const auto among = [&](const auto& items) {
-    return std::any_of(items.begin(), items.end(), [&](const auto& x) { return x.name == name; });
-  };
-  return among(scene.sections) || among(scene.beams) || among(scene.bodies) ||
-         among(scene.joints) || among(scene.motions) || among(scene.rigids);
+  bool taken = false;
+  each_item(scene, [&]<class T>(const T& item) {
+    if constexpr (T::item.names == field::of_sections || T::item.names == field::of_parts)
+      taken = taken || item.name == name;
+  });
+  return taken;
 }
 
 // Of the section between two places: linear tables stay what they are.
@@ -64,11 +65,10 @@ void divide(std::vector<Along>& items, const std::string& beam, const std::vecto
       piece.from = 0.0;
       piece.to = 1.0;
       if (!item.name.empty()) piece.name = fmt::format("{}_{}", item.name, i + 1);
-      if constexpr (std::is_same_v<Along, DistributedLoadScene>)
-        for (auto* const fields :
-             {&piece.force, &piece.moment, &piece.follower_force, &piece.follower_moment})
-          if (*fields)
-            for (FieldExpression& field : **fields) field = field.on_part(ends[i], ends[i + 1]);
+      field::each_value(piece, [&](auto& value, const field::About&) {
+        if constexpr (std::is_same_v<decltype(value), FieldVector&>)
+          for (FieldExpression& one : value) one = one.on_part(ends[i], ends[i + 1]);
+      });
       divided.push_back(std::move(piece));
     }
   }
@@ -138,9 +138,7 @@ void straighten(Scene& scene, const std::string& name) {
     place.name = names[end == 0 ? 0 : end - 1];
     place.parameter = end == 0 ? 0.0 : 1.0;
   });
-  divide(scene.distributed_loads, name, ends, names);
-  divide(scene.drags, name, ends, names);
-  divide(scene.added_masses, name, ends, names);
+  each_kind_along(scene, [&](auto& items) { divide(items, name, ends, names); });
   for (std::size_t i = 0; i + 1 < names.size(); ++i) {
     JointScene joint;
     joint.source = beam.source;

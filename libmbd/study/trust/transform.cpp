@@ -20,8 +20,7 @@
 namespace mbd {
 namespace {
 
-using LawVector = std::array<Expression, 3>;
-using FieldVector = std::array<FieldExpression, 3>;
+using field::About;
 
 Expression scaled_law(const Expression& e, double factor, double stretch = 1.0) {
   const Expression::Term one[] = {{factor, &e}};
@@ -59,9 +58,15 @@ FieldVector turned_law(const FieldVector& fields, const Mat3& R) {
   return result;
 }
 
-template <class T, class F>
-void change_if(std::optional<T>& value, const F& to) {
-  if (value) value = to(*value);
+// change(value, about) for every value of the scene's items that one of the functions takes.
+template <class... F>
+void change_values(Scene& scene, const F&... change) {
+  const field::Overloaded changes{change...};
+  each_item(scene, [&changes](auto& item) {
+    field::each_value(item, [&changes](auto& value, const About& about) {
+      if constexpr (requires { changes(value, about); }) changes(value, about);
+    });
+  });
 }
 
 // What a column of a run is.
@@ -190,8 +195,6 @@ Transformed moved(const Scene& scene, const RigidMotion& motion) {
   const Mat3& R = motion.R;
   const auto point = [&](const Vec3& x) { return Vec3(R * x + motion.shift); };
   const auto direction = [&](const Vec3& x) { return Vec3(R * x); };
-  const auto laws = [&](const LawVector& e) { return turned_law(e, R); };
-  const auto fields = [&](const FieldVector& e) { return turned_law(e, R); };
   Transformed result{without_inertial_marks(scene), {}};
   Scene& s = result.scene;
   if (scene.path)
@@ -200,242 +203,63 @@ Transformed moved(const Scene& scene, const RigidMotion& motion) {
         result.left_out.push_back(fmt::format("{} at {} = {:g}, along an inertial axis",
                                               mark.stops ? "stop" : "mark", mark.quantity,
                                               mark.value));
-  for (BeamScene& beam : s.beams) {
-    beam.normal = direction(beam.normal);
-    if (auto* const line = std::get_if<Straight>(&beam.line)) {
-      line->from = point(line->from);
-      line->to = point(line->to);
-    } else if (auto* const arc = std::get_if<Arc>(&beam.line)) {
-      arc->from = point(arc->from);
-      arc->center = point(arc->center);
-      arc->axis = direction(arc->axis);
-    } else {
-      for (CurvePoint& p : std::get<Curve>(beam.line).points) {
-        p.at = point(p.at);
-        change_if(p.normal, direction);
-      }
-    }
-  }
-  for (BodyScene& body : s.bodies) {
-    if (body.attached_to) continue;
-    body.at = point(body.at);
-    body.orientation = R * body.orientation;
-    body.velocity = direction(body.velocity);
-  }
-  for (JointScene& j : s.joints) {
-    change_if(j.at, point);
-    change_if(j.at_a, point);
-    change_if(j.at_b, point);
-    change_if(j.axis, direction);
-    change_if(j.second_axis, direction);
-  }
-  for (SpringScene& spring : s.springs) {
-    change_if(spring.at_a, point);
-    change_if(spring.at_b, point);
-  }
+  change_values(
+      s,
+      [&](Vec3& x, const About& about) {
+        if (about.has(field::point)) x = point(x);
+        if (about.has(field::inertial)) x = direction(x);
+      },
+      [&](Mat3& turn, const About& about) {
+        if (about.has(field::rotation)) turn = R * turn;
+      },
+      [&](LawVector& laws, const About& about) {
+        if (about.has(field::inertial)) laws = turned_law(laws, R);
+      },
+      [&](FieldVector& fields, const About& about) {
+        if (about.has(field::inertial)) fields = turned_law(fields, R);
+      });
+  // Without axes a bushing has the inertial ones.
   for (BushingScene& bushing : s.bushings) {
     const Mat3 frame = bushing.axis ? frame_with_third(*bushing.axis, bushing.second_axis)
                                     : Mat3(Mat3::Identity());
     bushing.axis = direction(frame.col(2));
     bushing.second_axis = direction(frame.col(0));
-    change_if(bushing.at, point);
   }
-  for (MotionScene& m : s.motions) {
-    change_if(m.displacement, laws);
-    change_if(m.velocity, laws);
-    change_if(m.rotation, laws);
-    change_if(m.axis, direction);
-  }
-  for (LoadScene& load : s.loads) {
-    change_if(load.force, laws);
-    change_if(load.moment, laws);
-  }
-  for (DistributedLoadScene& load : s.distributed_loads) {
-    change_if(load.force, fields);
-    change_if(load.moment, fields);
-  }
-  for (DragScene& drag : s.drags) change_if(drag.flow, laws);
-  if (s.base_motion) {
-    change_if(s.base_motion->acceleration, laws);
-    change_if(s.base_motion->velocity, laws);
-    change_if(s.base_motion->displacement, laws);
-  }
-  if (s.gravity) s.gravity->acceleration = direction(s.gravity->acceleration);
   return result;
 }
 
 Transformed rescaled(const Scene& scene, const UnitChange& units) {
-  const double length = units.factor("m"), time = units.factor("s");
-  const auto by = [&](std::string_view unit) {
-    return [factor = units.factor(unit)](const auto& x) {
-      return std::decay_t<decltype(x)>(x * factor);
-    };
-  };
-  const auto law = [&](std::string_view unit) {
-    return
-        [factor = units.factor(unit), time](const auto& e) { return scaled_law(e, factor, time); };
-  };
-  const auto point = by("m");
-  const auto stiffness = [&](Mat6& D) {
-    D.topLeftCorner<3, 3>() *= units.factor("N");
-    D.topRightCorner<3, 3>() *= units.factor("N.m");
-    D.bottomLeftCorner<3, 3>() *= units.factor("N.m");
-    D.bottomRightCorner<3, 3>() *= units.factor("N.m2");
-  };
-  const auto mass = [&](std::optional<Mat6>& M) {
-    if (!M) return;
-    M->topLeftCorner<3, 3>() *= units.factor("kg/m");
-    M->topRightCorner<3, 3>() *= units.factor("kg");
-    M->bottomLeftCorner<3, 3>() *= units.factor("kg");
-    M->bottomRightCorner<3, 3>() *= units.factor("kg.m");
-  };
+  const double time = units.factor("s");
   Transformed result{bare_scene(scene), {}};
   Scene& s = result.scene;
-  for (Section& section : s.sections) {
-    stiffness(section.stiffness);
-    mass(section.mass);
-    if (section.damping) {
-      section.damping->stiffness_proportional *= time;
-      section.damping->mass_proportional /= time;
-      stiffness(section.damping->viscous);
-      section.damping->viscous *= time;
-    }
-    for (Station& station : section.stations) {
-      stiffness(station.stiffness);
-      mass(station.mass);
-    }
-  }
-  for (BeamScene& beam : s.beams) {
-    if (auto* const line = std::get_if<Straight>(&beam.line)) {
-      line->from *= length;
-      line->to *= length;
-    } else if (auto* const arc = std::get_if<Arc>(&beam.line)) {
-      arc->from *= length;
-      arc->center *= length;
-    } else {
-      for (CurvePoint& p : std::get<Curve>(beam.line).points) p.at *= length;
-    }
-  }
-  for (BodyScene& body : s.bodies) {
-    body.at *= length;
-    body.center *= length;
-    body.mass *= units.factor("kg");
-    body.inertia *= units.factor("kg.m2");
-    body.velocity *= units.factor("m/s");
-    body.angular_velocity *= units.factor("rad/s");
-  }
-  for (JointScene& j : s.joints) {
-    change_if(j.at, point);
-    change_if(j.at_a, point);
-    change_if(j.at_b, point);
-    if (j.parameter) {
-      const schema::JointKind* const kind = schema::find_joint_kind(j.kind);
-      if (kind != nullptr) j.parameter = *j.parameter * units.factor(kind->traits.parameter.unit);
-    }
-  }
-  for (DriveScene& d : s.drives) {
-    change_if(d.rate, law("rad/s"));
-    change_if(d.angle, law("rad"));
-    change_if(d.speed, law("m/s"));
-    change_if(d.displacement, law("m"));
-  }
-  for (MotionScene& m : s.motions) {
-    change_if(m.displacement, law("m"));
-    change_if(m.velocity, law("m/s"));
-    change_if(m.rotation, law("rad"));
-    change_if(m.angle, law("rad"));
-    change_if(m.rate, law("rad/s"));
-  }
-  for (LoadScene& load : s.loads) {
-    change_if(load.force, law("N"));
-    change_if(load.moment, law("N.m"));
-    change_if(load.follower_force, law("N"));
-    change_if(load.follower_moment, law("N.m"));
-    load.offset *= length;
-  }
-  for (DistributedLoadScene& load : s.distributed_loads) {
-    change_if(load.force, law("N/m"));
-    change_if(load.moment, law("N"));
-    change_if(load.follower_force, law("N/m"));
-    change_if(load.follower_moment, law("N"));
-  }
-  for (PointMassScene& m : s.point_masses) {
-    m.mass *= units.factor("kg");
-    m.offset *= length;
-  }
-  const auto elastic = [&](std::string_view force, std::string_view of) {
-    return [f = units.factor(force), x = units.factor(of)](const LawScene& e) {
-      return scaled_law(e, f, x);
-    };
+  const auto factor = [&units](const About& about) {
+    const std::string_view unit = about.attribute.unit;
+    return unit == any_unit ? 1.0 : units.factor(unit);
   };
-  for (SpringScene& spring : s.springs) {
-    change_if(spring.at_a, point);
-    change_if(spring.at_b, point);
-    change_if(spring.length, point);
-    spring.stiffness *= units.factor("N/m");
-    spring.damping *= units.factor("N.s/m");
-    change_if(spring.force, elastic("N", "m"));
-    change_if(spring.damping_force, elastic("N", "m/s"));
-  }
-  const auto blocks = [&](Mat6& M, std::string_view of_lengths, std::string_view mixed,
-                          std::string_view of_angles) {
-    M.topLeftCorner<3, 3>() *= units.factor(of_lengths);
-    M.topRightCorner<3, 3>() *= units.factor(mixed);
-    M.bottomLeftCorner<3, 3>() *= units.factor(mixed);
-    M.bottomRightCorner<3, 3>() *= units.factor(of_angles);
-  };
-  for (BushingScene& bushing : s.bushings) {
-    change_if(bushing.at, point);
-    blocks(bushing.stiffness, "N/m", "N", "N.m");
-    blocks(bushing.damping, "N.s/m", "N.s", "N.m.s");
-    for (BushingLawScene& l : bushing.laws)
-      l.force = l.component <= 3 ? elastic("N", "m")(l.force) : elastic("N.m", "rad")(l.force);
-  }
-  for (JointSpringScene& spring : s.joint_springs) {
-    const bool turns = spring.coordinate == JointSpringScene::Coordinate::angle;
-    const std::string_view force = turns ? "N.m" : "N";
-    spring.stiffness *= units.factor(turns ? "N.m" : "N/m");
-    spring.damping *= units.factor(turns ? "N.m.s" : "N.s/m");
-    spring.rest *= units.factor(turns ? "rad" : "m");
-    change_if(spring.force, elastic(force, turns ? "rad" : "m"));
-    change_if(spring.damping_force, elastic(force, turns ? "rad/s" : "m/s"));
-  }
-  for (JointTorqueScene& torque : s.joint_torques) {
-    change_if(torque.moment, law("N.m"));
-    change_if(torque.force, law("N"));
-  }
-  for (DragScene& drag : s.drags) {
-    drag.density *= units.factor("kg/m3");
-    change_if(drag.flow, law("m/s"));
-    change_if(drag.diameter, by("m"));
-    change_if(drag.area, by("m2"));
-    change_if(drag.offset, by("m"));
-  }
-  for (AddedMassScene& m : s.added_masses) {
-    change_if(m.density, by("kg/m3"));
-    change_if(m.diameter, by("m"));
-    if (!m.matrix) continue;
-    m.matrix->topLeftCorner<3, 3>() *= units.factor("kg");
-    m.matrix->topRightCorner<3, 3>() *= units.factor("kg.m");
-    m.matrix->bottomLeftCorner<3, 3>() *= units.factor("kg.m");
-    m.matrix->bottomRightCorner<3, 3>() *= units.factor("kg.m2");
-  }
-  if (s.base_motion) {
-    change_if(s.base_motion->acceleration, law("m/s2"));
-    change_if(s.base_motion->velocity, law("m/s"));
-    change_if(s.base_motion->displacement, law("m"));
-  }
-  if (s.gravity) s.gravity->acceleration *= units.factor("m/s2");
-  if (s.transient) {
-    TransientScene& t = *s.transient;
-    t.duration *= time;
-    change_if(t.step, by("s"));
-    change_if(t.max_step, by("s"));
-    change_if(t.output, by("s"));
-    change_if(t.position_tolerance, by("m"));
-    change_if(t.velocity_tolerance, by("m/s"));
-    change_if(t.angular_velocity_tolerance, by("rad/s"));
-  }
+  change_values(
+      s, [&](double& x, const About& about) { x *= factor(about); },
+      [&](Vec3& x, const About& about) { x *= factor(about); },
+      [&](Mat3& M, const About& about) { M *= factor(about); },
+      [&](Mat6& M, const About& about) {
+        const double mixed = units.factor(about.blocks[1]);
+        M.topLeftCorner<3, 3>() *= units.factor(about.blocks[0]);
+        M.topRightCorner<3, 3>() *= mixed;
+        M.bottomLeftCorner<3, 3>() *= mixed;
+        M.bottomRightCorner<3, 3>() *= units.factor(about.blocks[2]);
+      },
+      [&](Expression& law, const About& about) { law = scaled_law(law, factor(about), time); },
+      [&](LawVector& laws, const About& about) { laws = scaled_law(laws, factor(about), time); },
+      [&](FieldVector& fields, const About& about) {
+        fields = scaled_law(fields, factor(about), time);
+      },
+      [&](LawScene& law, const About& about) {
+        // Of a length, or of an angle, or of their rates.
+        const double of = about.attribute.unit == "N.m" ? 1.0 : units.factor("m");
+        law = scaled_law(law, factor(about), about.has(field::of_rate) ? of / time : of);
+      });
+  for (JointScene& j : s.joints)
+    if (const schema::JointKind* const kind = schema::find_joint_kind(j.kind); j.parameter && kind)
+      j.parameter = *j.parameter * units.factor(kind->traits.parameter.unit);
   if (s.path)
     for (PathMarkScene& mark : s.path->marks)
       if (const Meaning meaning = meaning_of(scene, mark.quantity); meaning.quantity != nullptr)
@@ -446,22 +270,12 @@ Transformed rescaled(const Scene& scene, const UnitChange& units) {
 Scene reordered(const Scene& scene, std::uint64_t seed) {
   Scene s = bare_scene(scene);
   TransformRandom random(seed);
-  random.shuffle(s.sections);
-  random.shuffle(s.beams);
-  random.shuffle(s.bodies);
-  random.shuffle(s.rigids);
-  random.shuffle(s.joints);
-  random.shuffle(s.drives);
-  random.shuffle(s.motions);
-  random.shuffle(s.loads);
-  random.shuffle(s.distributed_loads);
-  random.shuffle(s.point_masses);
-  random.shuffle(s.springs);
-  random.shuffle(s.bushings);
-  random.shuffle(s.joint_springs);
-  random.shuffle(s.joint_torques);
-  random.shuffle(s.drags);
-  random.shuffle(s.added_masses);
+  each_kind(s, [&random]<class Items>(Items& items) {
+    using Item = typename Items::value_type;
+    // The order of records is that of columns, which are compared.
+    if constexpr (requires { items.size(); } && !std::is_same_v<Item, RecordScene>)
+      random.shuffle(items);
+  });
   return s;
 }
 
@@ -469,10 +283,38 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
   Scene s = bare_scene(scene);
   TransformRandom random(seed);
   const auto factor = [&] { return 1.0 + relative * random.in(-1.0, 1.0); };
-  const auto each = [&](auto& matrix) {
-    for (Index i = 0; i < matrix.size(); ++i) matrix(i) *= factor();
+  // Forces, stiffnesses, masses, and what says so of itself.
+  const auto varies = [](const About& about) {
+    constexpr UnitChange kilograms{1.0, 2.0, 1.0};
+    const std::string_view unit = about.blocks[0].empty() ? about.attribute.unit : about.blocks[0];
+    return about.has(field::varied) || (unit != any_unit && kilograms.factor(unit) != 1.0);
   };
-  for (Section& section : s.sections) {
+  const auto scale = [&](auto& x, const About& about) {
+    if (varies(about)) x *= factor();
+  };
+  const auto scale_law = [&](auto& law, const About& about) {
+    if (varies(about)) law = scaled_law(law, factor(), 1.0);
+  };
+  std::vector<Section> sections;
+  sections.swap(s.sections);  // which have one factor for all their stations, below
+  change_values(
+      s, [&](double& x, const About& about) { scale(x, about); },
+      [&](Vec3& x, const About& about) {
+        for (double& component : x) scale(component, about);
+      },
+      [&](Mat3& M, const About& about) {
+        for (Index i = 0; i < 3; ++i)
+          for (Index k = i; k < 3; ++k) {
+            scale(M(i, k), about);
+            M(k, i) = M(i, k);
+          }
+      },
+      [&](Mat6& M, const About& about) { scale(M, about); },
+      [&](Expression& law, const About& about) { scale_law(law, about); },
+      [&](LawVector& laws, const About& about) { scale_law(laws, about); },
+      [&](FieldVector& fields, const About& about) { scale_law(fields, about); },
+      [&](LawScene& law, const About& about) { scale_law(law, about); });
+  for (Section& section : sections) {
     const double D = factor(), M = factor();
     section.stiffness *= D;
     if (section.damping) section.damping->viscous *= D;
@@ -482,6 +324,7 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
       if (station.mass) *station.mass *= M;
     }
   }
+  s.sections.swap(sections);
   Vec3 first = Vec3::Zero();
   double size = 0.0;  // of the distances between bodies
   for (const BodyScene& body : s.bodies)
@@ -489,71 +332,10 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
   for (const BodyScene& body : s.bodies)
     if (!body.attached_to) size = std::max(size, (body.at - first).norm());
   for (BodyScene& body : s.bodies) {
-    body.mass *= factor();
-    const Mat3 old = body.inertia;
-    for (Index i = 0; i < 3; ++i)
-      for (Index k = i; k < 3; ++k) body.inertia(i, k) = body.inertia(k, i) = old(i, k) * factor();
-    each(body.center);
     if (body.attached_to) continue;
     body.at += relative * size * random.in(0.0, 1.0) * random.direction();
     const Vec3 turn = relative * random.in(0.0, 1.0) * random.direction();
     body.orientation = body.orientation * exp_so3<double>(turn).toRotationMatrix();
-    each(body.velocity);
-    each(body.angular_velocity);
-  }
-  const auto law = [&](const LawVector& e) { return scaled_law(e, factor()); };
-  const auto field = [&](const FieldVector& e) { return scaled_law(e, factor(), 1.0); };
-  for (LoadScene& load : s.loads) {
-    change_if(load.force, law);
-    change_if(load.moment, law);
-    change_if(load.follower_force, law);
-    change_if(load.follower_moment, law);
-  }
-  for (DistributedLoadScene& load : s.distributed_loads) {
-    change_if(load.force, field);
-    change_if(load.moment, field);
-    change_if(load.follower_force, field);
-    change_if(load.follower_moment, field);
-  }
-  for (PointMassScene& m : s.point_masses) m.mass *= factor();
-  for (SpringScene& spring : s.springs) {
-    spring.stiffness *= factor();
-    spring.damping *= factor();
-    const auto one = [&](const LawScene& e) { return scaled_law(e, factor(), 1.0); };
-    change_if(spring.force, one);
-    change_if(spring.damping_force, one);
-  }
-  for (BushingScene& bushing : s.bushings) {
-    bushing.stiffness *= factor();
-    bushing.damping *= factor();
-    for (BushingLawScene& l : bushing.laws) l.force = scaled_law(l.force, factor(), 1.0);
-  }
-  for (JointSpringScene& spring : s.joint_springs) {
-    spring.stiffness *= factor();
-    spring.damping *= factor();
-    const auto one = [&](const LawScene& e) { return scaled_law(e, factor(), 1.0); };
-    change_if(spring.force, one);
-    change_if(spring.damping_force, one);
-  }
-  for (JointTorqueScene& torque : s.joint_torques) {
-    const auto one = [&](const Expression& e) { return scaled_law(e, factor()); };
-    change_if(torque.moment, one);
-    change_if(torque.force, one);
-  }
-  if (s.gravity) each(s.gravity->acceleration);
-  for (DragScene& drag : s.drags) {
-    drag.density *= factor();
-    change_if(drag.flow, law);
-  }
-  for (AddedMassScene& m : s.added_masses) {
-    const double f = factor();
-    if (m.density) *m.density *= f;
-    if (m.matrix) *m.matrix *= f;
-  }
-  if (s.base_motion) {
-    change_if(s.base_motion->acceleration, law);
-    change_if(s.base_motion->velocity, law);
-    change_if(s.base_motion->displacement, law);
   }
   return s;
 }

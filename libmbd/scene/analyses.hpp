@@ -1,0 +1,246 @@
+// What is to be computed of a scene, and what to be written of its run, drawn, and met.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libmbd/scene/field.hpp"
+
+namespace mbd {
+
+inline constexpr field::Range error_range{1e-14, 0.1};  // finer is round-off, coarser is no result
+
+struct StaticScene {
+  Source source;
+  int steps = 1;
+  double tolerance = 1e-12;
+  StaticSolver solver = StaticSolver::newton;
+  bool line_search = true;  // KINSOL has its own
+
+  static constexpr field::ItemKind item{
+      "static", "Static equilibrium at t = 0, before the transient if there is one."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = StaticScene;
+    f(Field(&S::steps, "steps", "", preset, "the first load step is 1/steps of all loads",
+            at_least_one));
+    f(Field(&S::tolerance, "tolerance", "", preset, "of Newton's increments, relative", positive));
+    f(Field(&S::solver, "solver", "", preset,
+            "of each load step: our Newton iterations, or KINSOL's with its line search"));
+    f(Field(
+        &S::line_search, "line_search", "", preset,
+        "of Newton's iterations: increments that do not bring equilibrium nearer are shortened"));
+  }
+};
+
+// Where a path is to be looked at (or ends): where a column of path.csv passes a value.
+struct PathMarkScene {
+  Source source;
+  std::string quantity;
+  double value = 0.0;
+  bool stops = false;
+
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = PathMarkScene;
+    f(Field(&S::quantity, "quantity", "", required, "a column of path.csv"));
+    f(Field(&S::value, "value", any_unit, required, "the value it passes, from either side"));
+  }
+};
+
+// A path of equilibria over the load factor (path.hpp).
+struct PathScene {
+  Source source;
+  PathMethod method = PathMethod::bordered;
+  PathDirection direction = PathDirection::forward;
+  double step = 0.05, max_step = 0.1;
+  int points = 200;
+  std::optional<double> length;
+  int branch = 0;
+  double tolerance = 1e-12;
+  std::vector<PathMarkScene> marks;
+
+  static constexpr field::ItemKind item{
+      "path",
+      "Follows the equilibria over the load factor, from 0, through limit points and bifurcations; "
+      "instead of <static> and <transient>."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = PathScene;
+    f(Field(
+        &S::method, "method", "", preset,
+        "predictor and corrector on the bordered system, or Crisfield's cylindrical arc length"));
+    f(Field(&S::direction, "direction", "", preset,
+            "of the load factor at the start: growing, falling, or first one and then the other"));
+    f(Field(&S::step, "step", "", preset, "first step, of the load factor", positive));
+    f(Field(&S::max_step, "max_step", "", preset,
+            "longest step: rms over the nodes of displacement (over the scene's size) and rotation "
+            "[rad]",
+            positive));
+    f(Field(&S::points, "points", "", preset, "most points of each branch", at_least_one));
+    f(Field(&S::length, "length", "", optional,
+            "most arc length of each branch, measured as max_step", positive));
+    f(Field(&S::branch, "branch", "", preset,
+            "number of the bifurcation whose other branch is followed too; negative: to its other "
+            "side; 0: none",
+            Range{-1e6, 1e6}));
+    f(Field(&S::tolerance, "tolerance", "", preset, "of the corrector's increments, relative",
+            Range{1e-15, 1e-8}));
+    f(Parts(&S::marks));
+  }
+};
+
+// Integration in time. What is absent is chosen by the method, or not used.
+struct TransientScene {
+  Source source = {};
+  double duration = 0.0;
+  TimeMethod method = TimeMethod::generalized_alpha;
+  // One of both: fixed steps, of which the duration is a whole number, or steps that follow an estimated error.
+  std::optional<double> step = {}, tolerance = {};
+  // With a tolerance only; of velocities, not of generalized_alpha.
+  std::optional<double> position_tolerance = {}, rotation_tolerance = {}, velocity_tolerance = {},
+                        angular_velocity_tolerance = {}, max_step = {};
+  std::optional<double> newton_tolerance = {};  // of ida there is none
+  // Of generalized_alpha only.
+  std::optional<double> rho_infinity = {};
+  std::optional<Balance> balance = {};
+  // When rows of results are written: in intervals, or (output_steps) where steps end and at the times of
+  // expected values. With neither: where fixed steps end; with a tolerance, a thousand times.
+  std::optional<double> output = {};
+  bool output_steps = false;
+  InertiaTerms inertia = InertiaTerms::full;
+
+  static constexpr field::ItemKind item{
+      "transient",
+      "Integration in time, in fixed steps or in steps that follow an estimated error."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = TransientScene;
+    f(Field(&S::duration, "duration", "s", required,
+            "simulated time; of fixed steps, a whole number of them", positive));
+    f(Field(
+        &S::method, "method", "", preset,
+        "integrator: of order 2; Radau IIA, of order 5; or IDA of SUNDIALS, of variable order"));
+    f(Field(&S::step, "step", "s", optional, "time step, of fixed steps (one of step, tolerance)",
+            positive));
+    f(Field(&S::tolerance, "tolerance", "", optional,
+            "or the relative error that steps are chosen for: of lengths of the scene, of radians, "
+            "and of the fastest velocities",
+            error_range));
+    f(Field(&S::position_tolerance, "position_tolerance", "m", optional,
+            "in place of the relative one, of positions", positive));
+    f(Field(&S::rotation_tolerance, "rotation_tolerance", "rad", optional, "the same, of rotations",
+            positive));
+    f(Field(&S::velocity_tolerance, "velocity_tolerance", "m/s", optional,
+            "the same, of velocities; not of generalized_alpha, which does not estimate them",
+            positive));
+    f(Field(&S::angular_velocity_tolerance, "angular_velocity_tolerance", "rad/s", optional,
+            "the same, of angular velocities", positive));
+    f(Field(&S::max_step, "max_step", "s", optional,
+            "longest step that a tolerance may lead to (default: a part of the duration)",
+            positive));
+    f(Field(
+        &S::output, "output", "s", optional,
+        "time between rows of results, or steps: where steps end, and at the times of expected "
+        "values (default: where fixed steps end; with a tolerance, a thousandth of the duration)",
+        positive, OrWords{"steps"}));
+    f(Field(&S::rho_infinity, "rho_infinity", "", "0",
+            "of generalized_alpha: spectral radius at infinite frequency; 0 damps most, 1 nothing",
+            unit_interval));
+    f(Field(&S::balance, "balance", "", "acceleration",
+            "of inertia, of generalized_alpha: accelerations in body axes, or momenta in inertial "
+            "axes, which keeps those of free systems to round-off"));
+    f(Field(&S::newton_tolerance, "newton_tolerance", "", optional,
+            "of Newton's increments, relative (default: the integrator's own)", positive));
+    f(Field(&S::inertia, "inertia", "", preset,
+            "its terms: all, or without the gyroscopic moment w x J w about the mass centre of "
+            "what moves with a node"));
+  }
+};
+
+// One line of output: quantities of a place, of a joint or motion, of a spring, or (with none) of the whole
+// system, whenever a row of results is written.
+struct RecordScene {
+  Source source;
+  std::string name;
+  std::optional<Place> at;
+  std::optional<std::string> joint;
+  std::vector<std::string> quantities;
+  std::optional<std::string> spring = {};
+
+  static constexpr field::ItemKind item{"record", "Columns of history.csv.", "records",
+                                        field::of_records};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = RecordScene;
+    f(Field(&S::name, "name", "", required, "first part of its columns in history.csv", item_name));
+    f(Field(&S::at, "at", "", optional,
+            "a place; without place, joint and spring: the whole system"));
+    f(Field(&S::joint, "joint", "", optional,
+            "name of a joint or a motion (one of at, joint, spring)"));
+    f(Field(&S::spring, "spring", "", optional, "name of a spring, a bushing or a joint_spring"));
+    f(Field(&S::quantities, "quantities", "", required, "what to write, separated by blanks"));
+  }
+};
+
+// A panel of history.svg.
+struct PlotScene {
+  Source source;
+  std::string x;  // empty: the first column
+  std::vector<std::string> y;
+  double x_scale = 1.0, y_scale = 1.0;
+  std::string x_label, y_label, title;
+  std::optional<std::array<double, 2>> x_range;
+
+  static constexpr field::ItemKind item{"plot", "A panel of history.svg.", "plots"};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = PlotScene;
+    f(Field(&S::x, "x", "", optional,
+            "a column of history.csv (default: the first, time or load_factor)"));
+    f(Field(&S::y, "y", "", required, "columns of history.csv, one curve each"));
+    f(Field(&S::x_scale, "x_scale", "", preset, "factor on x"));
+    f(Field(&S::y_scale, "y_scale", "", preset, "factor on y"));
+    f(Field(&S::x_label, "x_label", "", optional, "default: the column and its unit"));
+    f(Field(&S::y_label, "y_label", "", optional, "default: the column and its unit"));
+    f(Field(&S::title, "title", "", optional, "written above the panel"));
+    f(Field(&S::x_range, "x_range", "", optional, "ends of the x axis, scaled"));
+  }
+};
+
+// A number the model must give.
+struct ExpectScene {
+  Source source;
+  std::string quantity;
+  enum class Of { value_at, minimum, maximum, limit, bifurcation, mark } of = Of::value_at;
+  double at = 0.0;
+  int number = 1;
+  double value = 0.0, tolerance = 0.0;
+  std::string reference;
+
+  static constexpr field::ItemKind item{"expect", "A number the run must give.", "expectations"};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = ExpectScene;
+    f(Field(&S::quantity, "quantity", "", required, "a column of history.csv"));
+    f(Field(&S::of, "of", "", preset,
+            "its value at one time (of load steps and paths: at the end), an extreme over the run, "
+            "or its value at a limit point, bifurcation or mark of a path"));
+    f(Field(&S::number, "number", "", preset, "of the limit point, bifurcation or mark, in order",
+            at_least_one));
+    f(Field(&S::at, "at", "s", optional,
+            "time of the value, one at which a row of results is written", not_negative));
+    f(Field(&S::value, "value", any_unit, required, "what it must be"));
+    f(Field(&S::tolerance, "tolerance", any_unit, required, "by how much it may differ", positive));
+    f(Field(&S::reference, "source", "", required, "where the number comes from"));
+    f(Extra("when", Kind::names, "", optional,
+            "parameter=value: checked only when the parameters have these values, to 12 digits"));
+  }
+};
+template <>
+inline constexpr std::string_view words_of<ExpectScene::Of> =
+    "value minimum maximum limit bifurcation mark";
+
+}  // namespace mbd
