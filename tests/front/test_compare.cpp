@@ -15,6 +15,7 @@ namespace mbd::test::test_compare {
 namespace {
 
 namespace fs = std::filesystem;
+using mbd::History;
 using test::contents;
 using test::Ended;
 using test::Program;
