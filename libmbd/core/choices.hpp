@@ -43,6 +43,9 @@ enum class PathDirection { forward, backward, both };
 // points).
 enum class Interpolation { linear, smooth };
 
+// What of a quantity is expected: its value at one time, an extreme, or its value at a special point of a path.
+enum class ExpectedOf { value_at, minimum, maximum, limit, bifurcation, mark };
+
 // The words of an enum, separated by blanks.
 template <class Enum>
 inline constexpr std::string_view words_of = {};
@@ -68,6 +71,9 @@ template <>
 inline constexpr std::string_view words_of<PathDirection> = "forward backward both";
 template <>
 inline constexpr std::string_view words_of<Interpolation> = "linear smooth";
+template <>
+inline constexpr std::string_view words_of<ExpectedOf> =
+    "value minimum maximum limit bifurcation mark";
 
 // "radau". Of the enums above only.
 template <class Enum>

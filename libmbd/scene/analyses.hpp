@@ -214,7 +214,8 @@ struct PlotScene {
 struct ExpectScene {
   Source source;
   std::string quantity;
-  enum class Of { value_at, minimum, maximum, limit, bifurcation, mark } of = Of::value_at;
+  using Of = ExpectedOf;
+  Of of = Of::value_at;
   double at = 0.0;
   int number = 1;
   double value = 0.0, tolerance = 0.0;
@@ -239,8 +240,5 @@ struct ExpectScene {
             "parameter=value: checked only when the parameters have these values, to 12 digits"));
   }
 };
-template <>
-inline constexpr std::string_view words_of<ExpectScene::Of> =
-    "value minimum maximum limit bifurcation mark";
 
 }  // namespace mbd
