@@ -92,7 +92,8 @@ std::vector<Attribute> attributes_of(const auto& line) {
       Attribute a = field.about.attribute;
       if (a.name.empty() || field.about.has(second_place)) return;
       if constexpr (std::is_default_constructible_v<Item> && requires { field.member; })
-        if (a.fallback == preset) a.fallback = kept(text_of(Item{}.*field.member));
+        if constexpr (std::is_default_constructible_v<Item>)  // clang 14 wants it said by itself
+          if (a.fallback == preset) a.fallback = kept(text_of(Item{}.*field.member));
       all.push_back(a);
     } else if constexpr (is_variant<std::decay_t<decltype(std::declval<Item>().*field.member)>>) {
       const auto more = attributes_of<std::decay_t<decltype(line)>>(line);
