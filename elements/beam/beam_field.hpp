@@ -53,42 +53,58 @@ Pose<S> blended(std::span<const Pose<S>> nodes, const VecX& l, std::size_t base)
   return nodes[base] * Pose<S>{p, (d * p.conjugate()).vec()};
 }
 
-// (1) and (2) at a place where the Lagrange polynomials of the nodes and their derivatives are l and dl.
+// What solves (1), and the inverse of the bracket of (2) there.
+template <class S>
+struct InterpolatedPose {
+  Pose<S> H;
+  DualMatrix<S> inverse;
+};
+
+// (1) at a place where the Lagrange polynomials of the nodes are l.
 // Throws Error where the iteration does not converge: the nodes are too far apart for the metric.
 template <class Metric, class S>
-FieldPoint<S> interpolated_field(std::span<const std::type_identity_t<Pose<S>>> nodes,
-                                 const VecX& l, const VecX& dl, const S& J) {
+InterpolatedPose<S> interpolated_pose(std::span<const std::type_identity_t<Pose<S>>> nodes,
+                                      const VecX& l) {
   using Pair = typename Metric::template Pair<S>;
   Index nearest = 0;
   l.cwiseAbs().maxCoeff(&nearest);
   Pose<S> H = blended<S>(nodes, l, static_cast<std::size_t>(nearest));
   const S length = (nodes.back().r - nodes.front().r).norm();
   constexpr int most = 50;
-  S before = S(1);
+  bool found = std::is_same_v<Metric, QuaternionMetric>;  // the closed form is it from the first
   for (int i = 0; i < most; ++i) {
-    Matrix6<S> bracket = Matrix6<S>::Zero();
-    Vector6<S> sum = Vector6<S>::Zero(), slope = Vector6<S>::Zero();
+    DualMatrix<S> bracket{Matrix3<S>::Zero(), Matrix3<S>::Zero()};
+    Vector6<S> sum = Vector6<S>::Zero();
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const Pair pair(relative(H, nodes[k]));
-      const Vector6<S> q = pair.q();
-      sum += S(l(static_cast<Index>(k))) * q;
-      slope += S(dl(static_cast<Index>(k))) * q;
-      // T^-1(-q) = A^T + eps B^T
-      bracket += S(l(static_cast<Index>(k))) * pair.T_inverse().transposed_parts().matrix();
+      sum += S(l(static_cast<Index>(k))) * pair.q();
+      const DualMatrix<S> T = pair.T_inverse();
+      bracket.A += S(l(static_cast<Index>(k))) * T.A.transpose();  // T^-1(-q) = A^T + eps B^T
+      bracket.B += S(l(static_cast<Index>(k))) * T.B.transpose();
     }
-    const Eigen::PartialPivLU<Matrix6<S>> inverse_of(bracket);
-    const Vector6<S> U = inverse_of.solve(sum);
-    const S size = linear(U).norm() / length + angular(U).norm();
-    // Increments fall until they are round-off; those of the closed form are it from the first.
-    if (std::is_same_v<Metric, QuaternionMetric> || size == S(0) ||
-        (size < S(1e-9) && size > S(0.1) * before))
-      return {H, inverse_of.solve(slope) / J};
+    const Matrix3<S> A = bracket.A.inverse();
+    const DualMatrix<S> inverse{A, -A * bracket.B * A};
+    if (found) return {H, inverse};
+    const Vector6<S> U = inverse * sum;
     H = H * exp_se3<S>(U);
-    before = size;
+    // The next increment would be its square, which is round-off.
+    found = linear(U).norm() / length + angular(U).norm() < S(1e-9);
   }
   throw Error(
       "the motion of a beam element cannot be interpolated: its nodes are turned too far against "
       "each other; take more elements");
+}
+
+// (1) and (2), where the derivatives of the polynomials are dl.
+template <class Metric, class S>
+FieldPoint<S> interpolated_field(std::span<const std::type_identity_t<Pose<S>>> nodes,
+                                 const VecX& l, const VecX& dl, const S& J) {
+  const InterpolatedPose<S> at = interpolated_pose<Metric, S>(nodes, l);
+  Vector6<S> slope = Vector6<S>::Zero();
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    slope += S(dl(static_cast<Index>(k))) *
+             typename Metric::template Pair<S>(relative(at.H, nodes[k])).q();
+  return {at.H, at.inverse * slope / J};
 }
 
 // The same at xi in [-1, 1] of an element with the nodal Jacobians `J` [m].

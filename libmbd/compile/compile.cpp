@@ -10,6 +10,7 @@
 #include "elements/beam/beam_classical.hpp"
 #include "elements/beam/beam_damping_batch.hpp"
 #include "elements/beam/beam_elastic_batch.hpp"
+#include "elements/beam/beam_place.hpp"
 #include "elements/node/batches.hpp"
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/model.hpp"
@@ -17,6 +18,7 @@
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/springs.hpp"
 #include "libmbd/language/check_scene.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
@@ -28,8 +30,8 @@
 namespace mbd {
 namespace {
 
-// Where an element ends: for resultants.
-struct ElementEnd {
+// A place of an element, for resultants: where it ends, or within it.
+struct ElementPlace {
   const BeamElasticBatch* batch;
   Index element;
   double xi;
@@ -39,9 +41,9 @@ struct ElementEnd {
 
 struct CompiledBeam {
   const BeamScene* scene;
-  std::vector<double> boundaries;             // parameters, with 0 and 1
-  std::vector<Attachment> boundary_nodes;     // node at each
-  std::vector<std::vector<ElementEnd>> ends;  // elements that meet at each; none of a rigid beam
+  std::vector<double> boundaries;               // parameters, with 0 and 1
+  std::vector<Attachment> boundary_nodes;       // node at each
+  std::vector<std::vector<ElementPlace>> ends;  // elements that meet at each; none of a rigid beam
   std::vector<BeamNode> nodes;  // those of each element in turn; ends of elements twice
 };
 
@@ -316,6 +318,29 @@ class Compiler {
     for (std::size_t i = 0; i < beam.boundaries.size(); ++i)
       if (std::abs(beam.boundaries[i] - s) < std::abs(beam.boundaries[best] - s)) best = i;
     return best;
+  }
+
+  // Whether elements meet, or end, at s.
+  static bool is_boundary(const CompiledBeam& beam, double s) {
+    return std::abs(beam.boundaries[boundary_at(beam, s)] - s) < same_parameter;
+  }
+  // The element in which s lies, of those between the boundaries.
+  static std::size_t element_at(const CompiledBeam& beam, double s) {
+    std::size_t e = 0;
+    while (e + 2 < beam.boundaries.size() && beam.boundaries[e + 1] < s) ++e;
+    return e;
+  }
+  static ElementPlace within(const CompiledBeam& beam, std::size_t e, double s) {
+    ElementPlace place = beam.ends[e].back();
+    const double s0 = beam.boundaries[e], s1 = beam.boundaries[e + 1];
+    place.xi = 2.0 * (s - s0) / (s1 - s0) - 1.0;
+    return place;
+  }
+  // The node of a flexible beam at s; nullptr where there is none.
+  static const BeamNode* node_at(const CompiledBeam& beam, double s) {
+    for (const BeamNode& node : beam.nodes)
+      if (std::abs(node.s - s) < same_parameter) return &node;
+    return nullptr;
   }
 
   // --- places ---
@@ -689,14 +714,16 @@ class Compiler {
 
   // --- output ---
 
-  static Channel channel(const RecordScene& record, const schema::Quantity& q,
-                         std::function<void(const State&, std::span<double>)> sample) {
+  using Sample = std::function<void(const State&, std::span<double>)>;
+  using Quantities = std::vector<const schema::Quantity*>;
+
+  static Channel channel(const RecordScene& record, const Quantities& quantities, Sample sample) {
     Channel c;
-    for (int i = 1; i <= q.components; ++i) {
-      c.columns.push_back({q.components == 1 ? fmt::format("{}.{}", record.name, q.name)
-                                             : fmt::format("{}.{}.{}", record.name, q.name, i),
-                           std::string(q.unit)});
-    }
+    for (const schema::Quantity* const q : quantities)
+      for (int i = 1; i <= q->components; ++i)
+        c.columns.push_back({q->components == 1 ? fmt::format("{}.{}", record.name, q->name)
+                                                : fmt::format("{}.{}.{}", record.name, q->name, i),
+                             std::string(q->unit)});
     c.sample = std::move(sample);
     return c;
   }
@@ -735,121 +762,132 @@ class Compiler {
 
   void add_channels(Model& model) const {
     for (const RecordScene& record : scene_.records) {
-      for (const std::string& name : record.quantities) {
-        const auto known = record.joint    ? schema::joint_quantities()
-                           : record.at     ? schema::place_quantities()
-                           : record.spring ? schema::spring_quantities()
-                                           : schema::system_quantities();
-        const schema::Quantity* const q = schema::find_quantity(known, name);  // checked
-        model.channels.push_back(channel(record, *q,
-                                         record.joint    ? joints_->sample(record, name)
-                                         : record.at     ? place_sample(record, name)
-                                         : record.spring ? springs_->sample(record, *q)
-                                                         : system_sample(name)));
+      Quantities all;
+      for (const std::string& name : record.quantities)
+        all.push_back(schema::find_quantity(schema::quantities_of(record), name));  // checked
+      if (record.at) {
+        model.channels.push_back(channel(record, all, place_sample(record, all)));
+        continue;
       }
+      for (const schema::Quantity* const q : all)
+        model.channels.push_back(channel(record, {q}, sample_of(record, *q)));
     }
   }
 
-  using Sample = std::function<void(const State&, std::span<double>)>;
-
-  static Sample vector(std::function<Vec3(const State&)> f) {
-    return [f = std::move(f)](const State& s, std::span<double> out) {
-      const Vec3 x = f(s);
-      std::copy(x.data(), x.data() + 3, out.begin());
+  // Of a joint, a spring or the whole system.
+  Sample sample_of(const RecordScene& record, const schema::Quantity& q) const {
+    const auto bound = [&q]<class Reading>(Reading reading) -> Sample {
+      return [reading = std::move(reading), sample = std::get<schema::SampleOf<Reading>>(q.sample)](
+                 const State& s, std::span<double> out) { sample(reading, s, out); };
     };
+    if (record.joint) return bound(joints_->reading(record, q));
+    if (record.spring) return bound(springs_->reading(record, q));
+    return bound(schema::SystemReading{system_.get(), scene_.transient.has_value()});
   }
 
-  Sample system_sample(const std::string& name) const {
-    const System* system = system_.get();
-    const bool rates = scene_.transient.has_value();
-    const auto momentum = [system, rates](const State& s) {
-      return rates ? system->momentum(s) : Vec6(Vec6::Zero());
-    };
-    if (name == "linear_momentum")
-      return vector([momentum](const State& s) { return linear(momentum(s)); });
-    if (name == "angular_momentum")
-      return vector([momentum](const State& s) { return angular(momentum(s)); });
-    if (name == "work_of_loads")
-      return [](const State& s, std::span<double> out) { out[0] = s.work.loads; };
-    if (name == "work_of_drives")
-      return [](const State& s, std::span<double> out) { out[0] = s.work.drives; };
-    if (name == "work_of_damping")
-      return [](const State& s, std::span<double> out) { out[0] = s.work.damping; };
-    return [system, name](const State& s, std::span<double> out) {
-      const Energies e = system->energies(s);
-      out[0] = name == "kinetic_energy"     ? e.kinetic
-               : name == "strain_energy"    ? e.strain
-               : name == "potential_energy" ? e.potential
-                                            : e.total();
-    };
-  }
-
-  Sample place_sample(const RecordScene& record, const std::string& name) const {
-    const std::string who = label(record);
-    if (!record.at)
-      throw Error(record.source, fmt::format("{} needs a place (at=) or a joint", who));
-    if (name == "force" || name == "moment")
-      return resultant_sample(record, name == "force" ? 0 : 3);
-    const Attachment at = find(*record.at, record.source, who);
-    const auto n = static_cast<std::size_t>(at.node);
-    const Pose<double> frame = frame_of(at), start = at.pose;
-    const auto pose = [n, frame](const State& s) { return s.pose[n] * frame; };
-    if (name == "position") return vector([pose](const State& s) { return pose(s).r; });
-    if (name == "displacement")
-      return vector([pose, start](const State& s) { return Vec3(pose(s).r - start.r); });
-    if (name == "displacement_local")
-      return vector([pose, start](const State& s) {
-        const Pose<double> H = pose(s);
-        return Vec3(H.p.conjugate() * Vec3(H.r - start.r));
-      });
-    if (name == "rotation")
-      return vector([pose, start](const State& s) {
-        return log_so3<double>(pose(s).p * start.p.conjugate());
-      });
-    // Rates are zero in a scene without a transient.
-    const bool rates = scene_.transient.has_value();
-    const auto V = [n, rates, Ad = adjoint_inverse(frame).matrix()](const State& s) {
-      return rates ? Vec6(Ad * s.V[n]) : Vec6(Vec6::Zero());
-    };
-    if (name == "velocity")
-      return vector([pose, V](const State& s) { return Vec3(pose(s).p * linear(V(s))); });
-    if (name == "velocity_local") return vector([V](const State& s) { return linear(V(s)); });
-    if (name == "angular_velocity")
-      return vector([pose, V](const State& s) { return Vec3(pose(s).p * angular(V(s))); });
-    if (name == "angular_velocity_local")
-      return vector([V](const State& s) { return angular(V(s)); });
-    if (name == "acceleration")
-      return vector([n, pose, V, rates, Ad = adjoint_inverse(frame).matrix()](const State& s) {
-        if (!rates) return Vec3(Vec3::Zero());
-        const Vec6 twist = V(s), change = Ad * s.Vdot[n];
-        return Vec3(pose(s).p * Vec3(linear(change) + angular(twist).cross(linear(twist))));
-      });
-    throw Error(record.source, fmt::format("{}: \"{}\" is not available at a place", who, name));
-  }
-
-  // Mean of the elements that meet at the place (NOTATION.md 2).
-  Sample resultant_sample(const RecordScene& record, Index first) const {
-    const CompiledBeam* beam =
+  // All quantities of a place, which is looked at once.
+  Sample place_sample(const RecordScene& record, const Quantities& quantities) const {
+    using From = schema::Quantity::From;
+    const CompiledBeam* const beam =
         record.at->kind == Place::Kind::beam ? find_beam(record.at->name) : nullptr;
+    std::function<Vec6(const State&)> forces;
+    bool moves = false, rates = false;
+    for (const schema::Quantity* const q : quantities) {
+      if (q->from == From::strain)
+        forces = resultants(record, beam);
+      else
+        moves = true;
+      rates = rates || q->from == From::velocity || q->from == From::acceleration;
+    }
+    // Rates are zero in a scene without a transient.
+    PlaceReader motion;
+    if (moves) motion = motion_of(record, beam, rates && scene_.transient);
+    return [motion, forces, quantities](const State& s, std::span<double> out) {
+      schema::PlaceReading at;
+      if (motion) motion(s, at);
+      if (forces) at.resultants = forces(s);
+      for (const schema::Quantity* const q : quantities) {
+        std::get<schema::SampleOf<schema::PlaceReading>>(q->sample)(at, s, out);
+        out = out.subspan(static_cast<std::size_t>(q->components));
+      }
+    };
+  }
+
+  using PlaceReader = std::function<void(const State&, schema::PlaceReading&)>;
+
+  PlaceReader motion_of(const RecordScene& record, const CompiledBeam* beam, bool rates) const {
+    Attachment at = find(*record.at, record.source, label(record));
+    if (beam != nullptr && !is_boundary(*beam, record.at->parameter)) {
+      const double s = record.at->parameter;
+      const BeamNode* const node = at.rigid == nullptr ? node_at(*beam, s) : nullptr;
+      if (at.rigid == nullptr && node == nullptr) return motion_within(*beam, s, rates);
+      at = node != nullptr
+               ? Attachment{node->node, true, reference(node->node), nullptr}
+               : Attachment{at.node, true, make_reference_line(*beam->scene).at(s), at.rigid};
+    }
+    const Pose<double> frame = frame_of(at);
+    return [n = static_cast<std::size_t>(at.node), start = at.pose, frame, rates,
+            Ad = adjoint_inverse(frame).matrix()](const State& s, schema::PlaceReading& reading) {
+      reading.start = start;
+      reading.H = s.pose[n] * frame;
+      if (!rates) return;
+      reading.V = Ad * s.V[n];
+      reading.Vdot = Ad * s.Vdot[n];
+    };
+  }
+
+  // Of a place between the nodes of an element of a flexible beam: its motion is interpolated, also in the
+  // reference configuration, so that what does not move is not displaced.
+  PlaceReader motion_within(const CompiledBeam& beam, double s, bool rates) const {
+    const std::size_t e = element_at(beam, s);
+    const ElementPlace element = within(beam, e, s);
+    const auto order = static_cast<std::size_t>(beam.scene->order);
+    std::vector<std::size_t> nodes;
+    for (std::size_t k = 0; k <= order; ++k)
+      nodes.push_back(static_cast<std::size_t>(beam.nodes[e * (order + 1) + k].node));
+    const auto motion = [nodes, l = lagrange(element.batch->table().nodes.points, element.xi),
+                         kinematics = beam.scene->kinematics,
+                         metric = beam.scene->metric](const State& state, bool moving) {
+      std::array<NodeState<double>, beam::max_order + 1> x;
+      for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const std::size_t n = nodes[k];
+        x[k].H = state.pose[n];
+        if (moving) x[k].V = state.V[n], x[k].Vdot = state.Vdot[n];
+      }
+      return beam::motion_within(kinematics, metric, std::span(x.data(), nodes.size()), l, moving);
+    };
+    return [motion, rates, start = motion(system_->reference_state(), false).H](
+               const State& state, schema::PlaceReading& reading) {
+      const NodeState<double> x = motion(state, rates);
+      reading.start = start;
+      reading.H = x.H;
+      reading.V = x.V;
+      reading.Vdot = x.Vdot;
+    };
+  }
+
+  // Mean of the elements that meet at the place (NOTATION.md 3), or of that in which it lies.
+  std::function<Vec6(const State&)> resultants(const RecordScene& record,
+                                               const CompiledBeam* beam) const {
     if (beam == nullptr)
-      throw Error(record.source, label(record) +
-                                     ": only beams have sectional forces and moments; give "
-                                     "a place of one (beam@0.5)");
+      find(*record.at, record.source, label(record));  // which says what there is
     if (const RigidScene* const rigid = rigid_of(beam->scene->name))
       throw Error(record.source,
                   fmt::format("{}: {} is rigid (part of {}), so that its sectional forces and "
                               "moments are not determined; leave them out",
                               label(record), label(*beam->scene), label(*rigid)));
-    const auto ends = beam->ends[boundary_at(*beam, record.at->parameter)];
-    return vector([ends, first](const State& s) {
-      Vec3 sum = Vec3::Zero();
-      for (const ElementEnd& end : ends) {
-        sum += end.batch->resultants(s, end.element, end.xi).segment<3>(first);
-        if (end.damping)
-          sum += end.damping->resultants(s, end.damping_element, end.xi).segment<3>(first);
+    const double s = record.at->parameter;
+    const std::vector<ElementPlace> places =
+        is_boundary(*beam, s) ? beam->ends[boundary_at(*beam, s)]
+                              : std::vector{within(*beam, element_at(*beam, s), s)};
+    return [places](const State& state) {
+      Vec6 sum = Vec6::Zero();
+      for (const ElementPlace& at : places) {
+        sum += at.batch->resultants(state, at.element, at.xi);
+        if (at.damping) sum += at.damping->resultants(state, at.damping_element, at.xi);
       }
-      return Vec3(sum / static_cast<double>(ends.size()));
-    });
+      return Vec6(sum / static_cast<double>(places.size()));
+    };
   }
 
   const Scene& scene_;

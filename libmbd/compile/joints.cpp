@@ -381,40 +381,30 @@ const joint::Definition& JointCompiler::coordinate(const std::string& joint, boo
 
 // --- output ---
 
-const JointCompiler::Reading& JointCompiler::reading(const std::string& name, const Source& source,
-                                                     std::string_view who) const {
-  if (const auto it = readings_.find(name); it != readings_.end()) return it->second;
-  std::vector<std::string_view> names;
-  for (const auto& [known, r] : readings_) names.push_back(known);
-  throw Error(source, fmt::format("{}: there is no joint \"{}\"{}", who, excerpt(name),
-                                  suggest(name, names, "joints and motions")));
-}
-
-std::function<void(const State&, std::span<double>)> JointCompiler::sample(
-    const RecordScene& record, const std::string& quantity) const {
-  const Reading& r = reading(*record.joint, record.source, label(record));
+schema::JointReading JointCompiler::reading(const RecordScene& record,
+                                            const schema::Quantity& quantity) const {
+  using Of = schema::Quantity::Of;
+  const auto it = readings_.find(*record.joint);
+  if (it == readings_.end()) {
+    std::vector<std::string_view> names;
+    for (const auto& [known, r] : readings_) names.push_back(known);
+    throw Error(record.source,
+                fmt::format("{}: there is no joint \"{}\"{}", label(record), excerpt(*record.joint),
+                            suggest(*record.joint, names, "joints and motions")));
+  }
+  const Reading& r = it->second;
   if (!r.why_none.empty())
     throw Error(record.source, fmt::format("{}: joint \"{}\" {}; leave the record out",
                                            label(record), excerpt(*record.joint), r.why_none));
-  const bool rates = scene_.transient.has_value();
-  const bool turning = quantity == "angle" || quantity == "rate";
-  const bool sliding = quantity == "displacement" || quantity == "speed";
+  const bool turning = quantity.of == Of::joint_with_angle;
+  const bool sliding = quantity.of == Of::joint_with_displacement;
   if ((turning && !r.angle) || (sliding && !r.displacement))
     throw Error(record.source,
                 fmt::format("{}: {} has no {}; joints that have one: {}", label(record), r.what,
                             turning ? "angle" : "displacement", kinds_with(turning)));
-  if (quantity == "angle" || quantity == "displacement")
-    return [f = turning ? r.angle : r.displacement](const State& s, std::span<double> out) {
-      out[0] = f(s);
-    };
-  if (turning || sliding)
-    return [f = r.relative_velocity, i = turning ? 5 : 2, rates](
-               const State& s, std::span<double> out) { out[0] = rates ? f(s)(i) : 0.0; };
-  return [f = r.reaction, first = quantity == "reaction_force" ? 0 : 3](const State& s,
-                                                                        std::span<double> out) {
-    const Vec6 w = f(s);
-    std::copy_n(w.data() + first, 3, out.begin());
-  };
+  schema::JointReading result = r;
+  result.rates = scene_.transient.has_value();
+  return result;
 }
 
 }  // namespace mbd

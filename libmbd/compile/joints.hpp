@@ -11,6 +11,7 @@
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/places.hpp"
 #include "libmbd/core/system.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/scene/scene.hpp"
 
@@ -39,16 +40,13 @@ class JointCompiler {
   const joint::Definition& coordinate(const std::string& joint, bool turns, const Source& source,
                                       const std::string& who) const;
 
-  // Writes one of schema::joint_quantities() of the record's joint or motion.
-  std::function<void(const State&, std::span<double>)> sample(const RecordScene& record,
-                                                              const std::string& quantity) const;
+  // How to read the quantity of the record's joint or motion. Throws Error for an unknown one, or one without it.
+  schema::JointReading reading(const RecordScene& record, const schema::Quantity& quantity) const;
 
  private:
-  struct Reading {  // how output reads a joint
+  struct Reading : schema::JointReading {
     std::string what;
     std::string why_none;  // why there is nothing to read; empty if there is
-    std::function<double(const State&)> angle, displacement;
-    std::function<Vec6(const State&)> relative_velocity, reaction;
   };
   struct Added {
     const joint::AnyJointBatch* batch;
@@ -67,7 +65,6 @@ class JointCompiler {
               std::string_view what);
   Vec3 own_point(const Place& place, const Attachment& at, const JointScene& joint,
                  std::string_view attribute) const;
-  const Reading& reading(const std::string& name, const Source& source, std::string_view who) const;
   Pose<double> reference(int node) const { return system_.reference_pose(node); }
 
   const Scene& scene_;

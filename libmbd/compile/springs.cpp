@@ -82,7 +82,7 @@ void Springs::add(const SpringScene& spring) {
   Reading& reading = readings_[spring.name];
   reading.what = who;
   reading.length = [P = P.node, Q = Q.node, points,
-                    rates = rates_](const State& state) -> std::array<double, 2> {
+                    rates = rates_](const State& state) -> schema::SpringReading::Length {
     std::array<NodeState<double>, 2> x;
     for (const auto& [node, at] : {std::pair{P, &x[0]}, {Q, &x[1]}}) {
       const auto n = static_cast<std::size_t>(node);
@@ -157,8 +157,9 @@ void Springs::add_along(const JointSpringScene& spring, const joint::Definition&
   const std::string name = fmt::format("joint spring '{}'", spring.name);
   Reading& reading = readings_[spring.name];
   reading.what = label(spring);
-  reading.of = schema::Quantity::Of::joint_spring;
-  reading.turns = std::is_same_v<Coordinate, joint::Turning>;
+  reading.of = std::is_same_v<Coordinate, joint::Turning>
+                   ? schema::Quantity::Of::spring_of_angle
+                   : schema::Quantity::Of::spring_of_displacement;
   // At the angle that the joint has now.
   const auto read = [&reading, axis]<class E>(const ElementBatch<E>& all, auto effort) {
     reading.efforts.push_back([batch = &all, e = all.size() - 1, axis, effort](const State& state) {
@@ -213,8 +214,8 @@ void Springs::add(const JointTorqueScene& torque) {
   if (torque.force) add_torque<joint::Sliding>(torque, *torque.force, "force");
 }
 
-std::function<void(const State&, std::span<double>)> Springs::sample(
-    const RecordScene& record, const schema::Quantity& quantity) const {
+schema::SpringReading Springs::reading(const RecordScene& record,
+                                       const schema::Quantity& quantity) const {
   const auto found = readings_.find(*record.spring);
   if (found == readings_.end()) {
     std::vector<std::string_view> names;
@@ -224,31 +225,26 @@ std::function<void(const State&, std::span<double>)> Springs::sample(
                             excerpt(*record.spring), suggest(*record.spring, names, "springs")));
   }
   const Reading& reading = found->second;
-  const std::string_view name = quantity.name;
-  const bool joint = quantity.of == schema::Quantity::Of::joint_spring;
-  if (quantity.of != reading.of || (joint && reading.turns != (name == "joint_moment"))) {
+  if (quantity.of != reading.of) {
     std::vector<std::string_view> own;
     for (const schema::Quantity& q : schema::spring_quantities())
-      if (q.of == reading.of && (q.of != schema::Quantity::Of::joint_spring ||
-                                 reading.turns == (q.name == "joint_moment")))
-        own.push_back(q.name);
+      if (q.of == reading.of) own.push_back(q.name);
     throw Error(record.source, fmt::format("{}: {} has no {}; it has: {}", label(record),
-                                           reading.what, name, list(own)));
+                                           reading.what, quantity.name, list(own)));
   }
-  if (name == "length" || name == "length_rate")
-    return [f = reading.length, i = name == "length" ? 0u : 1u](
-               const State& s, std::span<double> out) { out[0] = f(s)[i]; };
-  if (reading.of == schema::Quantity::Of::bushing)
-    return [all = reading.wrenches, first = name == "force" ? 0 : 3](const State& s,
-                                                                     std::span<double> out) {
-      Vec6 sum = Vec6::Zero();
-      for (const auto& one : all) sum -= one(s);
-      std::copy_n(sum.data() + first, 3, out.begin());
-    };
-  return [all = reading.efforts](const State& s, std::span<double> out) {
-    out[0] = 0.0;
-    for (const auto& one : all) out[0] += one(s);
+  schema::SpringReading result;
+  result.length = reading.length;
+  result.wrench = [all = reading.wrenches](const State& s) {
+    Vec6 sum = Vec6::Zero();
+    for (const auto& one : all) sum -= one(s);
+    return sum;
   };
+  result.effort = [all = reading.efforts](const State& s) {
+    double sum = 0.0;
+    for (const auto& one : all) sum += one(s);
+    return sum;
+  };
+  return result;
 }
 
 void Springs::finish() {

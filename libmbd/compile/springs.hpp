@@ -34,21 +34,19 @@ class Springs {
 
   void finish();  // hands the batches to the system
 
-  // Writes one of schema::spring_quantities() of the record's spring; valid as long as the system. Throws Error for
-  // an unknown spring, or one without the quantity.
-  std::function<void(const State&, std::span<double>)> sample(
-      const RecordScene& record, const schema::Quantity& quantity) const;
+  // How to read the quantity of the record's spring; valid as long as the system. Throws Error for an unknown spring,
+  // or one without the quantity.
+  schema::SpringReading reading(const RecordScene& record, const schema::Quantity& quantity) const;
 
  private:
   // How output reads a spring: with its damper, what it exerts.
   struct Reading {
     std::string what;
     schema::Quantity::Of of = schema::Quantity::Of::spring;
-    bool turns = false;  // of a joint spring
     std::vector<std::function<double(const State&)>>
         efforts;                                              // tensions, or moments or forces on b
     std::vector<std::function<Vec6(const State&)>> wrenches;  // on b
-    std::function<std::array<double, 2>(const State&)> length{};  // and its rate
+    std::function<schema::SpringReading::Length(const State&)> length{};
   };
   template <class E>
   ElementBatch<E>& batch(std::unique_ptr<ElementBatch<E>>& made);

@@ -6,6 +6,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/laws.hpp"
@@ -465,10 +466,7 @@ void check(const Checked& item, const RecordScene& record, const Scene&) {
   for (auto it = record.quantities.begin(); it != record.quantities.end(); ++it)
     item.fail_if(std::find(record.quantities.begin(), it, *it) != it,
                  "quantities hold " + in_quotes(excerpt(*it)) + " twice; leave one out");
-  const auto known = record.at       ? schema::place_quantities()
-                     : record.joint  ? schema::joint_quantities()
-                     : record.spring ? schema::spring_quantities()
-                                     : schema::system_quantities();
+  const auto known = schema::quantities_of(record);
   for (const std::string& quantity : record.quantities) {
     const schema::Quantity* const found = schema::find_quantity(known, quantity);
     const std::string_view usual = schema::usual_word(quantity);

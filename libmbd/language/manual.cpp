@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libmbd/language/manual_chapters.hpp"
+#include "libmbd/language/quantities.hpp"
 
 namespace mbd {
 namespace manual {

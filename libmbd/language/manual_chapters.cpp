@@ -570,6 +570,11 @@ A path goes on until a `<stop>`, its `length` or its `points`.
 `report.json`. A column is called by its record, its quantity and, if that has three components,
 their number: `tip.displacement.3`. `mbd run` ends with exit status 2 when a number is not as
 expected.
+
+What acts at a place of a beam, or joins or holds it, has a node there, where elements end. A record
+has none and changes nothing else: within an element it reads the motion that the element interpolates
+between its nodes, of order N + 1 in the length of elements (at their ends 2N), with the velocity and
+acceleration that belong to it, and the resultants of that element.
 )md",
      R"xml(<mbd name="tip_deflection">
   <parameter name="P" value="1"/>

@@ -113,60 +113,6 @@ Element beam_element(const Line& line) {
   return {Line::item.element, anywhere, Line::item.doc, attributes_of<BeamScene>(line)};
 }
 
-using Of = Quantity::Of;
-constexpr Quantity of_places[] = {
-    {"position", "m", 3, "inertial axes"},
-    {"displacement", "m", 3, "from the reference configuration, inertial axes"},
-    {"displacement_local", "m", 3, "the same, in the present axes of the section or body"},
-    {"rotation", "rad", 3, "rotation vector from the reference configuration, inertial axes"},
-    {"velocity", "m/s", 3, "inertial axes"},
-    {"velocity_local", "m/s", 3, "the same, in the present axes of the section or body"},
-    {"angular_velocity", "rad/s", 3, "inertial axes"},
-    {"angular_velocity_local", "rad/s", 3, "the same, in the present axes of the section or body"},
-    {"acceleration", "m/s2", 3, "inertial axes"},
-    {"force", "N", 3, "resultants N1 Q2 Q3 of a beam, section axes", Of::beam_place},
-    {"moment", "N.m", 3, "resultants M1 M2 M3 of a beam, section axes", Of::beam_place},
-};
-constexpr Quantity of_joints[] = {
-    {"angle", "rad", 1, "rotation of b relative to a, unwrapped", Of::joint_with_angle},
-    {"rate", "rad/s", 1, "rotation rate of b relative to a", Of::joint_with_angle},
-    {"displacement", "m", 1, "of b relative to a along the axis", Of::joint_with_displacement},
-    {"speed", "m/s", 1, "of b relative to a along the axis", Of::joint_with_displacement},
-    {"reaction_force", "N", 3,
-     "of the joint (with its drives) or motion on b, joint axes that move with b", Of::any_joint},
-    {"reaction_moment", "N.m", 3,
-     "the same, about the joint's point of b, joint axes that move with b", Of::any_joint},
-};
-
-constexpr Quantity of_springs[] = {
-    {"tension", "N", 1, "of a spring with its damper, positive where it pulls", Of::spring},
-    {"length", "m", 1, "of a spring: the distance of its points", Of::spring},
-    {"length_rate", "m/s", 1, "of a spring: the rate of the length", Of::spring},
-    {"force", "N", 3, "of a bushing with its damping on b, axes of its frame on b", Of::bushing},
-    {"moment", "N.m", 3, "the same, about the bushing's point of b", Of::bushing},
-    {"joint_moment", "N.m", 1, "of a joint spring with its damper on b about the axis",
-     Of::joint_spring},
-    {"joint_force", "N", 1, "of a joint spring with its damper on b along the axis",
-     Of::joint_spring},
-};
-
-constexpr Quantity of_system[] = {
-    {"linear_momentum", "N.s", 3, "of everything, added mass included, inertial axes",
-     Of::whole_system},
-    {"angular_momentum", "N.m.s", 3, "the same about the inertial origin, inertial axes",
-     Of::whole_system},
-    {"kinetic_energy", "J", 1, "of everything, added mass included", Of::whole_system},
-    {"strain_energy", "J", 1, "of all beams, springs and bushings", Of::whole_system},
-    {"potential_energy", "J", 1, "of gravity, zero at the inertial origin", Of::whole_system},
-    {"total_energy", "J", 1, "kinetic, strain and potential", Of::whole_system},
-    {"work_of_loads", "J", 1, "since the start, gravity excepted", Of::whole_system},
-    {"work_of_drives", "J", 1, "of drives and motions since the start", Of::whole_system},
-    {"work_of_damping", "J", 1,
-     "of damping, dampers and drag since the start: negative, or 0; of drag in a flow, of either "
-     "sign",
-     Of::whole_system},
-};
-
 const std::vector<JointKind>& joints() {
   static const std::vector<JointKind> all = [] {
     std::vector<JointKind> list;
@@ -321,19 +267,12 @@ std::vector<std::string_view> names_of(const Range& range) {
 
 std::span<const Element> elements() { return table(); }
 std::span<const JointKind> joint_kinds() { return joints(); }
-std::span<const Quantity> place_quantities() { return of_places; }
-std::span<const Quantity> joint_quantities() { return of_joints; }
-std::span<const Quantity> spring_quantities() { return of_springs; }
-std::span<const Quantity> system_quantities() { return of_system; }
 
 const Element* find_element(std::string_view name) { return find(table(), name); }
 const Attribute* find_attribute(const Element& element, std::string_view name) {
   return find(element.attributes, name);
 }
 const JointKind* find_joint_kind(std::string_view name) { return find(joints(), name); }
-const Quantity* find_quantity(std::span<const Quantity> quantities, std::string_view name) {
-  return find(quantities, name);
-}
 
 std::vector<std::string_view> children(std::string_view parent) {
   std::vector<std::string_view> result;
@@ -347,9 +286,6 @@ std::vector<std::string_view> children(std::string_view parent) {
 
 std::vector<std::string_view> attribute_names(const Element& element) {
   return names_of(element.attributes);
-}
-std::vector<std::string_view> names(std::span<const Quantity> quantities) {
-  return names_of(quantities);
 }
 
 std::vector<std::string_view> words(std::string_view text) {

@@ -38,40 +38,15 @@ struct JointKind {
   joint::Traits traits;
 };
 
-// Something <record> can write, and the columns it makes: name.quantity, or name.quantity.1 … .3.
-struct Quantity {
-  std::string_view name;
-  std::string_view unit;
-  int components = 3;
-  std::string_view doc;
-  enum class Of {
-    any_place,
-    beam_place,
-    any_joint,
-    joint_with_angle,
-    joint_with_displacement,
-    spring,  // <spring>
-    bushing,
-    joint_spring,
-    whole_system
-  } of = Of::any_place;
-};
-
 std::span<const Element> elements();
 std::span<const JointKind> joint_kinds();
-std::span<const Quantity> place_quantities();
-std::span<const Quantity> joint_quantities();
-std::span<const Quantity> spring_quantities();
-std::span<const Quantity> system_quantities();
 
 const Element* find_element(std::string_view name);  // nullptr when there is none; so below
 const Attribute* find_attribute(const Element& element, std::string_view name);
 const JointKind* find_joint_kind(std::string_view name);
-const Quantity* find_quantity(std::span<const Quantity> quantities, std::string_view name);
 
 std::vector<std::string_view> children(std::string_view parent);
 std::vector<std::string_view> attribute_names(const Element& element);
-std::vector<std::string_view> names(std::span<const Quantity> quantities);
 std::vector<std::string_view> words(std::string_view text);  // split at white space
 
 // What a message says of a number that the attribute does not allow: "is 9, must lie between 1 and 8".

@@ -14,7 +14,7 @@ std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int 
     const auto same = [s](double end) { return std::abs(s - end) < same_parameter; };
     if (s >= 0.0 && s <= 1.0 && std::none_of(ends.begin(), ends.end(), same)) ends.push_back(s);
   };
-  each_place(scene, [&](const Place& place) {
+  each_node_place(scene, [&](const Place& place) {
     if (place.kind == Place::Kind::beam && place.name == beam.name) add(place.parameter);
   });
   each_kind_along(scene, [&](const auto& items) {

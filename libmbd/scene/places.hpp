@@ -8,14 +8,25 @@
 
 namespace mbd {
 
-// Calls look(place) for every place that an item is at or joins; of a Scene that is not const they may be changed.
+// Calls look(place) for every place that an item is at or joins; of an item that is not const they may be changed.
+template <class Item, class Look>
+void each_place_of(Item& item, const Look& look) {
+  field::each_value(item, [&look]<class Value>(Value& value, const field::About&) {
+    if constexpr (std::is_same_v<std::remove_const_t<Value>, Place>) look(value);
+  });
+}
+
 template <class SomeScene, class Look>
 requires std::is_same_v<std::remove_const_t<SomeScene>, Scene>
 void each_place(SomeScene& scene, const Look& look) {
-  each_item(scene, [&look](auto& item) {
-    field::each_value(item, [&look]<class Value>(Value& value, const field::About&) {
-      if constexpr (std::is_same_v<std::remove_const_t<Value>, Place>) look(value);
-    });
+  each_item(scene, [&look](auto& item) { each_place_of(item, look); });
+}
+
+// Of those that need a node: where something acts, moves or joins. Records look between nodes too.
+template <class Look>
+void each_node_place(const Scene& scene, const Look& look) {
+  each_item(scene, [&look]<class Item>(const Item& item) {
+    if constexpr (!std::is_same_v<Item, RecordScene>) each_place_of(item, look);
   });
 }
 
@@ -41,7 +52,7 @@ void each_kind_along(SomeScene& scene, const F& f) {
 }
 
 // Where elements of the beam end, as fractions of its reference length from 0 to 1: its ends, those of `elements` equal
-// parts, its places, and the ends of what lies along a part of it.
+// parts, its places but those of records, and the ends of what lies along a part of it.
 std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int elements);
 
 }  // namespace mbd

@@ -132,6 +132,12 @@ TEST(Check, CountsTheElementsThatAttachmentsAdd) {
   record.at = {Place::Kind::beam, scene.beams[0].name, 0.31};
   record.quantities = {"displacement"};
   scene.records.push_back(record);
+  EXPECT_EQ(check_of(scene).elements, 8);  // what is recorded there needs no node
+  LoadScene load;
+  load.at = record.at;
+  const Expression one = Expression::parse("1", {}, Variables::time);
+  load.force = {one, one, one};
+  scene.loads.push_back(load);
   const CheckReport report = check_of(scene);
   EXPECT_EQ(stated(report, "elements"), 8);
   EXPECT_EQ(report.elements, 9);

@@ -10,6 +10,7 @@
 #include "libmbd/core/expression.hpp"
 #include "libmbd/language/manual.hpp"
 #include "libmbd/language/manual_chapters.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/language/reader.hpp"
 #include "libmbd/run/run.hpp"
 #include "tests/support/shell.hpp"

@@ -164,7 +164,7 @@ TEST(ReaderOfBeams, CompileRefuses) {
   EXPECT_SAYS(message(bar + "<distributed beam=\"rod\" force=\"0 0 1\"/>", true),
               "there is no beam \"rod\"");
   EXPECT_SAYS(message(bar + "<distributed name=\"q\" beam=\"bar\" force=\"0 0 1/(s-1/2)\"/>" +
-                          "<record name=\"r\" at=\"bar@0.5\" quantities=\"force\"/>",
+                          "<load at=\"bar@0.5\" force=\"0 0 1\"/>",
                       true),
               "distributed \"q\", at s = 0.5");
   EXPECT_SAYS(message(bar + "<point_mass at=\"ground\" mass=\"1\"/>", true),

@@ -18,6 +18,7 @@
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/language/reader.hpp"
 #include "libmbd/language/schema.hpp"
 #include "tests/fuzz/mutation.hpp"

@@ -125,6 +125,19 @@ TEST(AccuracySlow, OrdersInSpaceAreThoseOfTheory) {
   EXPECT_GE(forces, 2u);
 }
 
+// Within elements of all meshes, the motion is of the order of its interpolation.
+TEST(AccuracySlow, OrdersWithinElementsAreThoseOfTheory) {
+  Scene scene = model_scene("bend45");
+  scene.records = {{{}, "P", Place{Place::Kind::beam, "bend", 1.0 / 3}, {}, {"displacement"}}};
+  const AccuracyStudy study =
+      study_of(scene, {"order=2:3", "elements=4,8,16,32"}, {.budget = 15.0});
+  for (std::size_t n = 0; n < 2; ++n) {
+    const double order = static_cast<double>(n + 3);
+    EXPECT_NEAR(slope_of(study, Knob::elements, n), -order, 0.3) << n;
+    EXPECT_EQ(study.fits.at(n).theory, -order) << n;
+  }
+}
+
 TEST(AccuracySlow, FrontIsWhatNothingBeatsAndAdviceIsOnIt) {
   const AccuracyStudy study =
       study_of(model_scene("pendulum"),

@@ -63,7 +63,8 @@ const std::string loaded =
       <distributed beam="b" from="0.2" to="0.8" force="0 0 5*(1-s)^2" follower_force="0 s 0"/>
       <point_mass at="b.end" mass="0.2" offset="0 0.1 0"/>
       <record name="tip" at="b.end" quantities="displacement rotation"/>
-      <record name="root" at="b.start" quantities="force moment"/>)";
+      <record name="root" at="b.start" quantities="force moment"/>
+      <record name="within" at="b@0.43" quantities="position rotation force moment"/>)";
 
 TEST(Straightened, WhatIsStraightAlreadyStaysAsItIs) {
   const std::string section = R"(<section name="s" interpolation="linear">)";

@@ -11,8 +11,12 @@
 #include <numeric>
 #include <sstream>
 
+#include "libmbd/compile/model.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/history.hpp"
+#include "libmbd/scene/places.hpp"
+#include "libmbd/scene/reference_line.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/study/accuracy/power_law.hpp"
 #include "libmbd/text/files.hpp"
@@ -569,28 +573,50 @@ void find_fronts(AccuracyStudy& study) {
   }
 }
 
-// Of motion and velocities. Section forces are derivatives of the motion between nodes, of order N; joints'
+// Whether elements end where the record is, in all of the meshes or in none; nothing where it depends on the mesh.
+std::optional<bool> ends_elements(const Scene& scene, const RecordScene* record,
+                                  const std::vector<Setting>& meshes) {
+  if (record == nullptr || !record->at || record->at->kind != Place::Kind::beam ||
+      rigid_with(scene, record->at->name) != nullptr)
+    return true;
+  std::size_t ending = 0;
+  for (const Setting& mesh : meshes) {
+    const Scene meshed = with(scene, mesh);
+    for (const BeamScene& beam : meshed.beams) {
+      if (beam.name != record->at->name) continue;
+      const std::vector<double> ends = element_ends(meshed, beam, beam.elements);
+      ending += std::any_of(ends.begin(), ends.end(), [&](double s) {
+        return std::abs(s - record->at->parameter) < same_parameter;
+      });
+    }
+  }
+  if (ending != 0 && ending != meshes.size()) return std::nullopt;
+  return ending != 0;
+}
+
+// Section forces are derivatives of the motion between nodes, of order N, and motion there of order N + 1; joints'
 // forces and accelerations are of order 3 in Radau's steps (radau.hpp), and do not go with a tolerance.
-std::optional<double> theory_of(const Scene& scene, const Setting& setting, Knob knob,
+std::optional<double> theory_of(const Scene& scene, const std::vector<Setting>& settings, Knob knob,
                                 const std::string& quantity) {
-  const auto is_any = [&](std::initializer_list<std::string_view> names) {
-    std::string_view name = quantity_of(quantity);
-    name.remove_prefix(std::min(name.find('.') + 1, name.size()));
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
-  const bool acceleration =
-      is_any({"reaction_force", "reaction_moment", "acceleration", "angular_acceleration"});
-  const bool section = is_any({"force", "moment"});
+  using From = schema::Quantity::From;
+  const Setting& setting = settings.front();
+  const schema::Recorded recorded = schema::recorded_in(scene, quantity);
+  const From from = recorded.quantity != nullptr ? recorded.quantity->from : From::pose;
   switch (knob) {
     case Knob::tolerance:
-      return acceleration || section ? std::nullopt : std::optional(1.0);
+      if (from == From::acceleration || from == From::strain) return std::nullopt;
+      return 1.0;
     case Knob::step:
       if (setting.method.value_or(scene.transient->method) == TimeMethod::radau)
-        return acceleration ? 3.0 : 5.0;
+        return from == From::acceleration ? 3.0 : 5.0;
       return 2.0;
     case Knob::elements:
-      if (const std::optional<int> order = setting.order ? setting.order : setting_of(scene).order)
-        return section ? -*order : -2.0 * *order;
+      if (const std::optional<int> order =
+              setting.order ? setting.order : setting_of(scene).order) {
+        if (from == From::strain) return -*order;
+        if (const auto ends = ends_elements(scene, recorded.record, settings))
+          return *ends ? -2.0 * *order : -1.0 - *order;
+      }
       return std::nullopt;
     default:
       return std::nullopt;
@@ -680,8 +706,9 @@ void fit_orders(AccuracyStudy& study, const Scene& scene) {
         fit.points = best->points;
         fit.slope = best->law.slope;
         fit.spread = best->law.spread;
-        fit.theory = theory_of(scene, study.points[fit.points.front()].setting, knob,
-                               study.quantities[q].name);
+        std::vector<Setting> settings;
+        for (const std::size_t p : fit.points) settings.push_back(study.points[p].setting);
+        fit.theory = theory_of(scene, settings, knob, study.quantities[q].name);
         study.fits.push_back(std::move(fit));
       }
     }

@@ -54,7 +54,7 @@ struct OrderFit {
   double slope = 0.0;
   double spread = 0.0;  // largest departure of a point from the line, as a factor
   std::optional<double>
-      theory;  // of smooth solutions: -2N over elements, 2 or 5 over steps, 1 over tolerances
+      theory;  // of smooth solutions: -2N over elements at their ends, 2 or 5 over steps, 1 over tolerances
 };
 
 // The cheapest setting at hand for an accuracy.

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "libmbd/compile/model.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/results/history.hpp"
 #include "libmbd/scene/label.hpp"
@@ -277,7 +278,8 @@ void leave_out_records(Scene& scene) {
         rigid_with(scene, record.at->name) == nullptr)
       continue;
     std::erase_if(record.quantities, [&](const std::string& q) {
-      if (q != "force" && q != "moment") return false;
+      const schema::Quantity* const known = schema::find_quantity(schema::place_quantities(), q);
+      if (known == nullptr || known->of != schema::Quantity::Of::beam_place) return false;
       gone.push_back(record.name + "." + q);
       return true;
     });

@@ -132,11 +132,17 @@ void straighten(Scene& scene, const std::string& name) {
 
   each_place(scene, [&](Place& place) {
     if (place.kind != Place::Kind::beam || place.name != name) return;
-    std::size_t end = 0;  // the nearest, which is the place
+    std::size_t end = 0;  // the nearest, which is the place but of records
     for (std::size_t i = 1; i < ends.size(); ++i)
       if (std::abs(ends[i] - place.parameter) < std::abs(ends[end] - place.parameter)) end = i;
-    place.name = names[end == 0 ? 0 : end - 1];
-    place.parameter = end == 0 ? 0.0 : 1.0;
+    if (std::abs(ends[end] - place.parameter) < same_parameter) {
+      place.name = names[end == 0 ? 0 : end - 1];
+      place.parameter = end == 0 ? 0.0 : 1.0;
+      return;
+    }
+    const std::size_t piece = ends[end] < place.parameter ? end : end - 1;
+    place.name = names[piece];
+    place.parameter = (place.parameter - ends[piece]) / (ends[piece + 1] - ends[piece]);
   });
   each_kind_along(scene, [&](auto& items) { divide(items, name, ends, names); });
   for (std::size_t i = 0; i + 1 < names.size(); ++i) {

@@ -5,6 +5,7 @@
 
 #include "libmbd/core/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
+#include "libmbd/scene/places.hpp"
 
 namespace mbd {
 namespace {
@@ -82,19 +83,10 @@ void ResolutionMeter::set_up(const Model& model) {
       along.push_back(along.back() + (model.initial.pose[b].r - model.initial.pose[a].r).norm());
     }
     std::vector<double> places;
-    const auto add = [&](const std::optional<Place>& place) {
-      if (place && place->kind == Place::Kind::beam && place->name == line.name)
-        places.push_back(place->parameter);
-    };
-    for (const BodyScene& body : scene_.bodies) add(body.attached_to);
-    for (const JointScene& joint : scene_.joints) add(joint.a), add(joint.b);
-    for (const MotionScene& motion : scene_.motions) add(motion.of);
-    for (const LoadScene& load : scene_.loads) add(load.at);
-    for (const PointMassScene& mass : scene_.point_masses) add(mass.at);
-    for (const SpringScene& spring : scene_.springs) add(spring.a), add(spring.b);
-    for (const BushingScene& bushing : scene_.bushings) add(bushing.a), add(bushing.b);
-    for (const DragScene& drag : scene_.drags) add(drag.at);
-    for (const AddedMassScene& mass : scene_.added_masses) add(mass.at);
+    each_node_place(scene_, [&](const Place& place) {
+      if (place.kind == Place::Kind::beam && place.name == line.name)
+        places.push_back(place.parameter);
+    });
     std::vector<bool> attached;
     for (int e = 1; e < one.elements; ++e) {
       const double s = along[static_cast<std::size_t>(e * one.order)] / along.back();

@@ -13,6 +13,7 @@
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/loads.hpp"
 #include "libmbd/compile/model.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/results/history.hpp"
 #include "libmbd/scene/laws.hpp"
@@ -21,6 +22,7 @@ namespace mbd {
 namespace {
 
 using field::About;
+using Moved = schema::Quantity::Moved;
 
 Expression scaled_law(const Expression& e, double factor, double stretch = 1.0) {
   const Expression::Term one[] = {{factor, &e}};
@@ -69,36 +71,9 @@ void change_values(Scene& scene, const F&... change) {
   });
 }
 
-// What a column of a run is.
-struct Meaning {
-  const RecordScene* record = nullptr;
-  const schema::Quantity* quantity = nullptr;  // nullptr: one of a path, or of no record
-};
-
-Meaning meaning_of(const Scene& scene, std::string_view column) {
-  for (const RecordScene& record : scene.records) {
-    if (record_of(column) != record.name || column.size() <= record.name.size()) continue;
-    std::string_view name = column.substr(record.name.size() + 1);
-    if (const std::size_t dot = name.find('.'); dot != std::string_view::npos)
-      name = name.substr(0, dot);
-    const auto known = record.joint    ? schema::joint_quantities()
-                       : record.at     ? schema::place_quantities()
-                       : record.spring ? schema::spring_quantities()
-                                       : schema::system_quantities();
-    return {&record, schema::find_quantity(known, name)};
-  }
-  return {};
-}
-
-// Of three components along inertial axes.
-bool is_inertial(const Meaning& meaning) {
-  if (meaning.quantity == nullptr || meaning.quantity->components != 3) return false;
-  const std::string_view name = meaning.quantity->name;
-  if (meaning.record->spring) return false;  // in axes that move with it
-  if (meaning.record->joint)
-    return true;  // in axes that started along inertial ones, or their like
-  if (meaning.record->at) return !name.ends_with("_local") && name != "force" && name != "moment";
-  return true;
+// Its components turn with the scene.
+bool turns(const schema::Recorded& column) {
+  return column.quantity != nullptr && column.quantity->turns();
 }
 
 // How reactions of a joint turn: R, but about an axis whose other two directions depend on the inertial ones.
@@ -182,7 +157,7 @@ Scene without_inertial_marks(const Scene& scene) {
   if (!result.path) return result;
   constexpr int points_without_stop = 40;
   const auto uncarried = [&](const PathMarkScene& mark) {
-    return is_inertial(meaning_of(scene, mark.quantity));
+    return turns(schema::recorded_in(scene, mark.quantity));
   };
   for (const PathMarkScene& mark : result.path->marks)
     if (mark.stops && uncarried(mark))
@@ -199,7 +174,7 @@ Transformed moved(const Scene& scene, const RigidMotion& motion) {
   Scene& s = result.scene;
   if (scene.path)
     for (const PathMarkScene& mark : scene.path->marks)
-      if (is_inertial(meaning_of(scene, mark.quantity)))
+      if (turns(schema::recorded_in(scene, mark.quantity)))
         result.left_out.push_back(fmt::format("{} at {} = {:g}, along an inertial axis",
                                               mark.stops ? "stop" : "mark", mark.quantity,
                                               mark.value));
@@ -262,7 +237,8 @@ Transformed rescaled(const Scene& scene, const UnitChange& units) {
       j.parameter = *j.parameter * units.factor(kind->traits.parameter.unit);
   if (s.path)
     for (PathMarkScene& mark : s.path->marks)
-      if (const Meaning meaning = meaning_of(scene, mark.quantity); meaning.quantity != nullptr)
+      if (const auto meaning = schema::recorded_in(scene, mark.quantity);
+          meaning.quantity != nullptr)
         mark.value *= units.factor(meaning.quantity->unit);
   return result;
 }
@@ -370,23 +346,22 @@ Findings moved_back(Findings findings, const Scene& scene, const RigidMotion& mo
     return *raised;
   };
   for (std::size_t c = 0; c < findings.columns.size(); ++c) {
-    const Meaning meaning = meaning_of(scene, findings.columns[c]);
+    const schema::Recorded meaning = schema::recorded_in(scene, findings.columns[c]);
     if (meaning.quantity == nullptr) continue;
-    const std::string_view name = meaning.quantity->name;
-    if (name == "potential_energy" || name == "total_energy") {
+    if (meaning.quantity->moved == Moved::as_potential) {
       if (!scene.gravity) continue;
       for (std::vector<double>& row : findings.rows) row[c] -= potential_raised();
       continue;
     }
-    if (!is_inertial(meaning) || !findings.columns[c].ends_with(".1")) continue;
-    const Mat3 back =
-        (meaning.record->joint ? turn_of_reactions(scene, *meaning.record->joint, motion.R)
-                               : motion.R)
-            .transpose();
+    if (!turns(meaning) || !findings.columns[c].ends_with(".1")) continue;
+    const Mat3 back = (meaning.quantity->axes == schema::Quantity::Axes::of_joint
+                           ? turn_of_reactions(scene, *meaning.record->joint, motion.R)
+                           : motion.R)
+                          .transpose();
     // L about the moved origin is R L + shift x R p. Momenta turn back after it, and p stands before L or after.
     std::size_t p = findings.columns.size();
     bool turned_before = false;
-    if (name == "angular_momentum") {
+    if (meaning.quantity->moved == Moved::as_momentum) {
       p = column(meaning.record->name + ".linear_momentum.1");
       turned_before = p < c;
       if (p == findings.columns.size()) {
@@ -399,7 +374,7 @@ Findings moved_back(Findings findings, const Scene& scene, const RigidMotion& mo
     }
     for (std::vector<double>& row : findings.rows) {
       Vec3 x(row[c], row[c + 1], row[c + 2]);
-      if (name == "position") x -= motion.shift;
+      if (meaning.quantity->moved == Moved::as_point) x -= motion.shift;
       if (p < row.size()) {
         const Vec3 momentum(row[p], row[p + 1], row[p + 2]);
         x -= motion.shift.cross(turned_before ? Vec3(motion.R * momentum) : momentum);
