@@ -3,9 +3,9 @@
 
 #include <array>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "joints/joint.hpp"
 #include "libmbd/core/batch.hpp"
@@ -25,7 +25,7 @@ struct Definition {
 
 class AnyJointBatch : public Batch {
  public:
-  virtual std::span<const Row> rows() const = 0;
+  virtual std::vector<RowFacts> rows() const = 0;
   virtual Traits traits() const = 0;
 
   // Returns the joint's index. `name` is for messages.

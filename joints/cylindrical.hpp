@@ -12,7 +12,7 @@ struct Cylindrical {
   static constexpr const char* name = "cylindrical";
   static constexpr const char* doc =
       "One rotation and one translation are left free, about and along the axis.";
-  static constexpr std::array rows{position(1), position(2), direction(3, 1), direction(3, 2)};
+  static constexpr std::tuple rows{position(1), position(2), direction(3, 1), direction(3, 2)};
   static constexpr Traits traits{.axis = true, .angle = true, .displacement = true};
 };
 

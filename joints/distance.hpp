@@ -12,7 +12,7 @@ namespace mbd::joint {
 struct Distance {
   static constexpr const char* name = "distance";
   static constexpr const char* doc = "A massless rod with ball joints at its ends.";
-  static constexpr std::array rows{distance()};
+  static constexpr std::tuple rows{distance()};
   static constexpr Traits traits{.points = Points::two};
 };
 

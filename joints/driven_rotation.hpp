@@ -12,7 +12,7 @@ namespace mbd::joint {
 struct DrivenRotation {
   static constexpr const char* name = "driven rotation";
   static constexpr const char* doc = "A prescribed angle.";
-  static constexpr std::array rows{angle()};
+  static constexpr std::tuple rows{angle()};
   static constexpr Traits traits{.axis = true, .law = Law::coordinate};
 };
 

@@ -10,7 +10,7 @@ namespace mbd::joint {
 struct DrivenTranslation {
   static constexpr const char* name = "driven translation";
   static constexpr const char* doc = "A prescribed displacement.";
-  static constexpr std::array rows{displacement()};
+  static constexpr std::tuple rows{displacement()};
   static constexpr Traits traits{.axis = true, .law = Law::coordinate};
 };
 

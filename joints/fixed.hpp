@@ -12,7 +12,7 @@ namespace mbd::joint {
 struct Fixed {
   static constexpr const char* name = "fixed";
   static constexpr const char* doc = "Nothing is left free.";
-  static constexpr std::array rows{position(1),     position(2),     position(3),
+  static constexpr std::tuple rows{position(1),     position(2),     position(3),
                                    direction(3, 2), direction(1, 3), direction(2, 1)};
   static constexpr Traits traits{};
 };

@@ -32,122 +32,55 @@
 // |x| - p in (6) (the same on the solution, its stiffness needs more).
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <numbers>
+#include <tuple>
+#include <type_traits>
 
+#include "joints/rows.hpp"
 #include "joints/traits.hpp"
-#include "libmbd/core/dual.hpp"
-#include "libmbd/core/metrics.hpp"
-#include "libmbd/core/se3.hpp"
 
 namespace mbd::joint {
 
-struct Row {
-  enum class Kind { position, direction, angle, displacement, advance, distance };
-  Kind kind;
-  int i = 0;  // axis of a (direction), or of b (position); 1, 2, 3
-  int j = 0;  // axis of b (direction)
-
-  // A length [m] and a force; otherwise a sine and a moment.
-  constexpr bool is_length() const { return kind != Kind::direction && kind != Kind::angle; }
-  // Its wrench has a force along b_i, at a's origin.
-  constexpr bool is_along_axis() const { return is_length() && kind != Kind::distance; }
-};
-constexpr Row position(int i) { return {Row::Kind::position, i, 0}; }
-constexpr Row direction(int i, int j) { return {Row::Kind::direction, i, j}; }
-constexpr Row angle() { return {Row::Kind::angle, 0, 1}; }
-constexpr Row displacement() { return {Row::Kind::displacement, 3, 0}; }
-constexpr Row advance() { return {Row::Kind::advance, 3, 0}; }
-constexpr Row distance() { return {Row::Kind::distance, 0, 0}; }
-
-// The contract of a joint type: a name, a sentence for the manual, its rows and traits.
+// The contract of a joint type: a name, a sentence for the manual, a tuple of its rows and its traits.
 template <class J>
 concept Joint = requires {
   { J::name } -> std::convertible_to<const char*>;
   { J::doc } -> std::convertible_to<const char*>;
-  { J::rows.size() } -> std::convertible_to<std::size_t>;
+  { std::tuple_size_v<std::remove_const_t<decltype(J::rows)>> } -> std::convertible_to<std::size_t>;
   { J::traits } -> std::convertible_to<Traits>;
 };
 
 template <Joint J>
-inline constexpr int rows_of = static_cast<int>(J::rows.size());
+inline constexpr int rows_of =
+    static_cast<int>(std::tuple_size_v<std::remove_const_t<decltype(J::rows)>>);
 
+// Calls f(row, n) for each row, n = 0, 1 ….
+template <Joint J, class F>
+constexpr void each_row(F&& f) {
+  std::apply([&f, n = Index{0}](const auto&... row) mutable { (f(row, n++), ...); }, J::rows);
+}
+
+// How many rows are of a kind.
+template <Joint J, class R>
+constexpr int count_of() {
+  int n = 0;
+  each_row<J>(
+      [&](const auto& row, Index) { n += std::is_same_v<std::decay_t<decltype(row)>, R> ? 1 : 0; });
+  return n;
+}
 template <Joint J>
-constexpr bool has_row(Row::Kind kind) {
-  for (const Row& row : J::rows)
-    if (row.kind == kind) return true;
-  return false;
+constexpr bool has_tension() {
+  bool any = false;
+  each_row<J>([&](const auto& row, Index) { any = any || row.is_tension; });
+  return any;
 }
-
-// What rows depend on besides g.
-template <class S>
-struct Given {
-  S s = S(0.0);            // prescribed angle [rad] or displacement [m]
-  double parameter = 0.0;  // of the type
-  double near = 0.0;       // followed angle at the last accepted state [rad]
-};
-
-// a_i (direction), or the direction that stands for it in (3), resolved in b.
-template <class S>
-Vector3<S> direction_in_b(const Row& row, const Matrix3<S>& R, const S& s) {
-  using std::cos, std::sin;
-  if (row.kind == Row::Kind::direction) return R.row(row.i - 1).transpose();
-  return (cos(s) * R.row(1) - sin(s) * R.row(0)).transpose();
-}
-
-// The angle about e3 nearest to `near`.
-template <class S>
-S unwrapped_angle(const Matrix3<S>& R, double near) {
-  using std::atan2;
-  constexpr double turn = 2.0 * std::numbers::pi;
-  const S principal = atan2(R(1, 0), R(0, 0));
-  return principal + S(turn * std::round((near - value_of(principal)) / turn));
-}
-
-// w of (7), and dw/dpsi.
-template <class S>
-Vector3<S> angle_gradient(const Matrix3<S>& R) {
-  const Vector3<S> c3 = R.row(2).transpose();
-  return (c3 - c3(0) * Vector3<S>::Unit(0)) / (S(1.0) - c3(0) * c3(0));
-}
-template <class S>
-Matrix3<S> angle_curvature(const Matrix3<S>& R) {
-  const Vector3<S> c3 = R.row(2).transpose(), e1 = Vector3<S>::Unit(0), dk = e1.cross(c3),
-                   w = angle_gradient(R);
-  return (hat(c3) + (S(2.0) * c3(0) * w - e1) * dk.transpose()) / (S(1.0) - c3(0) * c3(0));
-}
-
-inline double per_radian(double pitch) { return pitch / (2.0 * std::numbers::pi); }
 
 // g of all rows.
 template <Joint J, class S>
 Matrix<S, rows_of<J>, 1> constraint(const Pose<S>& g, const Given<S>& given) {
   Matrix<S, rows_of<J>, 1> value;
-  const Matrix3<S> R = g.R();
-  const Vector3<S> x_b = R.transpose() * g.r;
-  Index n = 0;
-  for (const Row& row : J::rows) {
-    S& v = value(n++);
-    switch (row.kind) {
-      case Row::Kind::position:
-        v = x_b(row.i - 1);
-        break;
-      case Row::Kind::direction:
-      case Row::Kind::angle:
-        v = direction_in_b(row, R, given.s)(row.j - 1);
-        break;
-      case Row::Kind::displacement:
-        v = x_b(2) - given.s;
-        break;
-      case Row::Kind::advance:
-        v = x_b(2) - S(per_radian(given.parameter)) * unwrapped_angle(R, given.near);
-        break;
-      case Row::Kind::distance:
-        v = (x_b.squaredNorm() - S(given.parameter * given.parameter)) / S(2.0 * given.parameter);
-        break;
-    }
-  }
+  const RowPlace<S> at(g, given);
+  each_row<J>([&](const auto& row, Index n) { value(n) = row.value(at); });
   return value;
 }
 
@@ -155,94 +88,50 @@ Matrix<S, rows_of<J>, 1> constraint(const Pose<S>& g, const Given<S>& given) {
 template <Joint J, class S>
 Matrix<S, rows_of<J>, 6> gradient(const Pose<S>& g, const Given<S>& given) {
   Matrix<S, rows_of<J>, 6> G;
-  const Matrix3<S> R = g.R();
-  const Vector3<S> x_b = R.transpose() * g.r;
-  Index n = 0;
-  for (const Row& row : J::rows) {
-    Vector3<S> u = Vector3<S>::Zero(), psi;
-    if (row.kind == Row::Kind::distance) {
-      u = x_b / S(given.parameter);
-      psi = Vector3<S>::Zero();
-    } else if (row.is_along_axis()) {
-      u = Vector3<S>::Unit(row.i - 1);
-      psi = u.cross(x_b);
-      if (row.kind == Row::Kind::advance) psi -= S(per_radian(given.parameter)) * angle_gradient(R);
-    } else {
-      psi = Vector3<S>(Vector3<S>::Unit(row.j - 1)).cross(direction_in_b(row, R, given.s));
-    }
-    G.row(n++) << u.transpose(), psi.transpose();
-  }
+  const RowPlace<S> at(g, given);
+  each_row<J>([&](const auto& row, Index n) {
+    Vector3<S> u, psi;
+    row.gradient(at, u, psi);
+    G.row(n) << u.transpose(), psi.transpose();
+  });
   return G;
 }
 
 // f = G^T lambda, without forming G.
 template <Joint J, class S>
 Vector6<S> wrench(const Pose<S>& g, const Given<S>& given, const Matrix<S, rows_of<J>, 1>& lambda) {
-  Vector3<S> force = Vector3<S>::Zero(), moment = Vector3<S>::Zero();
-  const Matrix3<S> R = g.R();
-  const Vector3<S> x_b = R.transpose() * g.r;
-  Index n = 0;
-  S tension(0.0);
-  for (const Row& row : J::rows) {
-    const S l = lambda(n++);
-    if (row.kind == Row::Kind::distance) {
-      tension += l / S(given.parameter);
-    } else if (row.is_along_axis()) {
-      force(row.i - 1) += l;
-      if (row.kind == Row::Kind::advance)
-        moment -= (l * S(per_radian(given.parameter))) * angle_gradient(R);
-    } else {
-      moment += l * Vector3<S>(Vector3<S>::Unit(row.j - 1)).cross(direction_in_b(row, R, given.s));
-    }
-  }
-  moment += force.cross(x_b);
-  if constexpr (has_row<J>(Row::Kind::distance)) force += tension * x_b;
-  return six<S>(force, moment);
+  const RowPlace<S> at(g, given);
+  WrenchSum<S> f;
+  each_row<J>([&](const auto& row, Index n) { row.add_wrench(at, lambda(n), f); });
+  f.moment += f.force.cross(at.x_b);
+  if constexpr (has_tension<J>()) f.force += f.tension * at.x_b;
+  return six<S>(f.force, f.moment);
 }
 
 // L of (8).
 template <Joint J, class S>
 Matrix6<S> geometric_stiffness(const Pose<S>& g, const Given<S>& given,
                                const Matrix<S, rows_of<J>, 1>& lambda) {
-  Vector3<S> force = Vector3<S>::Zero();
-  Matrix3<S> turning = Matrix3<S>::Zero();
-  const Matrix3<S> R = g.R();
-  const Vector3<S> x_b = R.transpose() * g.r;
-  Index n = 0;
-  S tension(0.0);
-  for (const Row& row : J::rows) {
-    const S l = lambda(n++);
-    if (row.kind == Row::Kind::distance) {
-      tension += l / S(given.parameter);
-    } else if (row.is_along_axis()) {
-      force(row.i - 1) += l;
-      if (row.kind == Row::Kind::advance)
-        turning -= (l * S(per_radian(given.parameter))) * angle_curvature(R);
-    } else {
-      turning +=
-          l * (hat(Vector3<S>(Vector3<S>::Unit(row.j - 1))) * hat(direction_in_b(row, R, given.s)));
-    }
-  }
-  const Matrix3<S> f = hat(force);
+  const RowPlace<S> at(g, given);
+  StiffnessSum<S> sum;
+  each_row<J>([&](const auto& row, Index n) { row.add_stiffness(at, lambda(n), sum); });
+  const Matrix3<S> f = hat(sum.force);
   Matrix6<S> L;
-  L << Matrix3<S>::Zero(), Matrix3<S>::Zero(), f, f * hat(x_b) + turning;
-  if constexpr (has_row<J>(Row::Kind::distance)) {
-    L.template topLeftCorner<3, 3>() = tension * Matrix3<S>::Identity();
-    L.template topRightCorner<3, 3>() = tension * hat(x_b);
+  L << Matrix3<S>::Zero(), Matrix3<S>::Zero(), f, f * hat(at.x_b) + sum.turning;
+  if constexpr (has_tension<J>()) {
+    L.template topLeftCorner<3, 3>() = sum.tension * Matrix3<S>::Identity();
+    L.template topRightCorner<3, 3>() = sum.tension * hat(at.x_b);
   }
   return L;
 }
 
 // metrics.hpp (4). The force of a distance depends on how far, so its L is full; the others' are not.
-template <Joint J>
-PairTangent<double> joint_tangent(const Pose<double>& g, const Vec6& f, const Mat6& L) {
-  if constexpr (has_row<J>(Row::Kind::distance)) {
-    const Mat6 Ad = adjoint_inverse(g).matrix();
-    const Mat6 jk = -Ad.transpose() * (L - wrench_hat<double>(f));
-    return {L, -L * Ad, jk, -jk * Ad};
-  } else {
-    return pair_tangent(g, f, L);
-  }
+inline PairTangent<double> joint_tangent(const Pose<double>& g, const Vec6& f, const Mat6& L,
+                                         bool full) {
+  if (!full) return pair_tangent(g, f, L);
+  const Mat6 Ad = adjoint_inverse(g).matrix();
+  const Mat6 jk = -Ad.transpose() * (L - wrench_hat<double>(f));
+  return {L, -L * Ad, jk, -jk * Ad};
 }
 
 // Direction and angle rows vanish half a turn from where they mean to hold as well: a step too large could end
@@ -250,12 +139,8 @@ PairTangent<double> joint_tangent(const Pose<double>& g, const Vec6& f, const Ma
 // where axes change places too (a third of a turn about (1, 1, 1), tr R = 0): less than a quarter turn, tr R > 1.
 template <Joint J>
 bool on_branch(const Pose<double>& g, [[maybe_unused]] const Given<double>& given) {
-  constexpr auto directions = [] {
-    int n = 0;
-    for (const Row& row : J::rows) n += row.kind == Row::Kind::direction ? 1 : 0;
-    return n;
-  }();
-  constexpr bool has_angle = has_row<J>(Row::Kind::angle);
+  constexpr int directions = count_of<J, row::Direction>();
+  constexpr bool has_angle = count_of<J, row::Angle>() > 0;
   if constexpr (directions < 2 && !has_angle) {
     return true;
   } else {

@@ -9,6 +9,21 @@
 
 namespace mbd::joint {
 
+template <int rows, int cols>
+void add_block(const Slot& slot, const Matrix<double, rows, cols>& block) {
+  for (Index c = 0; c < cols; ++c)
+    Eigen::Map<Matrix<double, rows, 1>>(slot.data + c * slot.ld) += block.col(c);
+}
+
+// The tangents of the two nodes among themselves, U times t carried to them: PP, PQ, QP, QQ.
+inline void add_nodes(const Slot* slot, double U, const PairTangent<double>& t, const Mat6& A,
+                      const Mat6& B) {
+  add_block<6, 6>(slot[0], U * (A.transpose() * t.jj * A));
+  add_block<6, 6>(slot[1], U * (A.transpose() * t.jk * B));
+  add_block<6, 6>(slot[2], U * (B.transpose() * t.kj * A));
+  add_block<6, 6>(slot[3], U * (B.transpose() * t.kk * B));
+}
+
 template <Joint J>
 class JointBatch final : public AnyJointBatch {
  public:
@@ -21,7 +36,11 @@ class JointBatch final : public AnyJointBatch {
     Mat6 Ad_a, Ad_b;  // adjoints of the inverses of a and b: node increments seen in the frames
   };
 
-  std::span<const Row> rows() const override { return J::rows; }
+  std::vector<RowFacts> rows() const override {
+    std::vector<RowFacts> facts;
+    each_row<J>([&](const auto& row, Index) { facts.push_back({row.name(), row.is_length}); });
+    return facts;
+  }
   Traits traits() const override { return J::traits; }
 
   Index add(const Definition& joint, std::string name) override {
@@ -76,18 +95,15 @@ class JointBatch final : public AnyJointBatch {
 
       const Matrix<double, m, 6> G = gradient<J, double>(g, given);
       const PairTangent<double> t =
-          joint_tangent<J>(g, f, geometric_stiffness<J, double>(g, given, lambda));
+          joint_tangent(g, f, geometric_stiffness<J, double>(g, given, lambda), has_tension<J>());
       const Mat6 Ad_g = adjoint_inverse(g).matrix();
       const Matrix<double, m, 6> BQ = G * d.Ad_b;
       const Matrix<double, m, 6> BP = -G * Ad_g * A;
-      add<6, 6>(slot[0], w.U * (A.transpose() * t.jj * A));
-      add<6, 6>(slot[1], w.U * (A.transpose() * t.jk * d.Ad_b));
-      add<6, 6>(slot[2], w.U * (d.Ad_b.transpose() * t.kj * A));
-      add<6, 6>(slot[3], w.U * (d.Ad_b.transpose() * t.kk * d.Ad_b));
-      add<6, m>(slot[4], BP.transpose());
-      add<6, m>(slot[5], BQ.transpose());
-      add<m, 6>(slot[6], BP);
-      add<m, 6>(slot[7], BQ);
+      add_nodes(slot, w.U, t, A, d.Ad_b);
+      add_block<6, m>(slot[4], BP.transpose());
+      add_block<6, m>(slot[5], BQ.transpose());
+      add_block<m, 6>(slot[6], BP);
+      add_block<m, 6>(slot[7], BQ);
       slot += 8;
     }
     return in_range;
@@ -279,11 +295,6 @@ class JointBatch final : public AnyJointBatch {
     r.segment<m>(first + d.multiplier) = constraint<J, double>(g, given);
     r.segment<6>(6 * d.Q).noalias() += d.Ad_b.transpose() * f;
     r.segment<6>(6 * d.P).noalias() -= A.transpose() * adjoint_inverse(g).transpose_times(f);
-  }
-  template <int rows, int cols>
-  static void add(const Slot& slot, const Matrix<double, rows, cols>& block) {
-    for (Index c = 0; c < cols; ++c)
-      Eigen::Map<Matrix<double, rows, 1>>(slot.data + c * slot.ld) += block.col(c);
   }
 
   std::vector<Data> data_;

@@ -11,7 +11,7 @@ namespace mbd::joint {
 struct Planar {
   static constexpr const char* name = "planar";
   static constexpr const char* doc = "Two translations and one rotation are left free, in a plane.";
-  static constexpr std::array rows{position(3), direction(3, 1), direction(3, 2)};
+  static constexpr std::tuple rows{position(3), direction(3, 1), direction(3, 2)};
   static constexpr Traits traits{.axis = true, .angle = true};
 };
 

@@ -12,7 +12,7 @@ namespace mbd::joint {
 struct PointOnLine {
   static constexpr const char* name = "point_on_line";
   static constexpr const char* doc = "A point of a stays on a line of b.";
-  static constexpr std::array rows{position(1), position(2)};
+  static constexpr std::tuple rows{position(1), position(2)};
   static constexpr Traits traits{.axis = true};
 };
 

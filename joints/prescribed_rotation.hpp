@@ -10,7 +10,7 @@ namespace mbd::joint {
 struct PrescribedRotation {
   static constexpr const char* name = "prescribed rotation";
   static constexpr const char* doc = "A prescribed rotation.";
-  static constexpr std::array rows{direction(3, 2), direction(1, 3), direction(2, 1)};
+  static constexpr std::tuple rows{direction(3, 2), direction(1, 3), direction(2, 1)};
   static constexpr Traits traits{.law = Law::rotation};
 };
 

@@ -10,7 +10,7 @@ namespace mbd::joint {
 struct PrescribedTranslation {
   static constexpr const char* name = "prescribed translation";
   static constexpr const char* doc = "A prescribed motion of a point.";
-  static constexpr std::array rows{position(1), position(2), position(3)};
+  static constexpr std::tuple rows{position(1), position(2), position(3)};
   static constexpr Traits traits{.law = Law::translation};
 };
 

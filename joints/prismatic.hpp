@@ -11,7 +11,7 @@ namespace mbd::joint {
 struct Prismatic {
   static constexpr const char* name = "prismatic";
   static constexpr const char* doc = "One translation is left free, along the axis.";
-  static constexpr std::array rows{position(1), position(2), direction(3, 2), direction(1, 3),
+  static constexpr std::tuple rows{position(1), position(2), direction(3, 2), direction(1, 3),
                                    direction(2, 1)};
   static constexpr Traits traits{.axis = true, .displacement = true};
 };

@@ -11,7 +11,7 @@ namespace mbd::joint {
 struct Revolute {
   static constexpr const char* name = "revolute";
   static constexpr const char* doc = "One rotation is left free, about the axis.";
-  static constexpr std::array rows{position(1), position(2), position(3), direction(3, 1),
+  static constexpr std::tuple rows{position(1), position(2), position(3), direction(3, 1),
                                    direction(3, 2)};
   static constexpr Traits traits{.axis = true, .angle = true};
 };

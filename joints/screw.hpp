@@ -13,7 +13,7 @@ struct Screw {
   static constexpr const char* name = "screw";
   static constexpr const char* doc =
       "Turning about the axis advances along it by the pitch a turn.";
-  static constexpr std::array rows{position(1), position(2), direction(3, 1), direction(3, 2),
+  static constexpr std::tuple rows{position(1), position(2), direction(3, 1), direction(3, 2),
                                    advance()};
   static constexpr Traits traits{
       .axis = true,

@@ -10,7 +10,7 @@ namespace mbd::joint {
 struct Spherical {
   static constexpr const char* name = "spherical";
   static constexpr const char* doc = "Three rotations are left free.";
-  static constexpr std::array rows{position(1), position(2), position(3)};
+  static constexpr std::tuple rows{position(1), position(2), position(3)};
   static constexpr Traits traits{};
 };
 

@@ -12,7 +12,7 @@ struct Universal {
   static constexpr const char* name = "universal";
   static constexpr const char* doc =
       "Two rotations are left free, about an axis fixed in a and one fixed in b.";
-  static constexpr std::array rows{position(1), position(2), position(3), direction(3, 1)};
+  static constexpr std::tuple rows{position(1), position(2), position(3), direction(3, 1)};
   static constexpr Traits traits{.axis = true, .second_axis = true};
 };
 

@@ -36,25 +36,6 @@ void check_direction(const std::optional<Vec3>& v, std::string_view attribute, c
                                     attribute));
 }
 
-std::string row_name(const joint::Row& row) {
-  using Kind = joint::Row::Kind;
-  switch (row.kind) {
-    case Kind::position:
-      return fmt::format("position {}", row.i);
-    case Kind::direction:
-      return fmt::format("direction a{}.b{}", row.i, row.j);
-    case Kind::angle:
-      return "angle";
-    case Kind::displacement:
-      return "displacement";
-    case Kind::advance:
-      return "advance";
-    case Kind::distance:
-      return "distance";
-  }
-  return "";
-}
-
 }  // namespace
 
 Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first) {
@@ -100,12 +81,13 @@ JointCompiler::Added JointCompiler::add(std::string_view type, const std::string
   joint::AnyJointBatch* const batch = batch_of(type);
   ConstraintInfo info;
   info.name = name;
-  for (const joint::Row& row : batch->rows()) {
-    info.is_position.push_back(row.is_length());
-    info.row_names.push_back(row_name(row));
+  const std::vector<joint::RowFacts> rows = batch->rows();
+  for (const joint::RowFacts& row : rows) {
+    info.is_position.push_back(row.is_length);
+    info.row_names.push_back(row.name);
   }
-  info.rows = static_cast<Index>(batch->rows().size());
-  makers_.insert(makers_.end(), batch->rows().size(), {source, label});
+  info.rows = static_cast<Index>(rows.size());
+  makers_.insert(makers_.end(), rows.size(), {source, label});
   definition.constraint = static_cast<Index>(system_.constraints().size());
   definition.multiplier = system_.add_constraint(std::move(info));
   if (batch->traits().angle) definition.angle = system_.add_angle();

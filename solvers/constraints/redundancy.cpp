@@ -7,10 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
 #include <string_view>
 
-#include "joints/joint_list.hpp"
+#include "joints/any_joint_batch.hpp"
 
 namespace mbd {
 namespace {
@@ -144,14 +143,13 @@ Eigen::MatrixXd unit_columns(const VecX& units, const Eigen::MatrixXd& null) {
 }  // namespace
 
 std::vector<char> prescribed_constraints(const System& system) {
-  std::set<std::string_view> prescribed;
-  joint::for_each(joint::Prescribed{}, [&]<class J>() { prescribed.insert(J::name); });
   const auto nodes = static_cast<int>(system.nodes()) - 1;
   std::vector<char> result(system.constraints().size(), 0);
   const auto first = system.first_contributions();
   const auto& contributions = system.graph().contributions;
   for (std::size_t b = 0; b < system.batches().size(); ++b) {
-    if (!prescribed.contains(system.batches()[b]->type())) continue;
+    const auto* const joints = dynamic_cast<const joint::AnyJointBatch*>(system.batches()[b].get());
+    if (joints == nullptr || joints->traits().law == joint::Law::none) continue;
     for (std::size_t i = first[b]; i < first[b + 1]; ++i)
       if (contributions[i].row >= nodes)
         result[static_cast<std::size_t>(contributions[i].row - nodes)] = 1;

@@ -448,12 +448,12 @@ void BeamLaws::sizes_agree() const {
   Worst force("force", 16), tangent("tangent", 32 * eps), energy("energy", 16);
   sample(8, [&](Rng&, const Beam& b) {
     const BeamValue fixed = BeamSystem(b, false)(b.pose), run_time = BeamSystem(b, true)(b.pose);
-    const double K = tangent_size(run_time.K, b.length), u = eps * K * b.length;
-    force.add(
-        force_size(fixed.r - run_time.r, b.length) / (u + eps * force_size(run_time.r, b.length)),
-        name(b));
+    const double K = tangent_size(run_time.K, b.length), F = force_size(run_time.r, b.length);
+    const double dU = eps * b.length;
+    force.add(force_size(fixed.r - run_time.r, b.length) / (K * dU + eps * F), name(b));
     tangent.add(tangent_error(fixed.K, run_time.K, b.length), name(b));
-    energy.add(std::abs(fixed.energy - run_time.energy) / (eps * (fixed.energy + u * b.length)),
+    // dphi = F dU, and second order at the reference
+    energy.add(std::abs(fixed.energy - run_time.energy) / ((F + K * dU) * dU + eps * fixed.energy),
                name(b));
   });
 }

@@ -20,7 +20,7 @@ namespace mbd::joint {
 struct PointInPlane {
   static constexpr const char* name = "point_in_plane";
   static constexpr const char* doc = "A point of a stays in a plane of b.";
-  static constexpr std::array rows{position(3)};
+  static constexpr std::tuple rows{position(3)};
   static constexpr Traits traits{.axis = true};
 };
 
