@@ -1,7 +1,8 @@
 // Inertia of what moves with a node: M the 6x6 mass matrix in the node's frame.
 //
 // Beams are integrated on their GLL points (NOTATION.md 3: with the N Gauss points a free bar has a
-// singular mass matrix), so the inertia of a beam is a mass at each node, M_a = w_a J_a M; a rigid body
+// singular mass matrix), so the inertia of a beam is a mass at each node, M_a = w_a J_a M, or where M varies the
+// integral of M times the polynomial of the node (SectionTable::masses); a rigid body
 // is a mass at its node too, M = Ad^T M_c Ad. One kernel serves both, and all that shares a node is
 // added up once, at compile.
 //

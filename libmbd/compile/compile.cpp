@@ -100,8 +100,7 @@ class Compiler {
   // --- sections ---
 
   const Section& section_of(const BeamScene& beam) const {
-    for (const Section& s : scene_.sections)
-      if (s.name == beam.section) return s;
+    if (const Section* const section = mbd::section_of(scene_, beam)) return *section;
     std::vector<std::string_view> names;
     for (const Section& s : scene_.sections) names.push_back(s.name);
     throw Error(beam.source,
@@ -176,8 +175,9 @@ class Compiler {
     BeamElasticBatch& batch = elastic_batch(beam);
     int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
     BeamDampingBatch* const damping = damping_batch(beam, scene_section);
-    int viscosity =
-        damping && section.is_uniform() ? damping->add_viscosity(section.viscosity(0.0)) : -1;
+    int viscosity = damping && section.is_uniform()
+                        ? damping->add_viscosity(section.viscosity_of(section.stiffness(0.0), 0.0))
+                        : -1;
     const double alpha = mass_proportional(scene_section);
     const SpectralTable& table = batch.table();
     const auto order = static_cast<std::size_t>(beam.order);
@@ -209,12 +209,13 @@ class Compiler {
       const double J = 0.5 * (s1 - s0) * line.length;
       const std::vector<double> Js(order + 1, J);
       if (!section.is_uniform()) {
-        for (std::size_t i = 0; i < table.rule.points.size(); ++i) {
-          const int one = batch.add_stiffness(section.stiffness(at(table.rule.points[i])));
-          if (i == 0) stiffness = one;
-          if (!damping) continue;
-          const int viscous = damping->add_viscosity(section.viscosity(at(table.rule.points[i])));
-          if (i == 0) viscosity = viscous;
+        bool first = true;
+        for (const Mat6& D : section.stiffnesses(s0, s1, table.rule)) {
+          const int one = batch.add_stiffness(D);
+          const int viscous =
+              damping ? damping->add_viscosity(section.viscosity_of(D, 0.5 * (s0 + s1))) : -1;
+          if (first) stiffness = one, viscosity = viscous;
+          first = false;
         }
       }
       const std::string name = fmt::format("beam '{}' element {}", beam.name, e + 1);
@@ -225,12 +226,16 @@ class Compiler {
       add_boundary(nodes.back());
       compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
       compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
+      const std::vector<Mat6> masses = section.has_mass() && !section.is_uniform()
+                                           ? section.masses(s0, s1, table.nodes)
+                                           : std::vector<Mat6>();
       for (std::size_t k = 0; k <= order; ++k) {
         const double weight = table.nodes.weights[k] * J;
         compiled.nodes.push_back({nodes[k], places[k], weight});
-        if (section.has_mass())
-          masses_[static_cast<std::size_t>(nodes[k])] += weight * section.mass(places[k]);
-        if (alpha > 0.0) add_mass_damping(nodes[k], alpha * weight * section.mass(places[k]));
+        if (!section.has_mass()) continue;
+        const Mat6 M = masses.empty() ? weight * section.mass(places[k]) : line.length * masses[k];
+        masses_[static_cast<std::size_t>(nodes[k])] += M;
+        if (alpha > 0.0) add_mass_damping(nodes[k], alpha * M);
       }
     }
   }
@@ -259,6 +264,13 @@ class Compiler {
     for (const double s : compiled.boundaries)
       compiled.boundary_nodes.push_back({node, true, line.at(s), &rigid});
     compiled.ends.resize(compiled.boundaries.size());
+    const auto add_mass = [&](double s, double weight) {
+      if (!section.has_mass()) return;
+      const Mat6 M =
+          transformed_mass(weight * section.mass(s), relative(reference(node), line.at(s)));
+      masses_[static_cast<std::size_t>(node)] += M;
+      if (alpha > 0.0) add_mass_damping(node, alpha * M);
+    };
     for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
       const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
       for (std::size_t k = 0; k < table.nodes.points.size(); ++k) {
@@ -269,11 +281,10 @@ class Compiler {
         const Pose<double> H = line.at(s);
         include(H.r);
         compiled.nodes.push_back({node, s, weight, relative(reference(node), H)});
-        if (!section.has_mass()) continue;
-        const Mat6 M = transformed_mass(weight * section.mass(s), compiled.nodes.back().frame);
-        masses_[static_cast<std::size_t>(node)] += M;
-        if (alpha > 0.0) add_mass_damping(node, alpha * M);
+        if (section.is_uniform()) add_mass(s, weight);
       }
+      if (section.is_uniform()) continue;
+      for (const auto& [s, weight] : section.rule(s0, s1)) add_mass(s, weight * line.length);
     }
   }
 

@@ -43,6 +43,9 @@ enum class PathDirection { forward, backward, both };
 // points).
 enum class Interpolation { linear, smooth };
 
+// How a beam is divided: into elements of equal length, or so between each two stations of its section.
+enum class Mesh { equal, stations };
+
 // What of a quantity is expected: its value at one time, an extreme, or its value at a special point of a path.
 enum class ExpectedOf { value_at, minimum, maximum, limit, bifurcation, mark };
 
@@ -71,6 +74,8 @@ template <>
 inline constexpr std::string_view words_of<PathDirection> = "forward backward both";
 template <>
 inline constexpr std::string_view words_of<Interpolation> = "linear smooth";
+template <>
+inline constexpr std::string_view words_of<Mesh> = "equal stations";
 template <>
 inline constexpr std::string_view words_of<ExpectedOf> =
     "value minimum maximum limit bifurcation mark";

@@ -174,7 +174,12 @@ void check(const Checked& item, const Section& section, const Scene&) {
   check_section(section);
 }
 
-void check(const Checked& item, const BeamScene& beam, const Scene&) {
+void check(const Checked& item, const BeamScene& beam, const Scene& scene) {
+  if (beam.mesh == Mesh::stations)
+    if (const Section* const section = section_of(scene, beam))
+      item.fail_if(section->stations.empty(),
+                   "mesh=\"stations\" divides at the stations of its section, but section \"" +
+                       section->name + "\" has none; leave mesh out or give stations");
   if (beam.kinematics != Kinematics::classical) return;
   const BeamScene defaults;
   item.fail_if(beam.metric != defaults.metric,
@@ -469,7 +474,7 @@ void check(const Checked& item, const RecordScene& record, const Scene&) {
   const auto known = schema::quantities_of(record);
   for (const std::string& quantity : record.quantities) {
     const schema::Quantity* const found = schema::find_quantity(known, quantity);
-    const std::string_view usual = schema::usual_word(quantity);
+    const std::string usual = schema::usual_word(quantity);
     item.fail_if(!found && !usual.empty(),
                  "quantities: unknown quantity " + in_quotes(quantity) + "; " + std::string(usual));
     item.fail_if(!found, "quantities: unknown quantity " + in_quotes(excerpt(quantity)) +
@@ -518,7 +523,7 @@ void check_size(const Scene& scene) {
   constexpr long most_nodes = 1'000'000;
   long nodes = std::ssize(scene.bodies);
   for (const BeamScene& b : scene.beams) {
-    nodes += 1 + long{b.elements} * long{b.order};
+    nodes += 1 + long{stated_elements(scene, b)} * long{b.order};
     if (nodes > most_nodes)
       Checked(b).fail("with it the model has " + std::to_string(nodes) +
                       " nodes, of which it may have " + std::to_string(most_nodes) +

@@ -97,15 +97,17 @@ void Item::check_child(const xml::Element& child) const {
   const std::string where = "<" + std::string(element_->name) + ">" +
                             (around_ == element_->name ? "" : " in <" + std::string(around_) + ">");
   const Source at{context_.file, child.line};
+  const std::string usual = schema::usual_word(child.name);
   if (here.empty())
-    throw Error(at, name + " cannot stand in " + where + ", which has no elements; move it out");
+    throw Error(at, name + " cannot stand in " + where + ", which has no elements; " +
+                        (usual.empty() ? "move it out" : usual));
   if (!schema::find_element(child.name)) {
-    const std::string_view usual = schema::usual_word(child.name);
-    throw Error(at, "unknown element " + name +
-                        (usual.empty() ? suggest(child.name, here, "elements in " + where)
-                                       : "; " + std::string(usual)));
+    throw Error(
+        at, "unknown element " + name +
+                (usual.empty() ? suggest(child.name, here, "elements in " + where) : "; " + usual));
   }
-  throw Error(at, name + " cannot stand in " + where + "; the elements there are: " + list(here));
+  throw Error(at, name + " cannot stand in " + where + "; the elements there are: " + list(here) +
+                      (usual.empty() ? "" : "; " + usual));
 }
 
 void Item::check(bool is_default) const {

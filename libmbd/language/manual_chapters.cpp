@@ -191,6 +191,37 @@ to the file that says so. That file is a model too; its own name is not used.
 </mbd>
 ```
 )md"},
+    {"What is not there, and what does instead",
+     R"md(- **Contact** between bodies or surfaces: not there. A point that meets a wall, a floor or a stop along a known
+  direction: a spring or joint spring whose law pushes on one side only (`force="x < 0 ? 1e6*x : 0"`); stiff
+  enough that it gives by no more than you allow, with damping so that it does not bounce for ever.
+- **End stops** and limits of a joint: a `<joint_spring>` whose law begins at the limit.
+- **Dry friction**: `damping_moment="T*tanh(v/v0)"` of a `<joint_spring>` or `damping_force` of a `<spring>`, with
+  a friction T that is given. It creeps instead of sticking, at less than v0; the force between the
+  surfaces is not taken into account.
+- **Control**: a PD controller to a fixed target is a `<joint_spring>` with `angular_stiffness`,
+  `angular_damping` and `rest_angle`; what is known beforehand as a function of time is a `<joint_torque>` or a
+  `<drive>`. Feedback from other quantities, and integral parts, are not there.
+- **Gears, racks, belts, cams, rolling wheels**: not there. A ratio between two angles can be had where both
+  are driven by laws; a `<screw>` ties an angle to a displacement.
+- **Cables that go slack**: a `<spring>` with `force="x > 0 ? k*x : 0"`; a `<distance>` holds in pressure as well.
+- **Plates, shells, solids, sections from materials, temperature, wake and airfoil aerodynamics**: not there. Drag in
+  a stream (`<drag>`), added mass, and loads that are expressions of time and place are.
+
+```xml
+<mbd name="door">
+  <!-- A door with friction in its hinge, closed by a spring with a target, and an end stop at 0.1 rad. -->
+  <body name="leaf" at="0 0 0" mass="20" center="0.45 0 0" inertia="0.1 1.4 1.4" angular_velocity="0 0 3"/>
+  <revolute name="hinge" between="ground leaf" axis="0 0 1"/>
+  <joint_spring name="friction" joint="hinge" damping_moment="0.8*tanh(v/0.02)"/>
+  <joint_spring name="closer" joint="hinge" angular_stiffness="12" angular_damping="4" rest_angle="-1"/>
+  <joint_spring name="end_stop" joint="hinge" moment="x > 0.1 ? 2e4*(x - 0.1) : 0"/>
+  <transient duration="2" method="radau" tolerance="1e-5" output="0.02"/>
+  <record name="hinge" joint="hinge" quantities="angle"/>
+  <expect quantity="hinge.angle" of="maximum" value="0.1" tolerance="0.05" source="what gives is less than 3 sqrt(J/k)"/>
+</mbd>
+```
+)md"},
 };
 
 // ---- groups of elements -----------------------------------------------------------------------
@@ -222,6 +253,10 @@ Of a homogeneous section of area A, second moments I2 (about b2) and I3 (about b
 It and shear coefficients k2, k3: `EA` = E A, `GA2` = k2 G A, `GA3` = k3 G A, `GJ` = G It, `EI2` =
 E I2, `EI3` = E I3; `per_length` = rho A, `inertia` = rho (I2 + I3), rho I2, rho I3. An I-beam along
 i1 with its web along `normal` = i3 bends about b2 under vertical loads: EI2 is the strong one.
+
+Elements have the integrals of the table for their mass and stiffness, so that a beam weighs what its table
+says on any mesh. Where a linear table has kinks inside elements, convergence is slow; `mesh="stations"`
+of the beam ends elements there.
 
 Resultants N1 Q2 Q3 M1 M2 M3 are what the part behind the section (towards the end) exerts on the
 part before it, in section axes: a beam along i1 with `normal` i3 that sags has a negative M2.

@@ -336,9 +336,10 @@ std::string unknown_attribute(const Element& element, std::string_view name) {
                  "attributes of <" + std::string(element.name) + ">");
 }
 
-std::string_view usual_word(std::string_view word) {
+std::string usual_word(std::string_view word) {
   struct Usual {
     std::string_view word, instead;
+    bool absent = false;
   };
   static constexpr Usual table[] = {
       {"clamp", "write <fixed between=\"ground beam.start\" …/>"},
@@ -353,7 +354,33 @@ std::string_view usual_word(std::string_view word) {
       {"damper", "write <spring damping=… …/>, with or without a stiffness"},
       {"dashpot", "write <spring damping=… …/>, with or without a stiffness"},
       {"shaker", "write <base_motion acceleration=…/>, or <motion of=… displacement=…/>"},
-      {"contact", "this version has no contact; leave it out"},
+      {"contact", "there is none; a spring whose law pushes on one side only may do", true},
+      {"collision", "there is no contact; a spring whose law pushes on one side only may do", true},
+      {"friction", "write damping_moment=\"T*tanh(v/v0)\" of a <joint_spring>", true},
+      {"limit", "write a <joint_spring> whose law begins at the limit", true},
+      {"limits", "write a <joint_spring> whose law begins at the limit", true},
+      {"stop",
+       "a run in time ends at its duration; an end stop of a joint is a <joint_spring> whose law "
+       "begins there",
+       true},
+      {"gear", "there is none; a <screw> ties an angle to a displacement", true},
+      {"rack", "there is none; a <screw> ties an angle to a displacement", true},
+      {"cam", "there is none", true},
+      {"belt", "there is none", true},
+      {"pulley", "there is none", true},
+      {"wheel", "there is no rolling", true},
+      {"tire", "there is no rolling", true},
+      {"tyre", "there is no rolling", true},
+      {"rolling", "there is none", true},
+      {"control", "a PD controller to a fixed target is a <joint_spring> with rest_angle", true},
+      {"controller", "a PD controller to a fixed target is a <joint_spring> with rest_angle", true},
+      {"pid", "a PD controller to a fixed target is a <joint_spring> with rest_angle", true},
+      {"sensor", "there is no feedback from results; <record> writes them", true},
+      {"motor", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
+      {"actuator", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
+      {"shell", "there are beams and bodies only", true},
+      {"plate", "there are beams and bodies only", true},
+      {"solid", "there are beams and bodies only", true},
       {"force", "write <load at=… force=\"…\"/>"},
       {"moment", "write <load at=… moment=\"…\"/>"},
       {"material", "write <section> with <stiffness EA=… …/> and <mass per_length=… …/>"},
@@ -366,7 +393,9 @@ std::string_view usual_word(std::string_view word) {
       {"strain", "this version has resultants, force and moment; strain follows from the section"},
   };
   for (const Usual& usual : table)
-    if (usual.word == word) return usual.instead;
+    if (usual.word == word)
+      return std::string(usual.instead) +
+             (usual.absent ? "; see \"What is not there\" in models/MANUAL.md" : "");
   return {};
 }
 

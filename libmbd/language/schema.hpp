@@ -62,8 +62,9 @@ bool is_of_one_item(const Attribute& attribute);
 // What a message says of an attribute that the element does not have, with the nearest that it has.
 std::string unknown_attribute(const Element& element, std::string_view name);
 
-// What to write instead of a usual word that the schema does not have ("clamp", "torque"); empty for others.
-std::string_view usual_word(std::string_view word);
+// What to write instead of a usual word that the schema does not have, or not there ("clamp", "friction", "stop" of a
+// run in time); empty for others.
+std::string usual_word(std::string_view word);
 
 // Letters, digits, _ and -, one at least and 200 at most: so names of columns and places can be taken apart.
 bool is_name(std::string_view text);

@@ -62,12 +62,14 @@ void check_time(const ExpectScene& expect, const Scene& scene) {
   throw Error(
       expect.source,
       transient.step && !transient.output
-          ? fmt::format("expect: at is {}, must be a whole number of steps of {} s; the nearest "
-                        "are {} and {}",
-                        expect.at, *interval, below, above)
-          : fmt::format("expect: at is {}, between rows of results, which are written every {} s; "
-                        "the nearest are at {} and {}; with output=\"steps\" it may be any time",
-                        expect.at, *interval, below, above));
+          ? fmt::format(
+                "expect: at is {}, must be a whole number of steps of {:.12g} s; the nearest "
+                "are {:.12g} and {:.12g}",
+                expect.at, *interval, below, above)
+          : fmt::format(
+                "expect: at is {}, between rows of results, which are written every {:.12g} s; "
+                "the nearest are at {:.12g} and {:.12g}; with output=\"steps\" it may be any time",
+                expect.at, *interval, below, above));
 }
 
 }  // namespace

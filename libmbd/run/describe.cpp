@@ -14,6 +14,7 @@
 #include "libmbd/results/observers.hpp"
 #include "libmbd/run/run.hpp"
 #include "libmbd/scene/label.hpp"
+#include "libmbd/scene/places.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/mechanism.hpp"
 #include "solvers/linear/klu_solver.hpp"
@@ -91,7 +92,7 @@ Index beam_elements(const System& system) {
 
 std::vector<Count> stated_counts(const Scene& scene) {
   Index elements = 0;
-  for (const BeamScene& beam : scene.beams) elements += beam.elements;
+  for (const BeamScene& beam : scene.beams) elements += stated_elements(scene, beam);
   const auto damped = std::count_if(scene.sections.begin(), scene.sections.end(),
                                     [](const Section& s) { return s.damping.has_value(); });
   std::vector<Count> counts;
@@ -167,7 +168,7 @@ std::string plan(const TransientScene& transient, long steps) {
   std::string text = fmt::format("transient of {} s by {}", shortest(transient.duration),
                                  name_of(transient.method));
   if (transient.step)
-    text += fmt::format(" in {} of {} s", counted(steps, "steps"), shortest(*transient.step));
+    text += fmt::format(" in {} of {:.12g} s", counted(steps, "steps"), *transient.step);
   else
     text += fmt::format(", steps for a tolerance of {}{}", shortest(*transient.tolerance),
                         error_limits(transient));
@@ -175,7 +176,7 @@ std::string plan(const TransientScene& transient, long steps) {
   if (!interval)
     text += ", rows where they end";
   else if (interval != transient.step)
-    text += fmt::format(", rows every {} s", shortest(*interval));
+    text += fmt::format(", rows every {:.12g} s", *interval);
   return text;
 }
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <span>
 
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/time_stepping.hpp"
@@ -27,6 +28,16 @@
 
 namespace mbd {
 namespace {
+
+// Of many sentences, those that fit into a note; the report has all.
+std::string first_of(const std::vector<std::string>& sentences) {
+  constexpr std::size_t most = 4;
+  const auto shown = std::span(sentences).first(std::min(most, sentences.size()));
+  return fmt::format("{}{}", fmt::join(shown, "; "),
+                     sentences.size() > most
+                         ? fmt::format("; and {} more, all in report.json", sentences.size() - most)
+                         : "");
+}
 
 constexpr double much_energy = 0.1;   // of the largest kinetic energy, change or work: worth a note
 constexpr double much_noise = 1e-3;   // of constraint forces: worth a note
@@ -140,7 +151,7 @@ class Run {
                       "them, and reactions are those of least norm, sum of F^2 + (M/L)^2 with "
                       "L = {:.6g} m",
                       model_.redundant.size(), model_.redundant.size() == 1 ? "s" : "",
-                      fmt::join(report_.redundant, "; "), system.length_scale()));
+                      first_of(report_.redundant), system.length_scale()));
     for (const RecordScene& record : scene.records)
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
     audit_.emplace(scene_, system, options.certify);

@@ -69,7 +69,8 @@ struct Section {
 
   // Where there are any, D and M vary along the beam and those above are not used. Entry by entry: linear
   // between stations, or the interpolating spline of degree 3 (or less, with fewer than 4 stations). A kink
-  // of the linear table is best placed where two elements meet: within one it costs the element its order.
+  // of the linear table is best placed where two elements meet (Mesh::stations): within one it costs the element
+  // its order. Masses and stiffnesses of elements are integrals of the tables, kinks or not.
   std::vector<Station> stations;  // at least two, rising from 0 to 1; all with mass, or none
   Interpolation interpolation = Interpolation::linear;
 
@@ -162,7 +163,9 @@ struct BeamScene {
   std::string section;
   std::variant<Straight, Arc, Curve> line;
   Vec3 normal = Vec3::UnitZ();  // made perpendicular to the tangent; b2 = b3 x b1
-  int elements = 1;             // before boundaries are added at attachments
+  int elements =
+      1;  // before boundaries are added at attachments; of Mesh::stations between each two stations
+  Mesh mesh = Mesh::equal;
   int order = 3;
   Kinematics kinematics = Kinematics::motion;
   Metric metric = Metric::geodesic;  // of motion; so is the form
@@ -180,8 +183,12 @@ struct BeamScene {
             "b3 at the start (of a curve: everywhere); its part along the reference line does not "
             "matter",
             inertial));
-    f(Field(&S::elements, "elements", "", preset, "spectral elements of equal length",
+    f(Field(&S::elements, "elements", "", preset,
+            "spectral elements of equal length, of the beam or (mesh) of each of its parts",
             at_least_one));
+    f(Field(&S::mesh, "mesh", "", preset,
+            "what `elements` divides: the beam, or each part between two stations of its section, "
+            "where kinks of its tables are then ends of elements"));
     f(Field(&S::order, "order", "", preset, "order N: N + 1 nodes an element", Range{1.0, 8.0}));
     f(Field(&S::kinematics, "kinematics", "", preset,
             "what is interpolated: the motion, or (classical) displacement and rotation apart, "

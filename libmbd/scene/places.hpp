@@ -51,8 +51,15 @@ void each_kind_along(SomeScene& scene, const F& f) {
   });
 }
 
-// Where elements of the beam end, as fractions of its reference length from 0 to 1: its ends, those of `elements` equal
-// parts, its places but those of records, and the ends of what lies along a part of it.
+// The section that the beam names; nullptr: there is none.
+const Section* section_of(const Scene& scene, const BeamScene& beam);
+
+// How many elements the beam states, before its places add some.
+int stated_elements(const Scene& scene, const BeamScene& beam);
+
+// Where elements of the beam end, as fractions of its reference length from 0 to 1: its ends, those of the equal parts
+// of its mesh with `elements` for the number that it states, its places but those of records, and the ends of what lies
+// along a part of it.
 std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int elements);
 
 }  // namespace mbd

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -215,8 +216,8 @@ Mat6 SectionTable::stiffness(double s) const {
   return D;
 }
 
-Mat6 SectionTable::viscosity(double s) const {
-  const Mat6 C = mbd::viscosity(*section_.damping, stiffness(s));
+Mat6 SectionTable::viscosity_of(const Mat6& D, double s) const {
+  const Mat6 C = viscosity(*section_.damping, D);
   if (definiteness_of_some(C) < -definite)
     throw Error(section_.damping->source,
                 fmt::format("{}: damping: C = beta D + viscous entries is negative at {:.3g}, "
@@ -237,13 +238,62 @@ Mat6 SectionTable::mass(double s) const {
   return M;
 }
 
+std::vector<SectionTable::Sample> SectionTable::rule(double a, double b) const {
+  static const Quadrature gauss = gauss_rule(8);
+  std::vector<double> ends{a};
+  for (const Station& station : section_.stations)
+    if (station.at > a && station.at < b) ends.push_back(station.at);
+  ends.push_back(b);
+  std::vector<Sample> samples;
+  for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
+    const double half = 0.5 * (ends[e + 1] - ends[e]);
+    for (std::size_t i = 0; i < gauss.points.size(); ++i)
+      samples.push_back({ends[e] + half * (1.0 + gauss.points[i]), half * gauss.weights[i]});
+  }
+  return samples;
+}
+
+std::vector<Mat6> SectionTable::stiffnesses(double a, double b, const Quadrature& points) const {
+  std::vector<Mat6> D(points.points.size(), Mat6::Zero());
+  for (const auto& [s, weight] : rule(a, b)) {
+    const VecX l = lagrange(points.points, 2.0 * (s - a) / (b - a) - 1.0);
+    const Mat6 here = stiffness(s);
+    for (std::size_t i = 0; i < D.size(); ++i) D[i] += weight * l(static_cast<Index>(i)) * here;
+  }
+  for (std::size_t i = 0; i < D.size(); ++i) {
+    D[i] /= 0.5 * (b - a) * points.weights[i];
+    if (!(scaled_definiteness(D[i]) > definite))
+      D[i] = stiffness(a + 0.5 * (b - a) * (1.0 + points.points[i]));
+  }
+  return D;
+}
+
+std::vector<Mat6> SectionTable::masses(double a, double b, const Quadrature& nodes) const {
+  const std::vector<double>& xi = nodes.points;
+  std::vector<Mat6> M(xi.size(), Mat6::Zero()), beside = M;
+  for (const auto& [s, weight] : rule(a, b)) {
+    const double x = 2.0 * (s - a) / (b - a) - 1.0;
+    const VecX l = lagrange(xi, x);
+    const Mat6 here = weight * mass(s);
+    for (std::size_t k = 0; k < M.size(); ++k) M[k] += l(static_cast<Index>(k)) * here;
+    const auto next =
+        static_cast<std::size_t>(std::upper_bound(xi.begin() + 1, xi.end() - 1, x) - xi.begin());
+    const double share = (x - xi[next - 1]) / (xi[next] - xi[next - 1]);
+    beside[next - 1] += (1.0 - share) * here;
+    beside[next] += share * here;
+  }
+  const bool usable = std::all_of(
+      M.begin(), M.end(), [](const Mat6& one) { return definiteness_of_some(one) >= -definite; });
+  return usable ? M : beside;
+}
+
 Mat6 SectionTable::interpolated(double s, bool of_mass) const {
   if (smooth_) {
     return (of_mass ? *smooth_->mass : smooth_->stiffness).value(s).reshaped(6, 6);
   }
-  std::size_t i = 1;
-  while (i + 1 < section_.stations.size() && section_.stations[i].at < s) ++i;
-  const Station &a = section_.stations[i - 1], &b = section_.stations[i];
+  const auto next = std::lower_bound(section_.stations.begin() + 1, section_.stations.end() - 1, s,
+                                     [](const Station& one, double at) { return one.at < at; });
+  const Station &a = *(next - 1), &b = *next;
   const double x = (s - a.at) / (b.at - a.at);
   const Mat6 &A = of_mass ? *a.mass : a.stiffness, &B = of_mass ? *b.mass : b.stiffness;
   return (1.0 - x) * A + x * B;

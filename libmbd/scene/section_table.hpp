@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "libmbd/core/spectral.hpp"
 #include "libmbd/scene/scene.hpp"
 
 namespace mbd {
@@ -35,7 +37,26 @@ class SectionTable {
   // positive definite (mass: semidefinite).
   Mat6 stiffness(double s) const;
   Mat6 mass(double s) const;
-  Mat6 viscosity(double s) const;  // of a section with damping
+  // C where the stiffness is D, of a section with damping; `s` is for messages.
+  Mat6 viscosity_of(const Mat6& D, double s) const;
+
+  // Points of [a, b] and weights, which sum to b - a: exact for entries of the table times polynomials of degree 12,
+  // whether there are stations between or not.
+  struct Sample {
+    double s, weight;
+  };
+  std::vector<Sample> rule(double a, double b) const;
+
+  // The mean stiffness that acts at a quadrature point of an element on [a, b]: the integral of the table times the
+  // Lagrange polynomial of the point, over the point's weight. So energies of strains of degree N - 1 are those of the
+  // table. `rule`: on [-1, 1]. Where such a mean is not positive definite (tables that change much within
+  // the element), it is the stiffness at the point. Throws Error as stiffness() does.
+  std::vector<Mat6> stiffnesses(double a, double b, const Quadrature& rule) const;
+
+  // The same for masses of the nodes (GLL points on [-1, 1]): integrals of mass times their polynomials, in parts of
+  // b - a. They sum to the mass between a and b to round-off, and so does the first moment of a straight element. Where
+  // one is not semidefinite, each bit of mass is shared by the two nodes beside it: sum and moment are the same.
+  std::vector<Mat6> masses(double a, double b, const Quadrature& nodes) const;
 
  private:
   struct Smooth;  // splines of the entries

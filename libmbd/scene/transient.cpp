@@ -111,10 +111,11 @@ RowTimes::RowTimes(const Scene& scene) {
   if (const std::optional<double> interval = row_interval(transient)) {
     interval_ = *interval;
     if (!(transient.duration / interval_ <= most_rows) && transient.output)
-      throw Error(transient.source,
-                  fmt::format("transient: {} s with a row of results every {} s are too many rows; "
-                              "give a larger output",
-                              transient.duration, interval_));
+      throw Error(
+          transient.source,
+          fmt::format("transient: {} s with a row of results every {:.12g} s are too many rows; "
+                      "give a larger output",
+                      transient.duration, interval_));
     if (transient.step) {
       const double ratio = interval_ / *transient.step;
       at_steps_ = std::abs(ratio - 1.0) <= round_off;

@@ -167,7 +167,7 @@ std::vector<Example> examples() {
 TEST(Manual, ExamplesRunAndAreAsExpected) {
   const test::TemporaryDirectory directory;
   const std::vector<Example> all = examples();
-  EXPECT_EQ(all.size(), manual::groups().size() + 3);
+  EXPECT_EQ(all.size(), manual::groups().size() + 4);
   for (const Example& example : all) write_text(directory.path() / example.file, example.text);
   for (const Example& example : all) {
     SCOPED_TRACE(example.text);

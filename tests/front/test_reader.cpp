@@ -378,6 +378,15 @@ TEST(Reader, RefusesBadOverrides) {
   EXPECT_SAYS(message("", {{"a", "1"}}), "There are no parameters");
 }
 
+// Words of what is not there, which point to the chapter on what does instead.
+TEST(Reader, SaysWhatIsNotThere) {
+  for (const char* word : {"friction", "gear", "contact", "limit", "controller", "wheel", "shell"})
+    EXPECT_SAYS(message(std::string("<") + word + "/>"), "see \"What is not there\"");
+  EXPECT_SAYS(message("<transient duration=\"1\" step=\"1\"><stop/></transient>"),
+              "an end stop of a joint is a <joint_spring>");
+  EXPECT_SAYS(message("<record name=\"x\" quantities=\"friction\"/>"), "of a <joint_spring>");
+}
+
 TEST(Reader, RefusesWhatDoesNotBelong) {
   EXPECT_SAYS(message("hello"), "does not belong here");
   EXPECT_SAYS(message("<mass per_length=\"1\" inertia=\"1 1 1\"/>"),

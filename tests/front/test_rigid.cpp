@@ -170,6 +170,45 @@ TEST(Rigid, GroupIsOneBodyAndKeepsItsJointsToOthers) {
   EXPECT_LT((vec("B.acceleration", k) - slope).norm(), 1e-4 * slope.norm());
 }
 
+// Two bodies, turned against each other and against the group's frame, are the one body with their mass, whose frame is
+// that of the second: with what acts there, what flows around it, how it begins, and all that is recorded there. Mutations that
+// fail: velocities, added mass, drag or local records taken at the node as if it were the body.
+TEST(Rigid, GroupIsTheBodyWithItsMassInEveryTerm) {
+  const std::string q =
+      R"(<body name="Q" at="0.2 0.7 -0.4" orientation="-0.6 1.1 0.3" mass="3" center="0.1 0.2 -0.1"
+          inertia="0.5 0.4 0.3 0.02 -0.03 0.04" velocity="0.3 -1.2 0.8" angular_velocity="1.5 -2 0.7"/>)";
+  const std::string rest =
+      R"(<added_mass at="Q" matrix="2 0.1 0.2 0.3 -0.1 0.05  3 0.1 -0.2 0.2 0.1  4 0.1 -0.3 0.2  0.9 0.1 0.05  0.8 0.1  0.7"/>
+         <drag at="Q" density="900" area="0.01" coefficient="1.1" offset="0.3 -0.2 0.1" flow="1 0.5*t 0"/>
+         <load at="Q" force="2 0 1" follower_moment="0 0.5 0.2" offset="0 0.1 0.3"/>
+         <gravity acceleration="0 0 -9.81"/>
+         <spring name="S" between="ground Q" at_a="0 0 2" stiffness="40" damping="3"/>
+         <transient duration="1" method="radau" tolerance="1e-10"/>
+         <record name="Q" at="Q" quantities="position displacement displacement_local rotation velocity velocity_local
+            angular_velocity angular_velocity_local acceleration"/>
+         <record name="E" quantities="kinetic_energy linear_momentum angular_momentum"/>)";
+  const Scene group = scene_of(
+      R"(<body name="P" at="1 -0.5 0.3" orientation="0.4 -0.2 0.9" mass="2" center="-0.2 0.1 0.3"
+          inertia="0.3 0.2 0.4 0.01 0.02 -0.03"/>)" +
+      q + R"(<rigid name="r" of="P Q"/>)" + rest);
+  Scene single = scene_of(q + rest);
+  const BodyScene &P = group.bodies[0], &Q = group.bodies[1];
+  const Mat3 turn = Q.orientation.transpose() * P.orientation;  // from P's axes to Q's
+  const Vec3 cP = Q.orientation.transpose() * (P.at - Q.at) + turn * P.center;
+  BodyScene& both = single.bodies[0];
+  both.mass = P.mass + Q.mass;
+  both.center = (P.mass * cP + Q.mass * Q.center) / both.mass;
+  const auto about = [](const Mat3& inertia, double m, const Vec3& arm) -> Mat3 {
+    return inertia + m * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+  };
+  both.inertia = about(turn * P.inertia * turn.transpose(), P.mass, cP - both.center) +
+                 about(Q.inertia, Q.mass, Q.center - both.center);
+  const Table a = run_to_table(group, 1).table, b = run_to_table(single, 1).table;
+  ASSERT_EQ(a.names, b.names);
+  ASSERT_EQ(a.rows(), b.rows());
+  for (const std::string& column : a.names) EXPECT_LT(difference(a, b, column), 1e-7) << column;
+}
+
 TEST(Rigid, WhatDoesNotExistInItIsRefused) {
   const auto message = [](const std::string& items) -> std::string {
     try {

@@ -119,6 +119,26 @@ std::vector<Vec6> least_norm(const std::vector<Vec6>& given, const std::vector<d
   return result;
 }
 
+// The note counts them all and names the first; the report has every one.
+TEST(Redundancy, NoteOfManyIsACountAndTheFirst) {
+  const Scene scene = read_model_text(R"(<mbd name="doors">
+      <repeat count="40">
+        <body name="door{i}" at="0 2*i 0" mass="20" center="0.5 0 0" inertia="1 1 1"/>
+        <revolute name="low{i}" between="ground door{i}" at="0 2*i 0" axis="0 0 1"/>
+        <revolute name="high{i}" between="ground door{i}" at="0 2*i 2" axis="0 0 1"/>
+      </repeat>
+      <transient duration="0.01" step="0.01"/></mbd>)",
+                                      "doors.xml");
+  RunReport report;
+  (void)table_of(scene, &report);
+  EXPECT_EQ(report.redundant.size(), 40u);
+  ASSERT_FALSE(report.notes.empty());
+  const std::string& note = report.notes.front();
+  EXPECT_NE(note.find("200 of the constraints repeat others"), std::string::npos) << note;
+  EXPECT_NE(note.find("and 36 more, all in report.json"), std::string::npos) << note;
+  EXPECT_LT(note.size(), 1000u);
+}
+
 TEST(Redundancy, DoorOnThreeHinges) {
   const Scene scene = hard_scene("door");
   RunReport report;

@@ -13,13 +13,6 @@
 namespace mbd {
 namespace {
 
-// Null where there is none of that name, which compile says.
-const Section* section_of(const Scene& scene, const BeamScene& beam) {
-  const auto it = std::find_if(scene.sections.begin(), scene.sections.end(),
-                               [&](const Section& s) { return s.name == beam.section; });
-  return it == scene.sections.end() ? nullptr : &*it;
-}
-
 bool is_taken(const Scene& scene, const std::string& name) {
   bool taken = false;
   each_item(scene, [&]<class T>(const T& item) {
@@ -120,6 +113,7 @@ void straighten(Scene& scene, const std::string& name) {
     piece.line = Straight{line.at(ends[i]).r, line.at(ends[i + 1]).r};
     piece.normal = line.at(0.5 * (ends[i] + ends[i + 1])).R().col(2);
     piece.elements = 1;
+    piece.mesh = Mesh::equal;
     if (!section.stations.empty()) {
       scene.sections.push_back(piece_of(section, ends[i], ends[i + 1]));
       scene.sections.back().name = piece.section =
