@@ -12,64 +12,15 @@
 #include <utility>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/opcode.hpp"
 
 namespace mbd {
-
-// One instruction of the postfix program. Truth values lie on the stack as the numbers 1 and 0.
-enum class Opcode : std::uint8_t {
-  constant,  // push value
-  time,      // push t
-  // of two numbers
-  add,
-  subtract,
-  multiply,
-  divide,
-  power,
-  atan2,
-  // of one number
-  negate,
-  power_constant,  // to the exponent `value`
-  sin,
-  cos,
-  tan,
-  asin,
-  acos,
-  atan,
-  sinh,
-  cosh,
-  tanh,
-  exp,
-  log,
-  log10,
-  sqrt,
-  // kinks at the time `value`
-  negate_before,
-  negate_after,
-  first_before,  // of two numbers the first before `value`, the second after it
-  first_after,
-  // conditions
-  before,  // push t < value
-  after,   // push t > value
-  both,
-  either,
-  opposite,
-  // control
-  jump,
-  jump_if_false,  // pops the condition
-  // of constants only: folded, never in a program
-  abs,
-  min,
-  max,
-  floor,
-  ceil,
-  round,
-};
 
 namespace {
 
 constexpr std::size_t kMaxLength = 100'000;  // of the text, bytes
 constexpr int kMaxNesting = 200;             // parentheses, calls, choices, signs and powers
-constexpr std::size_t kMaxStack = 256;       // pending numbers: 6 KiB on the machine's stack
+constexpr std::size_t kMaxStack = Expression::most_pending;
 
 struct Function {
   std::string_view name;

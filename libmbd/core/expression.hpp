@@ -52,7 +52,12 @@ enum class Variables { none, time, x, v };
 // The limit taken at a breakpoint: from earlier or from later times.
 enum class Side { left, right };
 
-enum class Opcode : std::uint8_t;  // defined in expression.cpp
+enum class Opcode : std::uint8_t;  // opcode.hpp
+
+// The numbers from `lo` to `hi`, infinities included.
+struct Interval {
+  double lo = 0.0, hi = 0.0;
+};
 
 // An expression, checked and compiled to a postfix program. Immutable; evaluation is const, thread
 // safe and allocates nothing.
@@ -96,11 +101,21 @@ class Expression {
   template <class S>
   Taylor<S> evaluate(S t, Side side = Side::right) const;
 
+  // Taylor coefficients at all t in [a, b]: c[k] holds f^(k)(t)/k! [1/s^k], round-off included; infinite where a
+  // pole, or the end of a domain, cannot be excluded. No breakpoint may lie between a and b; at one that is a or b,
+  // the limit from inside. At most most_coefficients of them. The recurrences of Griewank and Walther (2008, 13.2),
+  // on intervals (Moore 1966).
+  static constexpr std::size_t most_coefficients = 9;
+  void enclose(double a, double b, std::span<Interval> c) const;
+
   // Times at which a condition or a kink switches [s], ascending. What can be reached only where
   // another condition excludes it may be listed too.
   std::span<const double> breakpoints() const { return breakpoints_; }
 
   const std::string& text() const { return text_; }
+
+  static constexpr std::size_t most_pending =
+      256;  // numbers of an evaluation: 6 KiB on the machine's stack
 
  private:
   class Parser;

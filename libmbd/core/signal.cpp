@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/law_cells.hpp"
 
 namespace mbd {
 
@@ -133,6 +134,7 @@ class Signal::RateLaw {
       if (begin_ < t && t < end_) knots.push_back(t);
     }
     knots.push_back(end_);
+    const LawCells cells = find_cells(rate_, {}, begin_, end_);
     Real f = f0, lost = 0;  // the integral so far, and what rounding took from it (Kahan)
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
       std::vector<double> ends;  // of the panels still to do, the next one last
@@ -149,7 +151,7 @@ class Signal::RateLaw {
         const Real middle = (Real(left) + Real(right)) / 2;
         const Real half = (Real(right) - Real(left)) / 2;
         const Samples a = expand(sample(middle, half));
-        if (is_resolved(a, middle, half)) {
+        if (is_resolved(a, middle, half) && cells.narrowest(left, right) * 100.0 >= right - left) {
           const Real increment = append(a, left, middle, half, f) - lost;
           const Real sum = f + increment;
           lost = (sum - f) - increment;
@@ -270,6 +272,12 @@ SignalValue Signal::operator()(double t, Side side) const {
     return {f.v, f.d, f.dd};
   }
   return (*std::get<std::shared_ptr<const RateLaw>>(law_))(t, side);
+}
+
+const Expression* Signal::expression(bool& is_rate) const {
+  const auto* rate = std::get_if<std::shared_ptr<const RateLaw>>(&law_);
+  is_rate = rate != nullptr;
+  return is_rate ? &(*rate)->rate() : std::get_if<Expression>(&law_);
 }
 
 bool Signal::is_constant() const {

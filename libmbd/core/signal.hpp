@@ -16,8 +16,8 @@
 // Accuracy: |error| ≤ 1e-15 max(1, |f|). Sampling and evaluation are in long double, because the
 // rounding of r in double would, with a large phase (sin(100 t) at 1000 s: 1e-11), exceed this.
 // Where long double rounds too coarsely as well, its measured rounding error bounds the accuracy.
-// Limit: each piece between breakpoints is sampled at 400 points at least; a pulse much narrower
-// than 1/400 of the piece can be missed and should be enclosed in conditions.
+// Panels are also halved until none is longer than 100 cells of r (law_cells.hpp), so that a pulse, however
+// short, is not taken for nothing between the points where r is sampled.
 //
 // Not used: integrating r along with the motion (f would inherit the error of the time steps, and
 // statics has none); double arithmetic with compensated sums (the error of r and of x remains).
@@ -75,6 +75,9 @@ class Signal {
   std::optional<Jump> undeclared_jump(double t_begin, double t_end) const;
 
   bool is_constant() const;
+
+  // The expression that the signal is, or that its rate is (`is_rate`); nullptr: a constant.
+  const Expression* expression(bool& is_rate) const;
 
  private:
   class RateLaw;

@@ -62,6 +62,8 @@ class System {
   const std::vector<std::unique_ptr<Batch>>& batches() const { return batches_; }
   const std::vector<ConstraintInfo>& constraints() const { return constraints_; }
   const std::vector<Signal>& signals() const { return signals_; }
+  SignalUse signal_use(std::size_t i) const { return signal_uses_[i]; }
+  const std::string& signal_name(std::size_t i) const { return signal_names_[i]; }
   const std::vector<Breakpoint>& breakpoints() const { return breakpoints_; }  // t rising, distinct
 
   // --- evaluation ---

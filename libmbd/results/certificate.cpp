@@ -325,6 +325,21 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
          .warn = small_method_error,
          .fail = 1.0,
          .why = "tries that did not converge, over the number of steps"});
+    if (const LawFacts& laws = report.laws; laws.laws > 0)
+      add({.name = "laws of time",
+           .value = laws.unresolved.empty() ? laws.reach : std::max(2.0, laws.reach),
+           .warn = 1.0,
+           .fail = std::numeric_limits<double>::max(),
+           .where = laws.unresolved.empty() ? laws.reach > 1.0 ? laws.which : std::string()
+                                            : laws.unresolved.front(),
+           .why = fmt::format(
+               "what a step passes over, at most, of what a step may pass over: above 1 a feature "
+               "of a law of time can lie between two steps unseen; 2 or more where a law could "
+               "not be resolved{}",
+               laws.longest_step > 0.0 ? fmt::format("; steps of {:.3g} s resolve all, which is "
+                                                     "needed near t = {:.6g} s",
+                                                     laws.longest_step, laws.at)
+                                       : std::string())});
     if (c.tolerant > 0)
       add({.name = "rank-tolerant steps",
            .value = static_cast<double>(c.tolerant),

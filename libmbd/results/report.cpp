@@ -201,6 +201,13 @@ std::string to_json(const RunReport& report) {
           {"constraint_force", floor->force},
           {"constraint_moment", floor->moment},
           {"reciprocal_condition", floor->reciprocal_condition}};
+    if (const LawFacts& laws = report.laws; laws.laws > 0)
+      solver["transient"]["laws_of_time"] = {
+          {"number", laws.laws},
+          {"longest_step", laws.longest_step > 0.0 ? Json(laws.longest_step) : Json()},
+          {"at", laws.at},
+          {"by", laws.which},
+          {"unresolved", laws.unresolved}};
     if (report.transient->tolerance) {
       const StepSizes& sizes = report.step_sizes;
       solver["transient"]["least_step"] = sizes.least;

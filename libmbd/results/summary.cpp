@@ -92,6 +92,19 @@ void step_sizes(std::string& text, const RunReport& report) {
   item(text, "step sizes", words);
 }
 
+void laws(std::string& text, const LawFacts& facts) {
+  if (facts.laws == 0) return;
+  std::string words = fmt::format("{};", facts.laws);
+  if (facts.longest_step > 0.0)
+    words += fmt::format(" steps of\t{:.2g}\ts resolve them, which is needed near t =\t{:.6g}\ts",
+                         facts.longest_step, facts.at);
+  else
+    words += " none changes within the run so fast that steps could pass over it";
+  if (!facts.unresolved.empty())
+    words += fmt::format("; NOT\tRESOLVED: {}", facts.unresolved.size());
+  item(text, "laws of time", words);
+}
+
 void accuracy(std::string& text, const ChosenAccuracy& chosen) {
   std::string words = fmt::format("requested\t{:.1e}; ", chosen.requested) +
                       (chosen.believed ? fmt::format("believed\t{:.1e}, rms of {}",
@@ -304,6 +317,7 @@ std::string summary(const RunReport& report) {
            method(*report.transient) + "; " + steps(report.transient_counters, "step", "steps"),
            report.transient_counters, report.most_iterations);
     step_sizes(text, report);
+    laws(text, report.laws);
   }
   if (report.accuracy) accuracy(text, *report.accuracy);
   seconds(text, report);

@@ -365,6 +365,7 @@ class Run {
 
     StepReport step = stepper->start(state);
     if (!step.converged) fail_to_start(step.failure);
+    judge_laws(stepper->laws());
     report_.integration += watch_.lap();
     going = accept(state, true);
     report_.output += watch_.lap();
@@ -404,6 +405,25 @@ class Run {
     report_.transient_counters = stepper->counters();
     report_.step_sizes = stepper->sizes();
     if (report_.rows > 0) judge_round_off(*stepper);
+  }
+
+  // Says what laws of time the steps may pass over.
+  void judge_laws(const LawSteps& of_steps) {
+    const TransientScene& transient = *scene_.transient;
+    if (transient.step) {
+      report_.laws = LawSteps(*model_.system, 0.0, transient.duration).facts_for(*transient.step);
+      if (report_.laws.reach > 1.0)
+        report_.notes.push_back(fmt::format(
+            "{} changes near t = {:.6g} s faster than steps of {:g} s resolve: what it does there "
+            "can be missed; take steps of {:.2g} s at most, or a tolerance, whose steps do not "
+            "pass over it",
+            report_.laws.which, report_.laws.at, *transient.step, report_.laws.longest_step));
+    } else {
+      report_.laws = of_steps.facts();
+      if (report_.laws.longest_step > 0.0) report_.laws.reach = 1.0;
+    }
+    for (const std::string& law : report_.laws.unresolved)
+      report_.notes.push_back(law + ": the motion after that is not to be relied on");
   }
 
   // Says it if steps are so short that round-off of positions drowns constraint forces.

@@ -109,9 +109,8 @@ std::vector<Index> rows_in_loops(const System& system) {
   return rows;
 }
 
-Dependence dependence(const System& system, const State& state) {
-  const std::vector<Index> rows = rows_in_loops(system);
-  if (rows.empty()) return {};
+// Of B over nodes' motions in one unit, all rows.
+ConstraintEntries entries_of(const System& system, const State& state) {
   ConstraintEntries entries;
   const double L = system.length_scale();
   for (const GradientBlock& block : constraint_gradients(system, state)) {
@@ -122,7 +121,53 @@ Dependence dependence(const System& system, const State& state) {
           entries.emplace_back(static_cast<int>(info.first_row + i), 6 * (block.node - 1) + j,
                                (j < 3 ? 1.0 : 1.0 / L) * block.B(i, j));
   }
+  return entries;
+}
+
+Dependence dependence(const System& system, const State& state) {
+  const std::vector<Index> rows = rows_in_loops(system);
+  if (rows.empty()) return {};
+  const ConstraintEntries entries = entries_of(system, state);
   return find_dependent(entries, system.multipliers(), 6 * (system.nodes() - 1), rows);
+}
+
+// As find_dependent().null, where it is known which rows repeat others, but the state is off the constraints, by what
+// interpolation in a step leaves, and ranks cannot be seen: of each idle row, less its nearest combination of the others.
+Eigen::MatrixXd null_of_idle(const System& system, const State& state) {
+  const Index multipliers = system.multipliers(), columns = 6 * (system.nodes() - 1);
+  std::vector<int> place(static_cast<std::size_t>(multipliers),
+                         -1);  // among the rows that are kept, in loops
+  std::vector<Index> kept;
+  for (const Index row : rows_in_loops(system))
+    if (!std::binary_search(state.idle.begin(), state.idle.end(), row)) {
+      place[static_cast<std::size_t>(row)] = static_cast<int>(kept.size());
+      kept.push_back(row);
+    }
+  const auto idle = static_cast<Index>(state.idle.size());
+  Eigen::MatrixXd null = Eigen::MatrixXd::Zero(multipliers, idle), others(columns, idle);
+  others.setZero();
+  ConstraintEntries entries;
+  for (const auto& e : entries_of(system, state)) {
+    const int k = place[static_cast<std::size_t>(e.row())];
+    if (k >= 0) entries.emplace_back(e.col(), k, e.value());
+    const auto at = std::lower_bound(state.idle.begin(), state.idle.end(), Index{e.row()});
+    if (at != state.idle.end() && *at == e.row())
+      others(e.col(), at - state.idle.begin()) += e.value();
+  }
+  const auto size = static_cast<Index>(kept.size());
+  Sparse Bt(std::max(columns, size), size);
+  Bt.setFromTriplets(entries.begin(), entries.end());
+  Bt.makeCompressed();
+  Eigen::SparseQR<Sparse, Eigen::COLAMDOrdering<int>> qr;
+  qr.setPivotThreshold(independent);
+  qr.compute(Bt);
+  others.conservativeResizeLike(Eigen::MatrixXd::Zero(Bt.rows(), idle));
+  for (Index i = 0; i < idle; ++i) {
+    const VecX share = qr.solve(VecX(others.col(i)));
+    null(state.idle[static_cast<std::size_t>(i)], i) = 1.0;
+    for (Index k = 0; k < size; ++k) null(kept[static_cast<std::size_t>(k)], i) = -share(k);
+  }
+  return null;
 }
 
 // 1 for a force, 1/L for a moment: both in the same unit.
@@ -258,9 +303,11 @@ Redundancy find_redundancy(const System& system, const State& state) {
 
 VecX minimum_norm(const System& system, const State& state) {
   const Dependence found = dependence(system, state);
-  if (found.redundant.empty()) return state.lambda;
+  const bool unseen = found.redundant.size() < state.idle.size();
+  if (found.redundant.empty() && !unseen) return state.lambda;
   const VecX units = multiplier_units(system);
-  const Eigen::MatrixXd null = unit_columns(units, found.null);
+  const Eigen::MatrixXd null =
+      unit_columns(units, unseen ? null_of_idle(system, state) : found.null);
   const VecX lambda = units.cwiseProduct(state.lambda);
   return (lambda - null * null.householderQr().solve(lambda)).cwiseQuotient(units);
 }
@@ -280,7 +327,8 @@ VecX without_idle(const System& system, const State& state, const std::vector<In
   return result;
 }
 
-std::optional<std::string> idle_rows_open(const System& system, const State& state) {
+std::optional<std::string> idle_rows_open(const System& system, const State& state,
+                                          double tolerated) {
   if (state.idle.empty()) return std::nullopt;
   State all = state;
   all.idle.clear();
@@ -301,9 +349,10 @@ std::optional<std::string> idle_rows_open(const System& system, const State& sta
     rate = std::max(rate, std::abs(gdot(i)));
   }
   const double L = system.length_scale();
-  const double most_gap = std::max(open_of_size * L, open_of_others * gap);
+  const double of_size = std::max(open_of_size, tolerated);
+  const double most_gap = std::max(of_size * L, open_of_others * gap);
   const double most_rate =
-      std::max({open_of_size * fastest, open_of_others * rate, open_of_others * gap / L * fastest});
+      std::max({of_size * fastest, open_of_others * rate, open_of_others * gap / L * fastest});
   Index worst = -1;
   double size = 1.0;
   for (const Index i : state.idle) {

@@ -49,15 +49,19 @@ struct Redundancy {
 // Of the rows at a state that satisfies them; nothing idle is left out. A system without loops has none.
 Redundancy find_redundancy(const System& system, const State& state);
 
-// Multipliers with the same forces on all nodes, of least norm; those of `state` where rows are independent.
+// Multipliers with the same forces on all nodes, of least norm; those of `state` where rows are independent. A state
+// inside a step is off its constraints by the error of interpolation, and rows that repeat each other look
+// independent there: those that are idle are taken as what they are.
 VecX minimum_norm(const System& system, const State& state);
 
 // Multipliers with the same forces on all nodes that are 0 in the rows `idle`, as find_redundancy gives them.
 VecX without_idle(const System& system, const State& state, const std::vector<Index>& idle);
 
 // The worst idle row of a state that satisfies the others, if it is open by far more than they are; in words, with
-// what it contradicts.
-std::optional<std::string> idle_rows_open(const System& system, const State& state);
+// what it contradicts. `tolerated`: of the scene's length and of the fastest motion, what the rows that are imposed may
+// have led it astray by, besides what they are open themselves.
+std::optional<std::string> idle_rows_open(const System& system, const State& state,
+                                          double tolerated = 0.0);
 
 // A row in words: "revolute 'D', position 2".
 std::string row_in_words(const System& system, Index row);

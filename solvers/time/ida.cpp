@@ -27,6 +27,7 @@ using sundials::values;
 using sundials::Vector;
 
 constexpr long most_tiny_steps = 500;    // in a row, shorter than that: a start takes a tenth of it
+constexpr double idle_share = 0.01;      // of the tolerance, for what idle rows may be open
 constexpr double newton_share = 0.03;    // of the error test, for what Newton's iterations leave
 constexpr double multiplier_slack = 10;  // on the relative one, for what they leave of multipliers
 // cj = dydot/dy may change by this factor before the matrix is factorised anew. IDA's own 0.25 makes up for it
@@ -359,6 +360,7 @@ Ida::~Ida() = default;
 StepReport Ida::start(State& state) {
   span_ = time_between(state.t, options_.end);
   slack_ = time_floor * span_;
+  laws_ = LawSteps(system_, state.t, options_.end);
   state.t = start_time(system_.breakpoints(), state.t, slack_);
   sizes_ = {};
   tiny_ = 0;
@@ -376,8 +378,32 @@ StepReport Ida::restart(State& state) {
   return report;
 }
 
+// Where idle rows have parted from the others, or no step is found, which of them are idle is chosen anew at the start
+// of the step: those that determine the motion in one configuration may depend on each other in another.
 StepReport Ida::step(State& state) {
+  StepReport report = one_step(state);
+  if (report.converged || integrator_->unusable() || !system_.idle_rows_allowed()) return report;
+  if (!parted_) begin_ = state;
+  const Redundancy found = find_redundancy(system_, begin_);
+  if (found.idle == begin_.idle) return report;
+  const std::string failure = report.failure;
+  state = begin_;
+  state.lambda = without_idle(system_, begin_, found.idle);
+  state.idle = found.idle;
+  ++counters_.retries;
+  report = restart(state);
+  if (!report.converged) {
+    report.failure = fmt::format("at t = {:.9g} s: {}", state.t, report.failure);
+    return report;
+  }
+  report = one_step(state);
+  if (!report.converged) report.failure = failure;
+  return report;
+}
+
+StepReport Ida::one_step(State& state) {
   StepReport report;
+  parted_ = false;
   Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
   if (last_usable_ < landing.t) {
     if (!(last_usable_ - state.t > slack_)) {
@@ -391,7 +417,8 @@ StepReport Ida::step(State& state) {
     return report;
   }
   double reached = state.t;
-  const int status = integrator_->step(landing.t, reached);
+  const int status =
+      integrator_->step(std::min(landing.t, laws_.end_of_step(state.t + slack_)), reached);
   report.iterations = integrator_->iterations();
   if (integrator_->unusable())  // the steps to come go as far as the signals
     last_usable_ = last_usable(system_, state, *integrator_->unusable(), slack_, unusable_);
@@ -407,7 +434,9 @@ StepReport Ida::step(State& state) {
   system_.set_time(state, landed ? landing.t : reached, Side::left);
   system_.follow_angles(state);
   integrator_->accepted(begin_, state);
-  if (const std::optional<std::string> open = idle_rows_open(system_, state)) {
+  if (const std::optional<std::string> open =
+          idle_rows_open(system_, state, idle_share * options_.tolerances.relative)) {
+    parted_ = true;
     report.failure = fmt::format("at t = {:.9g} s: {}", state.t, *open);
     return report;
   }

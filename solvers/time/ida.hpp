@@ -54,6 +54,7 @@ class Ida final : public Stepper {
   class Integrator;  // what knows SUNDIALS
 
   StepReport restart(State& state) override;
+  StepReport one_step(State& state);
 
   const System& system_;
   std::unique_ptr<LinearSolver> solver_;
@@ -65,6 +66,7 @@ class Ida final : public Stepper {
   double last_usable_ =
       0.0;  // where signals end that can be used, as far as it is known: else infinity [s]
   std::string unusable_;  // which does not go on
+  bool parted_ = false;   // idle rows have, in the last step, which began at begin_
   State begin_, scratch_;
 };
 

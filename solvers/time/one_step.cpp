@@ -15,7 +15,6 @@ namespace {
 constexpr int most_halvings = 40;
 constexpr int most_contradictions = 30;     // beyond these steps would only creep
 constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
-constexpr double rank_tolerance = 1e-3;     // eps, in units of 1/mass
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
 
 }  // namespace
@@ -50,9 +49,9 @@ void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
   for (std::size_t k = 0; k < own.size(); ++k)
     for (Index i = 0; i < system_.constraints()[k].rows; ++i)
       own[k].data[i * (own[k].ld + 1)] -=
-          rank_tolerance / (system_.constraints()[k].is_position[static_cast<std::size_t>(i)]
-                                ? mass_
-                                : mass_ * length * length);
+          rank_tolerance_ / (system_.constraints()[k].is_position[static_cast<std::size_t>(i)]
+                                 ? mass_
+                                 : mass_ * length * length);
 }
 
 double OneStep::multiplier_slack() const {
@@ -102,6 +101,7 @@ StepReport OneStep::start(State& state) {
     controller_ = std::make_unique<StepController>(
         error_order_, settings_.max_step > 0.0 ? settings_.max_step : longest_step * span);
     slack_ = time_floor * span;
+    laws_ = LawSteps(system_, origin_, settings_.end);
   } else {
     slack_ = time_rounding * settings_.step;
   }
@@ -247,7 +247,9 @@ StepReport OneStep::adaptive_step(State& state) {
   std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false, contradicted = false;
   for (;;) {
-    double h = controller_->step();
+    // A law of time may ask for less than the estimate does, which knows only what it has seen.
+    const double most = laws_.end_of_step(state.t) - state.t;
+    double h = std::min(controller_->step(), most);
     const double rest = landing.t - state.t;
     const bool last = h > rest * (1.0 - same_step);
     if (last)

@@ -1,6 +1,8 @@
 // Drives a method of one step: fixed steps, which land on breakpoints and are halved where they fail, and
 // adaptive ones by an estimate of their error (error_control.hpp).
 //
+// Adaptive steps do not pass over what laws of time do (law_steps.hpp), whatever their error is.
+//
 // A step ends on every breakpoint of the signals inside it, and starts afresh where accelerations jump. A fixed
 // step that fails is tried in halves, down to 2^-max_halvings.
 //
@@ -64,6 +66,9 @@ class OneStep : public Stepper {
   // none that reaches that time can be solved.
   bool usable(const State& state, StepReport& report);
 
+  // eps of rank-tolerant steps, in units of 1/mass.
+  static constexpr double rank_tolerance = 1e-3;
+  double rank_tolerance_ = rank_tolerance;
   // -eps I onto the multipliers' own blocks, of a rank-tolerant step.
   void add_rank_tolerance(std::span<const Slot> own) const;
   // On the tolerance of multipliers, of which some are not determined in a rank-tolerant step.

@@ -49,6 +49,10 @@ double start_time(std::span<const Breakpoint> breakpoints, double t, double slac
 
 double last_usable(const System& system, State state, double t, double slack, std::string& why) {
   double from = state.t, to = t;
+  if (why.empty()) {
+    system.set_time(state, t, Side::left);
+    why = system.unusable_signal(state);
+  }
   while (to - from > slack) {
     const double middle = from + 0.5 * (to - from);
     if (!(from < middle && middle < to)) break;

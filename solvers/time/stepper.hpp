@@ -9,6 +9,7 @@
 
 #include "libmbd/core/system.hpp"
 #include "solvers/newton/report.hpp"
+#include "solvers/time/law_steps.hpp"
 
 namespace mbd {
 
@@ -50,6 +51,9 @@ class Stepper {
   const Counters& counters() const { return counters_; }
   const StepSizes& sizes() const { return sizes_; }
 
+  // What limits adaptive steps, from start() on; of fixed ones it knows nothing.
+  const LawSteps& laws() const { return laws_; }
+
   // Of the last accepted step; nothing before the first, after a restart, and of steppers that do not know it.
   virtual std::optional<RoundOff> round_off() { return std::nullopt; }
 
@@ -71,6 +75,7 @@ class Stepper {
 
   Counters counters_;
   StepSizes sizes_;
+  LawSteps laws_;
   std::function<void(const DenseStep&)> observer_;
 };
 

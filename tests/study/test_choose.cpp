@@ -354,5 +354,46 @@ TEST_F(RunAccuracy, RefusesBeforeAnythingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(directory_.path() / "out"));
 }
 
+// A mass on a spring, at rest until a force of milliseconds, far into the run: runs of all tolerances see it, and what is
+// believed is the true error. x'' + w^2 x = (F/m) exp(-((t-t0)/d)^2), so x = F d sqrt(pi)/(m w) exp(-(w d/2)^2) sin(w (t-t0))
+// after it. Mutation: OneStep::start without laws_: nothing moves, which is no longer believed either.
+const char* const short_load = R"(<mbd name="short">
+    <body name="b" at="0 0 0" mass="10" inertia="1 1 1"/>
+    <prismatic name="p" between="ground b" at="0 0 0" axis="1 0 0"/>
+    <spring name="s" between="ground b" at_a="-9 0 0" at_b="0 0 0" stiffness="6.4"/>
+    <load name="push" at="b" force="{} 0 0"/>
+    <transient duration="100" step="0.1"/><record name="b" at="b" quantities="displacement"/></mbd>)";
+
+TEST(Choose, SeesALoadOfMilliseconds) {
+  const Scene scene =
+      read_model_text(fmt::format(fmt::runtime(short_load), "2000*exp(-((t-44.375)/5e-3)^2)"));
+  const Choice choice = choose_at_leisure(scene, {.accuracy = 1e-3});
+  const Trial trial = run_of(scene, choice);
+  const std::size_t x = column(trial.findings, "b.displacement.1");
+  double error = 0.0, largest = 0.0;
+  const double size = 200.0 * 5e-3 * std::sqrt(std::numbers::pi) / 0.8 * std::exp(-4e-6);
+  for (std::size_t k = 0; k < trial.findings.rows.size(); ++k) {
+    const double t = trial.findings.at[k];
+    const double exact = t > 44.375 ? size * std::sin(0.8 * (t - 44.375)) : 0.0;
+    error += std::pow(trial.findings.rows[k][x] - exact, 2);
+    largest = std::max(largest, std::abs(exact));
+  }
+  error = std::sqrt(error / static_cast<double>(trial.findings.rows.size())) / largest;
+  ASSERT_TRUE(choice.error);
+  EXPECT_TRUE(choice.met) << choice.reason;
+  EXPECT_LT(error, choice.accuracy);
+  EXPECT_LT(error, 10.0 * *choice.error);
+}
+
+// Where nothing moves, runs agree that may have missed why it should.
+TEST(Choose, BelievesNothingWhereNothingMoves) {
+  const Scene scene = read_model_text(fmt::format(fmt::runtime(short_load), "0*t"));
+  const Choice choice = choose_at_leisure(scene, {.accuracy = 1e-3});
+  EXPECT_FALSE(choice.error);
+  EXPECT_FALSE(choice.met);
+  EXPECT_NE(choice.reason.find("nothing that is recorded changes"), std::string::npos)
+      << choice.reason;
+}
+
 }  // namespace
 }  // namespace mbd::test::test_choose

@@ -388,6 +388,14 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
         "the budget allowed a reference up to {:.4g} s only: errors are those before; for more, "
         "give more budget",
         study.truth.at.back()));
+  if (scene.transient && !anything_changes(study.truth)) {
+    for (Quantity& quantity : study.quantities) quantity.until = 0.0;
+    study.notes.push_back(
+        "nothing that is recorded changes in the whole run: runs agree that may all have missed "
+        "what "
+        "should move it, and an error of 0 would say nothing");
+    return;
+  }
   for (const Quantity& quantity : study.quantities) {
     if (quantity.until == 0.0)
       study.notes.push_back(fmt::format(

@@ -163,6 +163,10 @@ class Chooser {
     const Disagreement d = compare(run, better);
     const double error = d.rms * (1.0 + rest);
     if (!std::isfinite(error)) return error;
+    // Two runs that agree in nothing happening may both have missed what should.
+    if (moving() && d.rms == 0.0 && !anything_changes(better.trial.findings))
+      throw Enough{
+          "nothing that is recorded changes in the whole run: there is no error to be seen", true};
     Pilot& pilot = choice_.pilots[run.pilot];
     pilot.error = error;
     if (!choice_.error || error < *choice_.error || error <= options_.accuracy) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "libmbd/results/history.hpp"
@@ -96,6 +97,19 @@ Scale scale_of(const Components& vector, const Findings& findings, std::size_t p
   if (scale.is_zero) scale.value = of_unit;
   if (!(scale.value > 0.0)) scale.value = 1.0;
   return scale;
+}
+
+bool anything_changes(const Findings& findings) {
+  constexpr double round_off = 1e-13;
+  for (std::size_t c = 0; c < findings.columns.size(); ++c) {
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const auto& row : findings.rows) {
+      least = std::min(least, row[c]);
+      most = std::max(most, row[c]);
+    }
+    if (most - least > round_off * std::max(std::abs(least), std::abs(most))) return true;
+  }
+  return false;
 }
 
 }  // namespace mbd

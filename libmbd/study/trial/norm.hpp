@@ -46,4 +46,8 @@ struct Scale {
 // of them are round-off, one radian. 1 if all are zero.
 Scale scale_of(const Components& vector, const Findings& findings, std::size_t places, double zero);
 
+// Whether any number changes from place to place, by more than round-off. Of a motion where none does, runs agree that
+// may all have missed what should move it.
+bool anything_changes(const Findings& findings);
+
 }  // namespace mbd

@@ -1,0 +1,96 @@
+#include "solvers/time/law_steps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "libmbd/core/law_cells.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr std::size_t reach = 3;         // cells
+constexpr long most_of_all = 1'000'000;  // cells of all laws
+
+// Longest step from the end of any cell, the shortest of them.
+std::pair<double, double> narrowest(const std::vector<double>& ends) {
+  std::pair<double, double> least{std::numeric_limits<double>::infinity(), 0.0};
+  for (std::size_t i = 0; i + reach < ends.size(); ++i)
+    least = std::min(least, {ends[i + reach] - ends[i], ends[i + reach / 2]});
+  return least;
+}
+
+}  // namespace
+
+LawSteps::LawSteps(const System& system, double begin, double end) {
+  std::map<std::pair<std::string, std::size_t>, bool>
+      known;  // laws by text: many places of a load share one
+  std::map<std::vector<double>, bool> patterns;
+  long left = most_of_all;
+  for (std::size_t i = 0; i < system.signals().size(); ++i) {
+    bool is_rate = false;
+    const Expression* const law = system.signals()[i].expression(is_rate);
+    if (law == nullptr || law->is_constant()) continue;
+    ++facts_.laws;
+    const bool drives = system.signal_use(i) == SignalUse::drive;
+    static constexpr std::array<int, 2> both{1, 2};
+    const std::span<const int> more(both.data(), !drives ? 0 : is_rate ? 1 : 2);
+    if (!known.try_emplace({law->text(), more.size()}, true).second) continue;
+    LawCells cells = find_cells(*law, more, begin, end, std::min(most_cells, left));
+    left = std::max(left - cells.count(), 1L);
+    const std::string& name = system.signal_name(i);
+    const std::string who = name.empty() ? fmt::format("signal {}", i + 1) : name;
+    if (cells.unresolved)
+      facts_.unresolved.push_back(fmt::format(
+          "{} is not resolved near t = {:.9g} s, where it changes {}", who, *cells.unresolved,
+          cells.count() >= std::min(most_cells, left)
+              ? fmt::format("too often: {} cells are spent", cells.count())
+              : std::string("within a time too short to be told apart, or has a pole")));
+    if (cells.ends.size() <= reach + 1) continue;
+    if (!patterns.try_emplace(cells.ends, true).second) continue;
+    const auto [step, at] = narrowest(cells.ends);
+    if (facts_.longest_step == 0.0 || step < facts_.longest_step) {
+      facts_.longest_step = step;
+      facts_.at = at;
+      facts_.which = who;
+    }
+    limits_.push_back({std::move(cells.ends), i});
+    names_.push_back(who);
+  }
+}
+
+double LawSteps::end_of_step(double t) const {
+  double end = std::numeric_limits<double>::infinity();
+  for (const Limits& law : limits_) {
+    const auto next = std::upper_bound(law.ends.begin(), law.ends.end(), t);
+    if (law.ends.end() - next >= static_cast<std::ptrdiff_t>(reach))
+      end = std::min(end, *(next + (reach - 1)));
+  }
+  return end;
+}
+
+LawFacts LawSteps::facts_for(double h) const {
+  LawFacts facts = facts_;
+  double allowed = h * (1.0 + 1e-9);
+  for (std::size_t k = 0; k < limits_.size(); ++k) {
+    const std::vector<double>& ends = limits_[k].ends;
+    for (std::size_t i = 0, j = 0; i < ends.size(); ++i) {
+      while (j + 1 < ends.size() && ends[j + 1] <= ends[i] + allowed) ++j;
+      const double cells = static_cast<double>(j - i) / static_cast<double>(reach);
+      if (cells > facts.reach) {
+        facts.reach = cells;
+        if (cells > 1.0) {
+          facts.which = names_[k];
+          facts.at = ends[(i + j) / 2];
+        }
+      }
+    }
+  }
+  return facts;
+}
+
+}  // namespace mbd

@@ -1,0 +1,178 @@
+// What laws of time do is not passed over, however short it is: by the motion that follows, in closed form.
+
+#include "solvers/time/law_steps.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/landings.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test::test_law_steps {
+namespace {
+
+constexpr double at = 44.375, width = 5e-3;  // [s]
+constexpr double mass = 10.0, omega = 0.8;   // [kg], [rad/s]
+
+// A mass on a spring at rest until a pulse moves it, by the integral of a Gaussian,
+//   x'' + omega^2 x = a exp(-((t - at)/width)^2):  x = a width sqrt(pi)/omega exp(-(omega width/2)^2) sin(omega(t - at)).
+double after_pulse(double t, double a) {
+  return a * width * std::sqrt(std::numbers::pi) / omega *
+         std::exp(-std::pow(omega * width / 2, 2)) * std::sin(omega * (t - at));
+}
+
+struct Case {
+  const char* name;
+  std::string items;  // with {} for the pulse, of 1
+  std::string column;
+  double a;  // of the closed form
+};
+
+const std::string oscillator = fmt::format(
+    R"(<body name="b" at="0 0 0" mass="{}" inertia="{} 9 9"/>
+       <record name="b" at="b" quantities="displacement rotation"/>
+       <transient duration="100" step="1e-3" output="0.5"/>)",
+    mass, mass);
+const std::string slides = R"(<prismatic name="p" between="ground b" at="0 0 0" axis="1 0 0"/>)";
+const std::string turns = R"(<revolute name="p" between="ground b" at="0 0 0" axis="1 0 0"/>)";
+const std::string spring = fmt::format(
+    R"(<spring name="s" between="ground b" at_a="-9 0 0" at_b="0 0 0" stiffness="{}"/>)",
+    mass* omega* omega);
+const std::string turning_spring =
+    fmt::format(R"(<joint_spring name="s" joint="p" angular_stiffness="{}"/>)", mass* omega* omega);
+// The spring's other end moves in place of the ground's.
+const std::string led = fmt::format(
+    R"(<body name="lead" at="-9 0 0" mass="1" inertia="1 1 1"/>
+       <prismatic name="q" between="ground lead" at="-9 0 0" axis="1 0 0"/>
+       <spring name="s" between="lead b" at_a="-9 0 0" at_b="0 0 0" stiffness="{}"/>)",
+    mass* omega* omega);
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all = {
+      {"force", oscillator + slides + spring + R"(<load at="b" force="2000*{} 0 0"/>)",
+       "b.displacement.1", 200.0},
+      {"follower", oscillator + slides + spring + R"(<load at="b" follower_force="300*{} 0 0"/>)",
+       "b.displacement.1", 30.0},
+      {"moment", oscillator + turns + turning_spring + R"(<load at="b" moment="50*{} 0 0"/>)",
+       "b.rotation.1", 5.0},
+      {"torque",
+       oscillator + turns + turning_spring + R"(<joint_torque name="m" joint="p" moment="70*{}"/>)",
+       "b.rotation.1", 7.0},
+      {"base", oscillator + slides + spring + R"(<base_motion acceleration="-40*{} 0 0"/>)",
+       "b.displacement.1", 40.0},
+      {"drive", oscillator + slides + led + R"(<drive joint="q" displacement="0.1*{}"/>)",
+       "b.displacement.1", 0.1 * omega * omega},
+      {"motion",
+       oscillator + slides + led + R"(<motion name="m" of="lead" displacement="0.2*{} 0 0"/>)",
+       "b.displacement.1", 0.2 * omega * omega},
+  };
+  return all;
+}
+
+std::string with_pulse(const std::string& items) {
+  std::string text = items;
+  const std::string pulse = fmt::format("exp(-((t-{})/{})^2)", at, width);
+  text.replace(text.find("{}"), 2, pulse);
+  return text;
+}
+
+// The largest error after the pulse, over the largest value.
+double error_of(const History& history, const Case& c, double rate_at = at + 0.1) {
+  double error = 0.0, size = 0.0;
+  const auto &t = history.table["time"], &x = history.table[c.column];
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    const double exact = t[k] > rate_at ? after_pulse(t[k], c.a) : 0.0;
+    if (t[k] > at - 0.1 && t[k] <= rate_at) continue;
+    error = std::max(error, std::abs(x[k] - exact));
+    size = std::max(size, std::abs(exact));
+  }
+  return error / size;
+}
+
+// Mutation: laws_ not set in OneStep::start, or in Ida::start: error 1.
+TEST(LawSteps, PulsesOfEveryLawMoveWhatTheyShould) {
+  for (const Case& c : cases())
+    for (const auto& [method, tolerance, bound] :
+         {std::tuple{TimeMethod::radau, 1e-3, 0.05}, std::tuple{TimeMethod::radau, 1e-6, 1e-4},
+          std::tuple{TimeMethod::ida, 1e-5, 0.03},
+          std::tuple{TimeMethod::generalized_alpha, 1e-4, 0.05}}) {
+      Scene scene = scene_of(with_pulse(c.items));
+      change_stepping(*scene.transient, {.method = method, .tolerance = tolerance});
+      const History history = run_to_table(scene);
+      ASSERT_EQ(history.report.failure, "") << c.name;
+      EXPECT_LT(error_of(history, c), bound)
+          << c.name << " " << name_of(method) << " " << tolerance;
+      EXPECT_LT(history.report.transient_counters.steps, 20'000) << c.name << name_of(method);
+      EXPECT_GT(history.report.laws.laws, 0);
+      EXPECT_LT(history.report.laws.longest_step, 4.0 * width);
+      EXPECT_NEAR(history.report.laws.at, at, 4.0 * width);
+      EXPECT_EQ(history.report.laws.unresolved.size(), 0u);
+    }
+}
+
+// Fixed steps cannot be made shorter: what they pass over is said, in the report and in the certificate.
+TEST(LawSteps, FixedStepsSayWhatTheyPassOver) {
+  Scene scene = scene_of(with_pulse(cases().front().items));
+  for (const TimeMethod method : {TimeMethod::radau, TimeMethod::generalized_alpha}) {
+    for (const double step : {0.1, 2e-3}) {
+      change_stepping(*scene.transient, {.method = method, .step = step});
+      const RunReport report = run(scene);
+      const bool passes_over = step > width;
+      const auto note = std::find_if(report.notes.begin(), report.notes.end(), [](const auto& n) {
+        return n.find("faster than steps of 0.1 s resolve") != std::string::npos;
+      });
+      EXPECT_EQ(note != report.notes.end(), passes_over) << step;
+      if (passes_over) {
+        EXPECT_NE(note->find("force 1"), std::string::npos) << *note;
+        EXPECT_NE(note->find("near t = 44.3"), std::string::npos) << *note;
+      }
+      EXPECT_EQ(report.laws.reach > 1.0, passes_over);
+      const auto& checks = report.certificate.checks;
+      const auto check = std::find_if(checks.begin(), checks.end(),
+                                      [](const Check& c) { return c.name == "laws of time"; });
+      ASSERT_NE(check, checks.end());
+      EXPECT_EQ(check->verdict, passes_over ? Verdict::warn : Verdict::pass) << step;
+    }
+  }
+}
+
+// What is too fast to be resolved is said as well.
+TEST(LawSteps, LawsThatAreNotResolvedAreSaid) {
+  Scene scene = scene_of(oscillator + slides + spring + R"(<load at="b" force="sin(1e9*t) 0 0"/>)");
+  change_stepping(*scene.transient, {.method = TimeMethod::radau, .step = 0.1});
+  const RunReport report = run(scene);
+  ASSERT_EQ(report.laws.unresolved.size(), 1u);
+  EXPECT_NE(report.laws.unresolved.front().find("too often"), std::string::npos)
+      << report.laws.unresolved.front();
+  EXPECT_NE(report.certificate.verdict(), Verdict::pass);
+}
+
+// Laws that are smooth in the steps that an error asks for do not change them; those of time that are constant cost
+// nothing.
+TEST(LawSteps, LimitNothingWhereLawsAreSlow) {
+  const auto limit = [](const std::string& force) {
+    const Scene scene =
+        scene_of(oscillator + slides + R"(<load at="b" force=")" + force + R"( 0 0"/>)");
+    const Model model = compile(scene);
+    return LawSteps(*model.system, 0.0, 100.0);
+  };
+  EXPECT_EQ(limit("7").facts().laws, 0);
+  EXPECT_EQ(limit("3*t-1").facts().longest_step, 0.0);
+  EXPECT_TRUE(std::isinf(limit("3*t-1").end_of_step(3.0)));
+  // Half a period of a sine and more; less than one.
+  const LawSteps sine = limit("sin(2*pi*t)");
+  for (double t = 0.0; t < 98.0; t += 0.37) {
+    EXPECT_GT(sine.end_of_step(t) - t, 0.2);
+    EXPECT_LT(sine.end_of_step(t) - t, 1.0);
+  }
+  // Never over all of a bump, wherever a step begins.
+  const LawSteps bump = limit(fmt::format("exp(-((t-{})/{})^2)", at, width));
+  for (double t = 0.0; t < at - 2.0 * width; t += 0.0137)
+    EXPECT_LT(bump.end_of_step(t), at + 2.0 * width) << t;
+}
+
+}  // namespace
+}  // namespace mbd::test::test_law_steps

@@ -1,0 +1,142 @@
+// Reactions that constraints share between them, in rows inside steps as at their ends; IDA on such loops.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "libmbd/core/se3.hpp"
+#include "tests/support/landings.hpp"
+
+namespace mbd::test::test_redundant_rows {
+namespace {
+
+// Bennett's linkage: four hinges that close by their lengths a, b and twists alpha, beta with
+// sin(alpha)/a = sin(beta)/b, and tan(theta_1/2) tan(theta_2/2) = cos((beta+alpha)/2)/cos((beta-alpha)/2) or with
+// sines; three constraints repeat others wherever it stands. Links by Denavit's and Hartenberg's parameters.
+Scene bennett(double tolerance, const std::string& more) {
+  const double a = 1.0, b = 1.5, alpha = 0.55, beta = std::asin(b * std::sin(alpha) / a),
+               first = 0.9;
+  const auto step = [](double theta, double along, double twist) {
+    Vec6 turn = Vec6::Zero(), move = Vec6::Zero(), bend = Vec6::Zero();
+    turn(5) = theta;
+    move(0) = along;
+    bend(3) = twist;
+    return Pose<double>(exp_se3<double>(turn) * exp_se3<double>(move) * exp_se3<double>(bend));
+  };
+  std::array<Vec3, 4> point, axis;
+  double gap = 1.0;
+  for (const double sign : {1.0, -1.0})
+    for (const double ratio : {std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2),
+                               std::cos((beta + alpha) / 2) / std::cos((beta - alpha) / 2)}) {
+      const double second = 2.0 * std::atan(sign * ratio / std::tan(first / 2));
+      const double thetas[] = {first, second, -first, -second};
+      Pose<double> H;
+      std::array<Vec3, 4> p, z;
+      for (std::size_t k = 0; k < 4; ++k) {
+        p[k] = H.r;
+        z[k] = H.R().col(2);
+        H = H * step(thetas[k], k % 2 == 0 ? a : b, k % 2 == 0 ? alpha : beta);
+      }
+      const double open = H.r.norm() + (H.R() - Mat3::Identity()).norm();
+      if (open < gap) {
+        gap = open;
+        point = p;
+        axis = z;
+      }
+    }
+  EXPECT_LT(gap, 1e-14);
+  const auto words = [](const Vec3& v) { return fmt::format("{} {} {}", v(0), v(1), v(2)); };
+  std::string items;
+  for (std::size_t k = 0; k < 3; ++k)
+    items += fmt::format(R"(<body name="l{}" at="{}" mass="{}" inertia="0.1 0.2 0.15"/>)", k,
+                         words(0.5 * (point[k] + point[k + 1])), 1.0 + double(k));
+  const char* const ends[] = {"ground", "l0", "l1", "l2", "ground"};
+  for (std::size_t k = 0; k < 4; ++k)
+    items += fmt::format(
+        R"(<revolute name="J{0}" between="{1} {2}" at="{3}" axis="{4}"/>
+           <record name="J{0}" joint="J{0}" quantities="reaction_force reaction_moment"/>)",
+        k, ends[k], ends[k + 1], words(point[k]), words(axis[k]));
+  return scene_of(items + fmt::format(R"(<record name="l1" at="l1" quantities="position"/>
+      <gravity acceleration="0 -9.81 0"/><transient duration="4" tolerance="{}" {}/>)",
+                                      tolerance, more));
+}
+
+// Largest difference of vectors of reactions in rows, over the largest reaction.
+double difference(const Table& a, const Table& b, const std::string& what) {
+  double worst = 0.0, size = 0.0;
+  for (int joint = 0; joint < 4; ++joint) {
+    for (std::size_t k = 0; k < b.rows(); ++k) {
+      Vec3 d, x;
+      for (int i = 0; i < 3; ++i) {
+        const std::string name = fmt::format("J{}.{}.{}", joint, what, i + 1);
+        d(i) = a[name][k] - b[name][k];
+        x(i) = b[name][k];
+      }
+      worst = std::max(worst, d.norm());
+      size = std::max(size, x.norm());
+    }
+  }
+  return worst / size;
+}
+
+// Against steps a thousand times finer, where the rows end with the steps but for 1e-9.
+// Mutation: minimum_norm() without null_of_idle(): 0.6 to 6 at every tolerance.
+TEST(RedundantRows, ReactionsInsideStepsAreThoseOfLeastNorm) {
+  const auto table = [](double tolerance) {
+    const History history = run_to_table(bennett(tolerance, R"(method="radau" output="0.02")"));
+    EXPECT_EQ(history.report.failure, "");
+    EXPECT_EQ(history.report.redundant.empty(), false);
+    return history.table;
+  };
+  const Table exact = table(1e-9);
+  double before = 1.0;
+  for (const auto& [tolerance, bound] : {std::pair{1e-3, 0.03}, {1e-4, 0.012}, {1e-5, 3e-3}}) {
+    const Table rows = table(tolerance);
+    const double force = difference(rows, exact, "reaction_force");
+    const double moment = difference(rows, exact, "reaction_moment");
+    EXPECT_LT(force, bound) << tolerance;
+    EXPECT_LT(moment, bound) << tolerance;
+    EXPECT_LT(std::max(force, moment), before);
+    before = std::max(force, moment);
+  }
+}
+
+// The same in the rows of steps and inside them, of one run: nothing but the row's place differs.
+TEST(RedundantRows, AreThoseAtStepsNearby) {
+  const History steps = run_to_table(bennett(1e-4, R"(method="radau" output="steps")"));
+  const History rows = run_to_table(bennett(1e-4, R"(method="radau" output="0.01")"));
+  const auto largest = [](const Table& t) {
+    double most = 0.0;
+    for (int i = 1; i <= 3; ++i)
+      for (const double x : t[fmt::format("J1.reaction_moment.{}", i)])
+        most = std::max(most, std::abs(x));
+    return most;
+  };
+  EXPECT_LT(largest(rows.table), 1.1 * largest(steps.table));
+}
+
+// Mutation: step() of Ida without its second try, and without what is tolerated: ends with "contradict each other".
+TEST(RedundantRows, IdaFollowsLoops) {
+  const auto table = [](const std::string& method, double tolerance) {
+    const History history =
+        run_to_table(bennett(tolerance, fmt::format(R"(method="{}" output="0.1")", method)));
+    EXPECT_EQ(history.report.failure, "") << method << " " << tolerance;
+    return history.table;
+  };
+  const Table exact = table("radau", 1e-10);
+  for (const double tolerance : {1e-4, 1e-6, 1e-7, 1e-8, 1e-9}) {
+    const Table rows = table("ida", tolerance);
+    ASSERT_EQ(rows.rows(), exact.rows());
+    for (std::size_t k = 0; k < exact.rows(); ++k)
+      for (int i = 1; i <= 3; ++i) {
+        const std::string name = fmt::format("l1.position.{}", i);
+        ASSERT_NEAR(rows[name][k], exact[name][k], 300.0 * tolerance) << tolerance << " " << k;
+      }
+  }
+}
+
+}  // namespace
+}  // namespace mbd::test::test_redundant_rows
