@@ -9,6 +9,7 @@
 #include "libmbd/language/manual.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/report.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"
 
 namespace mbd::test::test_commands {
@@ -190,6 +191,38 @@ TEST(WrongUse, NothingAskedForIsAnsweredWithHelp) {
   const Output output = mbd_command("");
   EXPECT_GE(output.status, 100);
   EXPECT_EQ(output.text, mbd_command("--help").text);
+}
+
+// Standard streams that are closed or full: an exit status, no abort, and no message in the file that took their place.
+TEST(WrongUse, ClosedAndFullStreamsAreSurvived) {
+  const std::string mbd = quote(MBD_PROGRAM),
+                    model = quote(std::string(MBD_SOURCE_DIR) + "/models/pendulum.xml");
+  const TemporaryDirectory directory;
+  const std::string out = (directory.path() / "out").string();
+  for (const char* stream : {"2>&-", "2>/dev/full"}) {
+    EXPECT_EQ(shell(mbd + " run no_such_model.xml " + stream).status, 1) << stream;
+    EXPECT_GE(shell(mbd + " no_such_command " + stream).status, 100) << stream;
+    EXPECT_EQ(
+        shell(mbd + " run " + model + " --out " + quote(out) + " >/dev/null " + stream).status, 0)
+        << stream;
+  }
+  for (const char* stream : {">&-", ">/dev/full", ">&- 2>&- <&-"}) {
+    EXPECT_EQ(shell(mbd + " run " + model + " --out " + quote(out) + " " + stream).status, 1)
+        << stream;
+    const std::string rows = contents(directory.path() / "out/history.csv");
+    EXPECT_TRUE(rows.starts_with("time,")) << stream << rows.substr(0, 200);
+    EXPECT_EQ(rows.find("mbd:"), std::string::npos) << stream;
+  }
+}
+
+// A limit of the size of files is an error like a full disk: what was written stays, with the reason.
+TEST(WrongUse, AFileThatMayNotGrowIsAnError) {
+  const TemporaryDirectory directory;
+  const Output output = shell("ulimit -f 16; " + quote(MBD_PROGRAM) + " run " +
+                              quote(std::string(MBD_SOURCE_DIR) + "/models/chain.xml") + " --out " +
+                              quote((directory.path() / "out").string()));
+  EXPECT_EQ(output.status, 1) << output.text;
+  EXPECT_HAS(output.text, "File too large");
 }
 
 TEST(WrongUse, WhatCannotBePrintedIsAnError) {

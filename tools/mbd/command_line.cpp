@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -129,12 +133,12 @@ int answer(CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> named = app.get_subcommands();
   const CLI::App& command = named.empty() ? app : *named.back();
   if (named.empty() && app.remaining(true).empty()) {  // nothing was asked for
-    fmt::print(stderr, "{}", app.help());
+    complain("{}", app.help());
     return error.get_exit_code();
   }
   const std::string name =
       named.empty() ? app.get_name() : app.get_name() + " " + command.get_name();
-  fmt::print(stderr, "{}: {}\nTry: {} --help\n", name, misuse(app, command, name, error), name);
+  complain("{}: {}\nTry: {} --help\n", name, misuse(app, command, name, error), name);
   return error.get_exit_code();
 }
 
@@ -147,6 +151,15 @@ std::string version_text() {
 }
 
 }  // namespace
+
+void secure_streams() {
+  // A file that is opened next would take the place of a stream that is closed, and get what is meant for it.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDONLY);  // writing to it fails
+#ifdef SIGXFSZ
+  std::signal(SIGXFSZ, SIG_IGN);  // a file as large as may be is an error like a full disk
+#endif
+}
 
 void set_up(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
@@ -173,11 +186,11 @@ int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {
   } catch (const CLI::ParseError& error) {
     result = answer(app, error);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "mbd: {}\n", error.what());
+    complain("mbd: {}\n", error.what());
     result = 1;
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    fmt::print(stderr, "mbd: what was printed could not be written in full; is the disk full?\n");
+    complain("mbd: what was printed could not be written in full; is the disk full?\n");
     if (result == 0) result = 1;
   }
   return result;
@@ -192,9 +205,11 @@ std::string given(std::string_view option, const std::vector<std::string>& words
   return text;
 }
 
-void show_progress(const std::string& text) {
-  fmt::print(stderr, "\r\033[K{}", text);
+void write_error(const std::string& text) {
+  std::fputs(text.c_str(), stderr);  // where that fails, nobody can be told
   std::fflush(stderr);
 }
+
+void show_progress(const std::string& text) { complain("\r\033[K{}", text); }
 
 }  // namespace mbd

@@ -1,6 +1,8 @@
 // What all commands of mbd have in common: how help looks, what wrong use is answered, exit statuses.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <string>
 #include <string_view>
@@ -10,8 +12,19 @@ namespace mbd {
 
 // What every command's help ends with.
 inline constexpr std::string_view exit_status_text =
-    "Exit status: 0 all went well; 1 an error, or the run failed; 2 not the numbers that the\n"
-    "model expects; 100 and more: wrong use of the command.";
+    "Exit status: 0 all went well; 1 an error, or the run or its certificate failed; 2 not the\n"
+    "numbers that the model expects; 100 and more: wrong use of the command.";
+
+// Writes to standard error. Where that is closed or full nobody can be told, and that is no error.
+void write_error(const std::string& text);
+template <class... T>
+void complain(fmt::format_string<T...> text, T&&... values) {
+  write_error(fmt::format(text, std::forward<T>(values)...));
+}
+
+// To be called first: closed standard streams stay closed when files are opened, and a file that may not grow further
+// is an error where it is written, not a signal.
+void secure_streams();
 
 // Gives the app its help and its version. To be called before commands are added, which take over how help
 // looks. The types of arguments tell the help and shell completion what they are: MODEL a model

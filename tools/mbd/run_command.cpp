@@ -59,10 +59,8 @@ class ProgressLine {
     const double elapsed = duration<double>(now - begun_).count();
     const std::string of = p.steps > 0 ? fmt::format(" of {}", p.steps) : "";
     const double left = elapsed * (p.duration - p.t) / p.t;
-    fmt::print(stderr, "\r\033[Kt = {:.6g} of {:.6g} s, step {}{}, {} iteration{}, {} left", p.t,
-               p.duration, p.step, of, p.iterations, p.iterations == 1 ? "" : "s",
-               clock_time(left));
-    std::fflush(stderr);
+    complain("\r\033[Kt = {:.6g} of {:.6g} s, step {}{}, {} iteration{}, {} left", p.t, p.duration,
+             p.step, of, p.iterations, p.iterations == 1 ? "" : "s", clock_time(left));
     dirty_ = true;
   }
   ~ProgressLine() {
@@ -177,28 +175,28 @@ int run_model(const RunArguments& arguments) {
     certify_run(arguments, scene, *options.output, report);
   if (!arguments.quiet) fmt::print("{}", summary(report));
   if (!report.complete()) {
-    fmt::print(stderr, "mbd: {}: {}\n", scene.name, report.failure);
+    complain("mbd: {}: {}\n", scene.name, report.failure);
     return 1;
   }
   for (const ExpectResult& result : report.expects)
     if (!result.pass() && arguments.quiet)
-      fmt::print(stderr, "mbd: {}:{}: expected {} = {} +- {}, got {}\n", result.source.file,
-                 result.source.line, result.what, result.expected, result.tolerance,
-                 result.got ? fmt::format("{}", *result.got) : "nothing");
-  if (arguments.certify && report.certificate.verdict() == Verdict::fail) {
+      complain("mbd: {}:{}: expected {} = {} +- {}, got {}\n", result.source.file,
+               result.source.line, result.what, result.expected, result.tolerance,
+               result.got ? fmt::format("{}", *result.got) : "nothing");
+  if (report.certificate.verdict() == Verdict::fail) {
     const Check& culprit = *report.certificate.culprit();
-    fmt::print(stderr, "mbd: {}: the certificate fails: {} {:.2g} (at most {:.2g}){}{}\n",
-               scene.name, culprit.name, culprit.value, culprit.fail,
-               culprit.where.empty() ? "" : ", ", culprit.where);
+    complain("mbd: {}: the certificate fails: {} {:.2g} (at most {:.2g}){}{}\n", scene.name,
+             culprit.name, culprit.value, culprit.fail, culprit.where.empty() ? "" : ", ",
+             culprit.where);
     return 1;
   }
   const bool inaccurate = report.accuracy && !report.accuracy->met;
   if (inaccurate)
-    fmt::print(stderr, "mbd: {}: the accuracy {:g} is not met (believed: {}): {}\n", scene.name,
-               report.accuracy->requested,
-               report.accuracy->believed ? fmt::format("{:.1e}", *report.accuracy->believed)
-                                         : std::string("not known"),
-               report.accuracy->reason);
+    complain("mbd: {}: the accuracy {:g} is not met (believed: {}): {}\n", scene.name,
+             report.accuracy->requested,
+             report.accuracy->believed ? fmt::format("{:.1e}", *report.accuracy->believed)
+                                       : std::string("not known"),
+             report.accuracy->reason);
   return report.as_expected() && !inaccurate ? 0 : 2;
 }
 
