@@ -22,9 +22,11 @@ constexpr double local_tolerance = 0.03;
 // What rings. Gdot is -2 to 2 times the last one where it does; one that errs by the method alone changes little.
 constexpr double alternating = 0.5;  // of the product of sizes
 constexpr int few_alternations = 3, more_alternations = 5;
-constexpr double much_ringing = 1e-3,
-                 some_ringing = 1e-4;    // gdot/h, of the accelerations, after few and more
-constexpr double least_of_speed = 1e-5;  // gdot, of the velocities
+constexpr double much_ringing = 5e-3;    // gdot/h, of the accelerations, after few alternations,
+constexpr double some_ringing = 5e-4;    // and after more
+constexpr double least_of_speed = 5e-5;  // gdot, of the velocities
+constexpr double too_large = 0.02;       // gdot, of the velocities, but for
+constexpr long steps_of_a_start = 20;    // where all velocities may be small
 constexpr double damps_little = 0.91;    // rho_infinity: beyond, ringing is taken for granted
 // Rank-tolerant steps: increments of multipliers that fall no faster, where those of the motion are that small.
 constexpr double creeping = 0.5, converged_motion = 0.1;
@@ -105,6 +107,7 @@ void GeneralizedAlpha::begin_at(State& state) {
   refactor_next_ = true;
   gdot_old_.resize(0);
   alternations_ = 0;
+  steps_since_start_ = 0;
 }
 
 // Equation (4), for a step of h from begin_. Where its matrix is singular, the accelerations are left as they are.
@@ -430,20 +433,34 @@ bool GeneralizedAlpha::solve_tolerantly(double t, StepReport& report) {
 }
 
 // Whether the rates of gaps of end_ ring: they change sign from step to step, in much of what they are, and are no
-// small part of what moves.
+// small part of what moves; or they are as large as no error of the method should be.
 bool GeneralizedAlpha::rings() {
   const double size = gdot_.norm() * gdot_old_.norm();
   const bool alternates =
       gdot_old_.size() == gdot_.size() && gdot_.dot(gdot_old_) < -alternating * size;
   alternations_ = alternates ? alternations_ + 1 : 0;
   std::swap(gdot_old_, gdot_);
-  if (alternations_ < few_alternations) return false;
-  const double rate = largest_violation(system_, gdot_old_);
-  if (rate < least_of_speed * fastest(system_, end_)) return false;
-  scratch_ = end_;
-  scratch_.V = end_.Vdot;
-  const double share = rate / (h_ * fastest(system_, scratch_));
-  return share > (alternations_ < more_alternations ? much_ringing : some_ringing);
+  ++steps_since_start_;
+  // Of the largest velocity, or acceleration, of its kind: gaps of points and angles.
+  const auto share = [&](const std::vector<Vec6>& motions) {
+    double linear = 0.0, angular = 0.0, worst = 0.0;
+    for (const Vec6& v : motions) {
+      linear = std::max(linear, v.head<3>().norm());
+      angular = std::max(angular, v.tail<3>().norm());
+    }
+    for (const ConstraintInfo& c : system_.constraints())
+      for (Index i = 0; i < c.rows; ++i) {
+        const double most = c.is_position[static_cast<std::size_t>(i)] ? linear : angular;
+        if (most > 0.0) worst = std::max(worst, std::abs(gdot_old_(c.first_row + i)) / most);
+      }
+    return worst;
+  };
+  const bool may_be_large = steps_since_start_ > steps_of_a_start;
+  if (alternations_ < few_alternations && !may_be_large) return false;
+  const double of_speed = share(end_.V);
+  if (may_be_large && of_speed > too_large) return true;
+  if (alternations_ < few_alternations || of_speed < least_of_speed) return false;
+  return share(end_.Vdot) > h_ * (alternations_ < more_alternations ? much_ringing : some_ringing);
 }
 
 // Puts the velocities of end_ on their constraints, by the smallest change in the norm of (2), once that rings.

@@ -146,6 +146,7 @@ class GeneralizedAlpha final : public OneStep {
   // Ringing of the rates of gaps: at the last accepted state, and how often in a row they have changed sign.
   VecX gdot_old_;
   int alternations_ = 0;
+  long steps_since_start_ = 0;
   bool projects_ = false;   // velocities at accepted states
   bool calm_next_ = false;  // accelerations are made consistent before the next step
   // With the block -eps I; made when it is first needed.

@@ -283,8 +283,9 @@ TEST(Discontinuity, PrescribedMotionsDoNotJump) {
 
 // ---- no damping -------------------------------------------------------------------------------
 
-// rho = 1: only weakly stable with constraints. The four-bar diverges; it must end cleanly or be right.
-TEST(DiscontinuitySlow, WithoutDampingAFlexibleMechanismEndsCleanly) {
+// rho = 1: with constraints of positions alone the four-bar diverges after 16 s. Its velocities are projected: it comes to its
+// end, its bars ringing, as nothing damps them, but bounded.
+TEST(DiscontinuitySlow, WithoutDampingAFlexibleMechanismComesToItsEnd) {
   namespace fs = std::filesystem;
   const TemporaryDirectory directory;
   const fs::path out = directory.path() / "out";
@@ -293,16 +294,17 @@ TEST(DiscontinuitySlow, WithoutDampingAFlexibleMechanismEndsCleanly) {
                   directory.path() / "run");
   const Ended& ended = program.wait();
   ASSERT_FALSE(ended.hung);
-  EXPECT_EQ(ended.status, 1) << ended.out << ended.err;
+  EXPECT_EQ(ended.status, 2) << ended.out
+                             << ended.err;  // extremes of forces are those of what rings
   EXPECT_NE((ended.out + ended.err).find("rho_infinity = 1 damps nothing"), std::string::npos);
   const nlohmann::json report = nlohmann::json::parse(contents(out / "report.json"));
   EXPECT_NE(report.dump().find("rho_infinity = 1 damps nothing"), std::string::npos);
   const Table t = read_csv(out / "history.csv");
   ASSERT_GT(t.rows(), 100U);
   const double reached = t["time"].back();
-  for (const char* word : {"step ", "t = ", "'"})
-    EXPECT_NE(ended.err.find(word), std::string::npos) << word << " in " << ended.err;
-  EXPECT_GT(reached, 9.0);
+  EXPECT_NEAR(reached, 36.0, 1e-9);
+  for (const nlohmann::json& check : report["certificate"]["checks"])
+    EXPECT_NE(check["verdict"], "fail") << check;
   for (const std::vector<double>& column : t.columns)
     for (const double x : column) EXPECT_TRUE(std::isfinite(x));
   for (const double u3 : t["C.displacement.3"])
@@ -319,12 +321,12 @@ TEST(DiscontinuitySlow, WithoutDampingAFlexibleMechanismEndsCleanly) {
   EXPECT_GT(size, 0.0);
   EXPECT_LT(error, 1e-4 * size);
   hard::record({.id = "7d",
-                .what = "rho = 1: the four-bar, which diverges",
+                .what = "rho = 1: the four-bar, which diverges unless velocities are projected",
                 .run = "models/four_bar.xml --set rho=1",
-                .reference = "reference trajectory up to 5 s; exit status, message, rows kept",
-                .error = fmt::format("status 1 after {:.3g} s, noted; until 5 s {}", reached,
+                .reference = "reference trajectory up to 5 s; no check of the certificate fails",
+                .error = fmt::format("to its end at {:.3g} s, noted; until 5 s {}", reached,
                                      hard::bounded(error / size, 1e-4)),
-                .shown = "rho = 0.9 (completes)"});
+                .shown = "velocities not projected (in the engine): ends after 16 s"});
 }
 
 // On rigid bodies rho = 1 is of order two, and does not grow. (At 6e-5 s the undamped round-off of multipliers, eps/h^2,
