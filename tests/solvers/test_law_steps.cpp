@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "tests/support/landings.hpp"
 #include "tests/support/scenes.hpp"

@@ -76,9 +76,10 @@ TEST(Ringing, ChainsRunToTheirEnd) {
         const RunReport report = run(chain(n, step, rho, 1.6));
         EXPECT_EQ(report.failure, "") << n << " " << step << " " << rho;
         // Of the energy that moved: little is put in, where steps are a tenth of a rod's swing and less.
-        if (step < 2e-2)
+        if (step < 2e-2) {
           EXPECT_GT(report.dissipated(), -0.02 * report.energy_moved())
               << n << " " << step << " " << rho;
+        }
       }
 }
 
