@@ -134,7 +134,7 @@ TEST(Check, CountsTheElementsThatAttachmentsAdd) {
   scene.records.push_back(record);
   EXPECT_EQ(check_of(scene).elements, 8);  // what is recorded there needs no node
   LoadScene load;
-  load.at = record.at;
+  load.at = *record.at;
   const Expression one = Expression::parse("1", {}, Variables::time);
   load.force = {one, one, one};
   scene.loads.push_back(load);
