@@ -140,7 +140,7 @@ class Run {
                       "them, and reactions are those of least norm, sum of F^2 + (M/L)^2 with "
                       "L = {:.6g} m",
                       model_.redundant.size(), model_.redundant.size() == 1 ? "s" : "",
-                      fmt::join(report_.redundant, "; "), system.length_scale()));
+                      fmt::join(report_.redundant, "; "), system.reaction_length()));
     for (const RecordScene& record : scene.records)
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
     audit_.emplace(scene_, system, options.certify);
