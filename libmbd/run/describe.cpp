@@ -144,7 +144,9 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
   if (scene.statics && mechanism.freedoms() > 0)
     report.notes.push_back(fmt::format(
         "the mechanism is free to move in {}, and <static> seeks an equilibrium: there is a unique "
-        "one only where loads or gravity hold it; otherwise add a joint, a drive or a motion",
+        "one only where springs, loads or gravity hold it; what nothing answers stays as it is, "
+        "and "
+        "what loads drive needs a joint, a drive or a motion",
         counted(mechanism.freedoms(), "ways")));
 }
 

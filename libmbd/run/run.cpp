@@ -170,14 +170,17 @@ class Run {
     const Mechanism mechanism = system.multipliers() <= most_analysed
                                     ? analyze_mechanism(system, model_.initial)
                                     : Mechanism{};
+    const bool driven = failure.find("nothing holds the motion") != std::string::npos;
     if ((in_statics_ || scene_.path) && mechanism.freedoms() > 0)
       throw Error(
           scene_.statics ? scene_.statics->source : scene_.path->source,
           fmt::format(
-              "{}: no equilibrium was found: its parts are free to move in {} way{}, which "
-              "nothing in the scene brings to rest; hold them by joints, or give a <transient>",
+              "{}: no equilibrium was found: its parts are free to move in {} way{}, and {}{}, or "
+              "give a "
+              "<transient>",
               scene_.statics ? "static" : "path", mechanism.freedoms(),
-              mechanism.freedoms() == 1 ? "" : "s"));
+              mechanism.freedoms() == 1 ? "" : "s", failure,
+              driven ? "" : "; hold them by joints or springs, start nearer to an equilibrium"));
     for (const BodyScene& body : scene_.bodies)
       if (!(body.mass > 0.0 && body.inertia.determinant() > 0.0) &&
           failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
@@ -242,19 +245,26 @@ class Run {
       if (report_.rows == 0) fail_to_start(result.failure);
       report_.failure = "static equilibrium: " + result.failure;
     }
-    if (result.converged) judge_stability(state);
+    if (!result.neutral.empty())
+      report_.notes.push_back(fmt::format(
+          "nothing answers {} of the equilibrium ({}): it is left where it is, and any other is an "
+          "equilibrium too; a joint or a spring would hold it",
+          result.neutral.size() == 1 ? std::string("one motion")
+                                     : fmt::format("{} motions", result.neutral.size()),
+          fmt::join(result.neutral, "; ")));
+    if (result.converged) judge_stability(state, !result.neutral.empty());
     in_statics_ = false;
   }
 
   // Of the equilibrium of a <static>.
-  void judge_stability(const State& state) {
+  void judge_stability(const State& state, bool neutral) {
     if (!has_potential(scene_)) {
       report_.notes.push_back("the stability of the equilibrium is not judged: " +
                               without_potential(scene_));
       return;
     }
     StabilityCount count(*model_.system);
-    report_.negative_eigenvalues = count(state);
+    report_.negative_eigenvalues = count(state, neutral);
     report_.equilibrium += watch_.lap();
     if (report_.negative_eigenvalues.value_or(0) > 0)
       report_.notes.push_back(fmt::format(
