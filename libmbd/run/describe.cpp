@@ -9,6 +9,7 @@
 
 #include "elements/beam/beam_elastic_batch.hpp"
 #include "libmbd/compile/drags.hpp"
+#include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/results/expect.hpp"
 #include "libmbd/results/observers.hpp"
@@ -593,7 +594,7 @@ class Explainer {
     const std::string here = at("<transient>", transient.source);
     const bool alpha = transient.method == TimeMethod::generalized_alpha;
     const std::string balance =
-        balance_of(transient) == Balance::momentum ? "momenta" : "accelerations";
+        balance_of(system_, transient) == Balance::momentum ? "momenta" : "accelerations";
     present(fmt::format("course in time by {}, {}{}", name_of(transient.method),
                         transient.step ? fmt::format("steps of {} s", shortest(*transient.step))
                                        : fmt::format("steps for a relative error of {}",

@@ -10,10 +10,12 @@
 
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/core/parts.hpp"
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/pictures/shapes.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/expect.hpp"
+#include "libmbd/results/time_error.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/text/text.hpp"
@@ -337,6 +339,11 @@ class Run {
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
           "and may diverge in long runs; 0.9 is safer");
     const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
+    say_balance();
+    if (options_.estimate_error) {
+      time_error_.emplace(*model_.system, transient);
+      time_error_->start(state);
+    }
     const long steps = transient.step ? number_of_steps(transient) : 0;
     // Monitored: some of the fixed steps, or the first step that ends after each of equal times.
     const long every = (steps + most_monitored - 1) / most_monitored;
@@ -346,21 +353,20 @@ class Run {
 
     State inside = state;  // where steps are interpolated
     const bool rows_inside = steps == 0 || rows_->inside_steps();
-    if (rows_inside || audit_->certifies())
-      stepper->on_substep([&](const DenseStep& step) {
-        if (audit_->certifies()) audit_->piece(step);
-        if (!rows_inside) return;
-        // What lies at the end of the step is left to the state there, after a restart if there is one; what
-        // lies at the end of a piece, to the beginning of the next.
-        const double before = step.end() - rows_->slack();
-        if (!going || !(rows_->next() < before)) return;
-        report_.integration += watch_.lap();
-        for (; going && rows_->next() < before; rows_->advance()) {
-          step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
-          going = write_row(inside);
-        }
-        report_.output += watch_.lap();
-      });
+    stepper->on_substep([&](const DenseStep& step) {
+      audit_->piece(step);
+      if (!rows_inside) return;
+      // What lies at the end of the step is left to the state there, after a restart if there is one; what
+      // lies at the end of a piece, to the beginning of the next.
+      const double before = step.end() - rows_->slack();
+      if (!going || !(rows_->next() < before)) return;
+      report_.integration += watch_.lap();
+      for (; going && rows_->next() < before; rows_->advance()) {
+        step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
+        going = write_row(inside);
+      }
+      report_.output += watch_.lap();
+    });
 
     StepReport step = stepper->start(state);
     if (!step.converged) fail_to_start(step.failure);
@@ -490,6 +496,34 @@ class Run {
                                                 : size / model_.system->length_scale());
       }
     audit_->sample(state);
+    if (time_error_ && scene_.transient) time_error_->sample(state);
+  }
+
+  // Of generalized_alpha: which balance was chosen, and what it loses.
+  void say_balance() {
+    TransientScene& transient = *report_.transient;
+    if (transient.method != TimeMethod::generalized_alpha) return;
+    const bool chosen = !transient.balance.has_value();
+    transient.balance = balance_of(*model_.system, transient);
+    const ConnectedParts parts = find_parts(*model_.system);
+    if (!chosen || transient.balance == Balance::momentum || !parts.any_free()) return;
+    const auto part = static_cast<std::size_t>(
+        std::find(parts.is_held.begin(), parts.is_held.end(), 0) - parts.is_held.begin());
+    report_.notes.push_back(fmt::format(
+        "nothing ties the part with {} to the ground, and its momenta drift by an error of the "
+        "balance of accelerations, which {}; {}",
+        model_.system->node_name(static_cast<Index>(parts.first[part])),
+        transient.inertia != InertiaTerms::full
+            ? "inertia without gyroscopic moments asks for"
+            : "is the default as other parts are held: it damps less what turns",
+        transient.inertia != InertiaTerms::full ? "its certificate measures it"
+                                                : "balance=\"momentum\" keeps them to round-off"));
+  }
+
+  void estimate_time_error() {
+    if (!time_error_ || !report_.complete()) return;
+    report_.time_error = time_error_->measure(options_.interrupted);
+    report_.estimate = watch_.lap();
   }
 
   // Says it if the integrator has made much of the energy, or lost much.
@@ -507,6 +541,7 @@ class Run {
 
   void finish() {
     check_energy();
+    estimate_time_error();
     report_.certificate = audit_->certificate(report_);
     report_.expects = expectations_->results();
     for (Observer* const observer : observers_) {
@@ -536,6 +571,7 @@ class Run {
       0.0;  // largest multiplier of the monitored states, moments over the scene's length [N]
   Model model_;
   std::optional<Audit> audit_;
+  std::optional<TimeErrorMeter> time_error_;
   std::vector<Column> columns_;
   std::vector<double> row_;
   bool shares_reactions_ = false;  // constraints repeat each other, and reactions are recorded

@@ -38,6 +38,7 @@ struct RunArguments {
   double choose_within = 600.0;
   TransientOptions transient;
   bool certify = false;
+  bool no_estimate = false;
   double certify_within = 60.0;
   bool quiet = false;
 };
@@ -164,6 +165,7 @@ int run_model(const RunArguments& arguments) {
                                                   std::filesystem::path(arguments.model).stem()
                                             : std::filesystem::path(arguments.output);
   options.certify = arguments.certify;
+  options.estimate_error = !arguments.no_estimate;
   RunReport report;
   {
     ProgressLine line;
@@ -262,6 +264,9 @@ void add_run_command(CLI::App& app, int& status) {
           },
           "", "")
       ->type_name("SECONDS");
+  command->add_flag("--no-estimate", arguments->no_estimate,
+                    "without the second run, in longer steps, that estimates the error of steps in "
+                    "time, and costs 0.6 of the run");
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"
