@@ -106,6 +106,13 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
       if (iterations <= easy_iterations) increment *= 2.0;
     } else {
       ++report.counters.retries;
+      if (failure.starts_with("nothing holds the motion")) {  // nor under a smaller load
+        report.failure = report.load_factor > 0.0
+                             ? fmt::format("no equilibrium beyond {:.9g} of the load: {}",
+                                           report.load_factor, failure)
+                             : failure;
+        return report;
+      }
       increment *= 0.5;
       if (increment < smallest_increment) {
         report.failure =
