@@ -503,6 +503,27 @@ class Compiler {
     low_ = any_ ? Vec3(low_.cwiseMin(x)) : x;
     high_ = any_ ? Vec3(high_.cwiseMax(x)) : x;
     any_ = true;
+    points_.push_back(x);
+  }
+
+  // The largest distance of two points of the scene; their size where they are one.
+  double largest_distance() const {
+    Vec3 center = Vec3::Zero();
+    for (const Vec3& x : points_) center += x / static_cast<double>(points_.size());
+    const auto farthest_from = [&](const Vec3& from) {
+      return *std::max_element(points_.begin(), points_.end(), [&](const Vec3& a, const Vec3& b) {
+        return (a - from).squaredNorm() < (b - from).squaredNorm();
+      });
+    };
+    const Vec3 one = farthest_from(center);
+    const double radius = (one - center).norm();
+    double most = (farthest_from(one) - one).norm();
+    std::vector<Vec3> ends;  // no others can be farther apart than `most`
+    for (const Vec3& x : points_)
+      if ((x - center).norm() >= (1.0 - 1e-12) * (most - radius)) ends.push_back(x);
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k) most = std::max(most, (ends[i] - ends[k]).norm());
+    return most > 0.0 ? most : largest_gyration();
   }
 
   void measure() {
@@ -715,6 +736,7 @@ class Compiler {
   // Constraints that repeat others leave rows idle.
   void find_repetitions(Model& model) {
     if (!has_loops(*system_)) return;
+    system_->set_reaction_length(largest_distance());
     Redundancy found = find_redundancy(*system_, model.initial);
     if (found.rows.empty()) return;
     refuse_contradictions(scene_, *system_, model.initial, joints_->makers(), found);
@@ -915,6 +937,7 @@ class Compiler {
   std::optional<Springs> springs_;
   std::vector<Mat6> masses_{Mat6::Zero()};  // by node, without added mass
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
+  std::vector<Vec3> points_;
   bool any_ = false;
   double length_ = 1.0;
 };

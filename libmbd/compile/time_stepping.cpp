@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "libmbd/core/parts.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/time/generalized_alpha.hpp"
 #include "solvers/time/ida.hpp"
@@ -33,6 +34,12 @@ ErrorTolerances error_tolerances(const TransientScene& transient) {
           .angular_velocity = transient.angular_velocity_tolerance.value_or(0.0)};
 }
 
+Balance balance_of(const System& system, const TransientScene& transient) {
+  if (transient.balance) return *transient.balance;
+  const bool free = transient.inertia == InertiaTerms::full && find_parts(system).all_free();
+  return free ? Balance::momentum : Balance::acceleration;
+}
+
 std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient) {
   const double step = transient.step.value_or(0.0), max_step = transient.max_step.value_or(0.0);
   switch (transient.method) {
@@ -44,7 +51,7 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
                                   .end = transient.duration,
                                   .max_step = max_step,
                                   .rho_infinity = rho_infinity_of(transient),
-                                  .balance = balance_of(transient),
+                                  .balance = balance_of(system, transient),
                                   .newton = newton_options(transient)});
     case TimeMethod::radau:
       return std::make_unique<Radau>(system, make_klu_solver(), make_klu_pencil_solver(),

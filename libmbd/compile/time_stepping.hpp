@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "libmbd/core/system.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "solvers/time/error_control.hpp"
 #include "solvers/time/stepper.hpp"
@@ -12,6 +13,10 @@ namespace mbd {
 // The settings that make_stepper() uses, with the method's own where the scene gives none.
 NewtonOptions newton_options(const TransientScene& transient);
 ErrorTolerances error_tolerances(const TransientScene& transient);
+
+// Of generalized_alpha. Where the scene gives none: of momenta where nothing ties any part to the ground (and inertia is
+// full), so that a system in free flight keeps its momenta; else of accelerations, which damps less what turns.
+Balance balance_of(const System& system, const TransientScene& transient);
 
 // What integrates `system`, compiled from a scene with this transient, from t = 0. Throws Error for a method
 // that is not there, and as the stepper's constructor does.

@@ -47,6 +47,8 @@ class System {
   void finish(bool with_rates, double length_scale);  // after the last add
   // Makes room for State::idle in the graph: diagonal blocks of the multipliers. After finish().
   void allow_idle_rows();
+  // Of a scene whose constraints may repeat each other; otherwise it is length_scale().
+  void set_reaction_length(double length) { reaction_length_ = length; }
 
   // --- sizes ---
   Index nodes() const { return static_cast<Index>(node_names_.size()); }  // with the ground
@@ -54,7 +56,12 @@ class System {
   Index rows() const { return 6 * nodes() + multipliers_; }  // of a residual, ground first
   Index unknowns() const { return rows() - 6; }
   bool with_rates() const { return with_rates_; }
-  double length_scale() const { return length_scale_; }  // [m] size of the scene
+  double length_scale() const { return length_scale_; }  // [m] size of the scene, along its axes
+  // [m] its largest distance, which turning it does not change: what moments are compared with forces by where that
+  // decides a result (solvers/constraints/redundancy.hpp).
+  double reaction_length() const {
+    return reaction_length_ > 0.0 ? reaction_length_ : length_scale_;
+  }
   const BlockGraph& graph() const { return graph_; }
   bool idle_rows_allowed() const { return !touching_.empty(); }
   // Of each batch, the first of its contributions in graph(), and the end of the last batch's.
@@ -136,6 +143,7 @@ class System {
   Index angles_ = 0;
   bool with_rates_ = true;
   double length_scale_ = 1.0;
+  double reaction_length_ = 0.0;
 };
 
 }  // namespace mbd

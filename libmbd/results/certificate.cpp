@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include "libmbd/compile/time_stepping.hpp"
@@ -25,18 +27,10 @@ constexpr double slow_contraction = 0.5;  // contraction at which a kept tangent
 constexpr double floor_units = 8.0;       // increments.cpp
 constexpr double weak_round_off = 1e-6,
                  no_digits = 1e-2;  // round-off of velocities and multipliers, of themselves
-
-bool acts_from_outside(const Scene& scene) {
-  if (scene.gravity || !scene.loads.empty() || !scene.distributed_loads.empty() ||
-      !scene.motions.empty() || !scene.drags.empty() || scene.base_motion)
-    return true;
-  const auto is_grounded = [](const auto& j) {
-    return j.a.kind == Place::Kind::ground || j.b.kind == Place::Kind::ground;
-  };
-  return std::any_of(scene.joints.begin(), scene.joints.end(), is_grounded) ||
-         std::any_of(scene.springs.begin(), scene.springs.end(), is_grounded) ||
-         std::any_of(scene.bushings.begin(), scene.bushings.end(), is_grounded);
-}
+constexpr double lost_momentum = 0.05;
+// Accounts of momenta: when they start afresh, in momenta; shares of what else sets their scale.
+constexpr double account_of = 20.0, share_of_passed = 0.01, share_of_linear = 1e-3,
+                 share_of_reactions = 1e-5;
 
 }  // namespace
 
@@ -64,8 +58,88 @@ const Check* Certificate::culprit() const {
                         [&](const Check& check) { return check.verdict == worst; });
 }
 
+std::vector<std::string> Certificate::covers() const {
+  std::vector<std::string> result;
+  const auto has = [this](std::string_view name) {
+    return std::any_of(checks.begin(), checks.end(),
+                       [name](const Check& check) { return check.name.starts_with(name); });
+  };
+  if (has("Newton") || has("balance of forces"))
+    result.push_back("that the equations of the model were solved");
+  if (has("energy") || has("linear momentum")) result.push_back("balances of energy and momenta");
+  if (has("error in time")) result.push_back("the motion's error from steps in time");
+  if (has("invariance")) result.push_back("invariance");
+  return result;
+}
+
+std::vector<std::string> Certificate::not_covered() const {
+  std::vector<std::string> result;
+  const auto is_known = [](const Check& check) {
+    return check.name == "error in time" && std::isfinite(check.fail) && check.fail > 0.0;
+  };
+  const bool moves = std::any_of(checks.begin(), checks.end(), [](const Check& check) {
+    return check.name.starts_with("Newton") || check.name == "error in time";
+  });
+  if (moves && std::none_of(checks.begin(), checks.end(), is_known))
+    result.push_back("the error from steps in time");
+  if (moves) result.push_back("errors of reactions and accelerations");
+  result.push_back("the mesh");
+  result.push_back("the model itself");
+  return result;
+}
+
+Check check_of(const TimeError& error) {
+  Check check{.name = "error in time"};
+  if (!error.known) {
+    check.verdict = Verdict::warn;
+    check.why = "not known: " + error.why_not;
+    return check;
+  }
+  check.value = error.relative;
+  check.warn = small_method_error;
+  check.fail = much_method_error;
+  check.where = fmt::format("{}, at {:.9g} s", error.node, error.time);
+  check.why = fmt::format(
+      "estimate of what steps in time make of positions ({:.2g} m there) and rotations ({:.2g} "
+      "rad), "
+      "over the largest motion, from a second run in {}; compared up to {:.9g} s",
+      error.displacement, error.rotation, error.how, error.until);
+  return bounded_check(check);
+}
+
 Audit::Audit(const Scene& scene, const System& system, bool certify)
-    : scene_(scene), system_(system), certify_(certify), free_(!acts_from_outside(scene)) {}
+    : scene_(scene), system_(system), certify_(certify), parts_(find_parts(system)) {
+  nodes_of_.assign(static_cast<std::size_t>(parts_.count()), 0);
+  for (const int part : parts_.of_node)
+    if (part >= 0) ++nodes_of_[static_cast<std::size_t>(part)];
+  kept_.resize(nodes_of_.size());
+  outside_at_ = std::numeric_limits<double>::quiet_NaN();
+  holds_.assign(system.constraints().size(), -1);
+  const auto nodes = static_cast<int>(system.nodes()) - 1;
+  std::vector<char> to_ground(holds_.size(), 0);
+  for (const auto& [row, column] : system.graph().contributions) {
+    if (row < nodes) continue;
+    const auto c = static_cast<std::size_t>(row - nodes);
+    if (column < 0)
+      to_ground[c] = 1;
+    else if (column < nodes)
+      holds_[c] = parts_.of_node[static_cast<std::size_t>(column + 1)];
+  }
+  for (std::size_t c = 0; c < holds_.size(); ++c)
+    if (to_ground[c] == 0) holds_[c] = -1;
+  const auto first = system.first_contributions();
+  const auto& contributions = system.graph().contributions;
+  for (std::size_t b = 0; b < system.batches().size(); ++b) {
+    const Batch* const batch = system.batches()[b].get();
+    if (batch->type().starts_with("inertia")) continue;
+    if (!certify && batch->type().starts_with("beam")) continue;
+    const bool on_one =
+        std::all_of(contributions.begin() + static_cast<std::ptrdiff_t>(first[b]),
+                    contributions.begin() + static_cast<std::ptrdiff_t>(first[b + 1]),
+                    [](const BlockGraph::Contribution& c) { return c.row == c.column; });
+    (on_one ? on_nodes_ : between_).push_back(batch);
+  }
+}
 
 Audit::~Audit() = default;
 
@@ -78,50 +152,156 @@ void Audit::step(const StepReport& report, const State& state) {
   last_time_ = state.t;
 }
 
-// What loads and joints do to the nodes, about the origin: the rate of momentum, since what acts between nodes cancels
-// in the sum; and the sum of the sizes, of forces and of moments.
-Vec6 Audit::wrench(const State& state, double& forces, double& moments) const {
-  scratch_ = state;
-  system_.residual(scratch_, r_);
-  scratch_.load_factor = 0.0;
-  scratch_.lambda.setZero();
-  system_.residual(scratch_, unloaded_);
-  Vec6 sum = Vec6::Zero();
-  for (Index n = 1; n < system_.nodes(); ++n) {
-    const Vec6 one =
-        inertial_wrench<double>(state.pose[static_cast<std::size_t>(n)],
-                                Vec6(unloaded_.segment<6>(6 * n) - r_.segment<6>(6 * n)));
-    sum += one;
-    forces += one.head<3>().norm();
-    moments += one.tail<3>().norm();
+// x of (1), and its velocity.
+Vec3 Audit::point_of(int part, const State& state, Vec3* velocity) const {
+  if (velocity != nullptr) velocity->setZero();
+  if (parts_.is_held[static_cast<std::size_t>(part)] != 0)
+    return kept_[static_cast<std::size_t>(part)].point;
+  Vec3 x = Vec3::Zero();
+  const double share = 1.0 / nodes_of_[static_cast<std::size_t>(part)];
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    if (parts_.of_node[n] != part) continue;
+    x += share * state.pose[n].r;
+    if (velocity != nullptr) *velocity += share * (state.pose[n].R() * state.V[n].head<3>());
   }
-  return sum;
+  return x;
+}
+
+void Audit::outside(const State& state, std::vector<Outside>& all) const {
+  all.assign(kept_.size(), {});
+  on_nodes_r_.setZero(system_.rows());
+  for (const Batch* const batch : on_nodes_) batch->residual(state, on_nodes_r_);
+  r_.setZero(system_.rows());
+  for (const Batch* const batch : between_) batch->residual(state, r_);
+  const bool any_free = parts_.any_free();
+  if (any_free) {
+    p_.resize(state.pose.size());
+    system_.momenta(state, p_);
+  }
+  std::vector<Vec3> x(kept_.size()), velocity(kept_.size());
+  for (std::size_t k = 0; k < kept_.size(); ++k)
+    x[k] = point_of(static_cast<int>(k), state, &velocity[k]);
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    const auto k = static_cast<std::size_t>(parts_.of_node[n]);
+    const auto row = 6 * static_cast<Index>(n);
+    const auto about_x = [&](const Vec6& in_body) {
+      Vec6 w = inertial_wrench<double>(state.pose[n], in_body);
+      w.tail<3>() -= x[k].cross(w.head<3>());
+      return w;
+    };
+    const Vec6 on_node = about_x(-on_nodes_r_.segment<6>(row));
+    all[k].forces += on_node.head<3>().norm();
+    all[k].moments += on_node.tail<3>().norm();
+    all[k].rate += on_node + about_x(-r_.segment<6>(row));
+    if (any_free && parts_.is_held[k] == 0)
+      all[k].rate.tail<3>() -=
+          velocity[k].cross(inertial_wrench<double>(state.pose[n], p_[n]).head<3>());
+  }
+  for (std::size_t c = 0; c < holds_.size(); ++c) {
+    if (holds_[c] < 0) continue;
+    const ConstraintInfo& info = system_.constraints()[c];
+    double force = 0.0, moment = 0.0;
+    for (Index i = 0; i < info.rows; ++i) {
+      double& of = info.is_position[static_cast<std::size_t>(i)] ? force : moment;
+      of = std::hypot(of, state.lambda(info.first_row + i));
+    }
+    Outside& one = all[static_cast<std::size_t>(holds_[c])];
+    one.forces += force;
+    one.moments += moment + force * system_.length_scale();
+  }
+  for (Outside& one : all) {  // springs among them; forces between nodes have cancelled
+    one.forces = std::max(one.forces, one.rate.head<3>().norm());
+    one.moments = std::max(one.moments, one.rate.tail<3>().norm());
+  }
 }
 
 void Audit::piece(const DenseStep& step) {
+  if (samples_ == 0) return;
   if (piece_.pose.empty()) piece_ = system_.reference_state();
-  double forces = 0.0, moments = 0.0;
-  step.at(step.begin(), piece_);
-  Vec6 sum = wrench(piece_, forces, moments);
-  step.at(step.end(), piece_);
-  sum += wrench(piece_, forces, moments);
-  const double half = 0.5 * (step.end() - step.begin());
-  impulse_ += half * sum;
-  linear_impulse_ += half * forces;
-  angular_impulse_ += half * moments;
+  const auto at = [&](double t, const State* known, std::vector<Outside>& all) {
+    if (known == nullptr) step.at(t, piece_);
+    outside(known != nullptr ? *known : piece_, all);
+  };
+  // Where nothing jumped, the end of the piece before is the beginning of this one.
+  const double begin = step.begin(), end = step.end();
+  const bool simpson = scene_.transient->method != TimeMethod::generalized_alpha;
+  bool same = std::abs(outside_at_ - begin) <= 1e-12 * std::abs(begin);
+  for (const Breakpoint& b : system_.breakpoints())
+    same = same && !(std::abs(b.t - begin) <= 1e-9 * (end - begin));
+  if (same)
+    std::swap(outside_begin_, outside_end_);
+  else
+    at(begin, step.first(), outside_begin_);
+  if (simpson) at(0.5 * (begin + end), nullptr, outside_middle_);
+  at(end, step.last(), outside_end_);
+  outside_at_ = end;
+  const double h = end - begin;
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    const auto integral = [&](const auto& of) {
+      auto sum = of(outside_begin_[k]);
+      sum += of(outside_end_[k]);
+      if (!simpson) return decltype(sum)(0.5 * h * sum);
+      sum += 4.0 * of(outside_middle_[k]);
+      return decltype(sum)(h / 6.0 * sum);
+    };
+    const Vec6 impulse = integral([](const Outside& o) { return Vec6(o.rate); });
+    kept_[k].linear.impulse += impulse.head<3>();
+    kept_[k].angular.impulse += impulse.tail<3>();
+    largest_outside_ = std::max(largest_outside_, outside_end_[k].forces);
+    kept_[k].linear.passed += integral([](const Outside& o) { return o.forces; });
+    kept_[k].angular.passed += integral([](const Outside& o) { return o.moments; });
+  }
+}
+
+void Audit::sample_momenta(const State& state) {
+  p_.resize(state.pose.size());
+  system_.momenta(state, p_);
+  if (samples_ == 0)
+    for (std::size_t n = 1; n < state.pose.size(); ++n) {
+      const auto k = static_cast<std::size_t>(parts_.of_node[n]);
+      kept_[k].point += state.pose[n].r / nodes_of_[k];
+    }
+  std::vector<Vec6> sum(kept_.size(), Vec6::Zero());
+  std::vector<std::array<double, 2>> size(kept_.size(), {0.0, 0.0});
+  std::vector<Vec3> x(kept_.size());
+  for (std::size_t k = 0; k < kept_.size(); ++k) x[k] = point_of(static_cast<int>(k), state);
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    const auto k = static_cast<std::size_t>(parts_.of_node[n]);
+    Vec6 p = inertial_wrench<double>(state.pose[n], p_[n]);
+    p.tail<3>() -= x[k].cross(p.head<3>());
+    sum[k] += p;
+    size[k][0] += p.head<3>().norm();
+    size[k][1] += p.tail<3>().norm();
+  }
+  const auto look = [&](Account& account, const Vec3& now, double size_now) {
+    if (samples_ == 0) account.begin = now;
+    account.size = std::max(account.size, size_now);
+    account.most_passed = std::max(account.most_passed, account.passed);
+    account.drift.look((now - account.begin - account.impulse).norm(), state.t);
+    if (!(account.passed > account_of * account.size)) return;
+    account.begin = now;
+    account.impulse.setZero();
+    account.passed = 0.0;
+  };
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    look(kept_[k].linear, sum[k].head<3>(), size[k][0]);
+    look(kept_[k].angular, sum[k].tail<3>(), size[k][1]);
+  }
 }
 
 void Audit::sample(const State& state) {
   const double t = state.t;
   last_ = state;
+  const auto look_at = [](double& largest, double x) {  // keeps what is not a number
+    if (x > largest || x != x) largest = x;
+  };
   for (const Pose<double>& H : state.pose)
-    farthest_ = std::max(farthest_, H.r.cwiseAbs().maxCoeff());
+    for (Index i = 0; i < 3; ++i) look_at(farthest_, std::abs(H.r(i)));
   for (const ConstraintInfo& c : system_.constraints())
     for (Index i = 0; i < c.rows; ++i)
-      largest_force_ =
-          std::max(largest_force_,
-                   std::abs(state.lambda(c.first_row + i)) /
-                       (c.is_position[static_cast<std::size_t>(i)] ? 1.0 : system_.length_scale()));
+      look_at(largest_force_,
+              std::abs(state.lambda(c.first_row + i)) /
+                  (c.is_position[static_cast<std::size_t>(i)] ? 1.0 : system_.length_scale()));
   if (!state.V.empty()) {
     system_.constraints(state, g_, gdot_);
     Index row = -1;
@@ -145,13 +325,7 @@ void Audit::sample(const State& state) {
                   std::abs(state.work.drives), std::abs(state.work.damping)});
     put_in_.look(now - energy_begin_, t);
 
-    const Vec6 p = system_.momentum(state);
-    if (samples_ == 0) momentum_begin_ = p;
-    linear_ = std::max(linear_, p.head<3>().norm());
-    angular_ = std::max(angular_, p.tail<3>().norm());
-    const Vec6 drift = p - momentum_begin_ - impulse_;
-    linear_drift_.look(drift.head<3>().norm(), t);
-    angular_drift_.look(drift.tail<3>().norm(), t);
+    sample_momenta(state);
 
     if (certify_) {
       // B Vdot: gdot is affine in V.
@@ -224,6 +398,43 @@ double Audit::reciprocal_condition(double h) const {
   return solver->factor() == FactorStatus::ok ? solver->reciprocal_condition() : 0.0;
 }
 
+// The worst part of each.
+void Audit::add_momenta(Certificate& all) const {
+  const double L = system_.length_scale();
+  const auto add = [&](const char* name, const char* of, bool angular) {
+    std::optional<Check> worst;
+    for (std::size_t k = 0; k < kept_.size(); ++k) {
+      const Account &linear = kept_[k].linear, &account = angular ? kept_[k].angular : linear;
+      const double reactions = share_of_reactions * largest_force_ * last_time_;
+      const double scale_p = std::max({linear.size, share_of_passed * linear.most_passed,
+                                       parts_.is_held[k] != 0 ? reactions : 0.0});
+      const double scale = angular ? std::max({account.size, share_of_passed * account.most_passed,
+                                               share_of_linear * L * scale_p})
+                                   : scale_p;
+      const double value = account.drift.value / scale;
+      if (scale == 0.0 && account.drift.value == 0.0) continue;  // at rest, with nothing to move it
+      if (worst && !(value > worst->value) && value == value) continue;
+      const std::string node = system_.node_name(static_cast<Index>(parts_.first[k]));
+      worst = Check{
+          .name = name,
+          .value = value,
+          .warn = small_method_error,
+          .fail = lost_momentum,
+          .where = fmt::format("{}{}", kept_.size() > 1 ? "of the part with " + node + ", " : "",
+                               where(account.drift)),
+          .why = fmt::format(
+              "largest change of {}, less the impulse of all that acts from outside{}, over "
+              "the sum of the sizes of the nodes' momenta: an error of the method and of the "
+              "quadrature of the impulse",
+              of, parts_.is_held[k] != 0 ? "" : " (nothing ties it to the ground)")};
+    }
+    if (worst) all.checks.push_back(bounded_check(*worst));
+  };
+  add("linear momentum", "momentum", false);
+  // Without the gyroscopic moment it is not kept, and its drift says nothing of the method.
+  if (scene_.transient->inertia == InertiaTerms::full) add("angular momentum", "its moment", true);
+}
+
 void Audit::add_motion(Certificate& all, const RunReport& report) const {
   const auto add = [&](Check check) { all.checks.push_back(bounded_check(std::move(check))); };
   const TransientScene& transient = *scene_.transient;
@@ -282,25 +493,7 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
                "their largest second rate over the largest acceleration: an error of the method, "
                "one order larger than that of velocities"});
   }
-  if (certify_ || free_) {
-    const auto drift = [&](const char* name, const Worst& worst, double size, double impulse) {
-      const double scale = std::max(size, impulse);
-      if (scale > 0.0)
-        add({.name = name,
-             .value = worst.value / scale,
-             .warn = small_method_error,
-             .fail = much_method_error,
-             .where = where(worst),
-             .why = free_
-                        ? "largest change over the largest momentum: nothing acts from outside"
-                        : "largest change less the impulse of loads and joints, over the larger "
-                          "of momentum and impulse: an error of the method and of the quadrature"});
-    };
-    drift("linear momentum", linear_drift_, linear_, linear_impulse_);
-    // Without the gyroscopic moment it is not kept, and its drift says nothing of the method.
-    if (transient.inertia == InertiaTerms::full)
-      drift("angular momentum", angular_drift_, angular_, angular_impulse_);
-  }
+  add_momenta(all);
   if (steps_ > 0) {
     add({.name = "Newton, contraction",
          .value = contraction_.value,
@@ -355,7 +548,8 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
 void Audit::add_round_off(Certificate& all) const {
   const auto add = [&](Check check) { all.checks.push_back(bounded_check(std::move(check))); };
   const double L = system_.length_scale();
-  const double unit = floor_units * unit_round_off * std::max(farthest_, L);
+  // (max() would pass the other of a number and none)
+  const double unit = floor_units * unit_round_off * (farthest_ < L ? L : farthest_);
   add({.name = "round-off, position",
        .value = unit / L,
        .warn = 1e-9,
@@ -373,17 +567,18 @@ void Audit::add_round_off(Certificate& all) const {
          .warn = weak_round_off,
          .fail = no_digits,
          .why = "that of positions over the mean step and the fastest motion"});
+  const double force = std::max(largest_force_, largest_outside_);
   if (h > 0.0 && largest_force_ > 0.0) {
     const std::unique_ptr<LinearSolver> solver = make_klu_solver();
     solver->analyze(system_.graph());
     system_.linearize(last_, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, r_, *solver);
     const double mass = largest_stiffness(system_, *solver);
     add({.name = "round-off, multipliers",
-         .value = mass * unit / (h * h) / largest_force_,
+         .value = mass * unit / (h * h) / force,
          .warn = weak_round_off,
          .fail = std::numeric_limits<double>::max(),
          .why = "that of positions over the mean step squared, times the largest mass of a node, "
-                "over the largest multiplier"});
+                "over the largest multiplier, or force from outside"});
   }
   const double condition = reciprocal_condition(h);
   add({.name = "condition",
@@ -466,10 +661,11 @@ Certificate Audit::certificate(const RunReport& report) const {
                           .why = "it did not come to its end",
                           .verdict = Verdict::fail});
   if (samples_ == 0) return all;
-  if (scene_.transient)
+  if (scene_.transient) {
+    if (report.time_error) all.checks.push_back(check_of(*report.time_error));
     add_motion(all, report);
-  else
-    add_equilibrium(all, report);
+  }
+  if (!scene_.transient) add_equilibrium(all, report);
   add_round_off(all);
   return all;
 }

@@ -1,9 +1,24 @@
 // What a run says for its own correctness: checks, each a number beside its bounds, and the worst of their verdicts.
 //
-// Of every run, from what is sampled anyhow: balance of energy, constraints at two levels, how Newton's iterations
-// contracted, round-off. Of a run that is to be certified (RunOptions::certify) also constraints at the level of
-// accelerations, momenta against the impulse of loads and joints, the condition of the iteration matrix and what
-// round-off leaves of velocities and multipliers; and what libmbd/study/trust/certify.hpp finds by other runs of the scene.
+// Of every run: balance of energy, constraints at two levels, how Newton's iterations contracted, round-off; momenta
+// against the impulse of all that acts from outside; and the error that steps make, by a second run (time_error.hpp). Of
+// a run that is to be certified (RunOptions::certify) also constraints at the level of accelerations, the condition of
+// the iteration matrix and what round-off leaves of velocities and multipliers; and what
+// libmbd/study/trust/certify.hpp finds by other runs of the scene.
+//
+// Momenta. Of each part (parts.hpp) p = sum of the momenta of its nodes, L their moment about x, a fixed point for a
+// part that is held, the mean position of the nodes for one that is free:
+//
+//   p' = F,   L' = M_x - x' x p                                                                      (1)
+//
+// F, M_x the sum over its nodes of all forces but inertia: loads, gravity, drag, damping of mass, motion of the base,
+// and joints, springs, dampers, bushings to the ground. Between nodes of the part forces cancel; of beams this is taken
+// for granted but in certified runs. The integral of (1) over each piece of a step is by the trapezoidal rule, of
+// order 2 as generalized-alpha, or Simpson's with the other methods. What p has changed by beyond it, over the largest
+// sum of the sizes of the nodes' momenta; or a hundredth of what has passed, the sum of the sizes of the impulses of each
+// load and each joint to the ground, where that is larger. The account starts afresh whenever 20 times those momenta have
+// passed: errors of long runs are those of a few swings, and forces that balance each other, of which errors of second
+// order are left, do not add up.
 //
 // Bounds are of two kinds. What a tolerance says has to hold to ten times of it (warn) and a thousand (fail). Errors of
 // a method, which only smaller steps lessen, are small to 1 % (warn) and spoil what is found from 10 % on (fail).
@@ -15,8 +30,10 @@
 #include <string_view>
 #include <vector>
 
+#include "libmbd/core/parts.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
+#include "libmbd/results/time_error.hpp"
 #include "solvers/newton/report.hpp"
 
 namespace mbd {
@@ -48,7 +65,13 @@ struct Certificate {
 
   Verdict verdict() const;       // the worst
   const Check* culprit() const;  // the first of the worst; nullptr if all pass
+  // What a verdict is about, and what it says nothing of: short phrases.
+  std::vector<std::string> covers() const;
+  std::vector<std::string> not_covered() const;
 };
+
+// The check that an estimate makes: "error in time".
+Check check_of(const TimeError& error);
 
 // Watches one run.
 class Audit {
@@ -61,7 +84,7 @@ class Audit {
 
   bool certifies() const { return certify_; }
   void step(const StepReport& report, const State& state);  // each accepted time step
-  void piece(const DenseStep& step);                        // each piece of one; to be certified
+  void piece(const DenseStep& step);                        // each piece of one
   void sample(const State& state);                          // some accepted states
   // At the end, with what the report counts.
   Certificate certificate(const RunReport& report) const;
@@ -74,8 +97,27 @@ class Audit {
       if (v > value || v != v) *this = {v, t, r};
     }
   };
+  // Momentum, or its moment about x, of a part, against its impulse since the account was opened.
+  struct Account {
+    Vec3 begin = Vec3::Zero(), impulse = Vec3::Zero();
+    double passed = 0.0,
+           most_passed = 0.0;  // sum of the sizes of impulses; the largest of an account
+    double size = 0.0;         // largest sum of the sizes of the nodes' shares
+    Worst drift;
+  };
+  struct Outside {  // the right sides of (1), and sizes of what they sum up
+    Vec6 rate = Vec6::Zero();
+    double forces = 0.0, moments = 0.0;
+  };
+  struct Kept {
+    Vec3 point = Vec3::Zero();  // x, of a part that is held
+    Account linear, angular;
+  };
   std::string where(const Worst& worst) const;
-  Vec6 wrench(const State& state, double& forces, double& moments) const;
+  void sample_momenta(const State& state);
+  Vec3 point_of(int part, const State& state, Vec3* velocity = nullptr) const;
+  void outside(const State& state, std::vector<Outside>& all) const;
+  void add_momenta(Certificate& all) const;
   double reciprocal_condition(double h) const;
   void add_motion(Certificate& all, const RunReport& report) const;
   void add_equilibrium(Certificate& all, const RunReport& report) const;
@@ -84,7 +126,10 @@ class Audit {
   const Scene& scene_;
   const System& system_;
   bool certify_;
-  bool free_;  // nothing acts from outside: no loads, no gravity, no joint with the ground
+  ConnectedParts parts_;
+  std::vector<int> nodes_of_;  // by part: how many
+  std::vector<const Batch*> on_nodes_,
+      between_;  // what may act from outside, on one node or between two
 
   long steps_ = 0, slow_steps_ = 0, long_steps_ = 0;
   Worst contraction_, floor_;
@@ -98,16 +143,18 @@ class Audit {
   double least_ = 0.0, most_ = 0.0;               // total energy [J]
   double energy_moved_ = 0.0;  // largest of kinetic energy, change of the total and works [J]
   Worst put_in_;               // energy [J]
-  double farthest_ = 0.0, largest_force_ = 0.0;  // [m], [N]
-  Vec6 momentum_begin_ = Vec6::Zero();
-  double linear_ = 0.0, angular_ = 0.0;  // largest momenta [N.s], [N.m.s]
-  Worst linear_drift_, angular_drift_;
-  Vec6 impulse_ = Vec6::Zero();
-  double linear_impulse_ = 0.0, angular_impulse_ = 0.0;  // of the sizes of forces, of moments
+  double farthest_ = 0.0, largest_force_ = 0.0;  // [m], of multipliers [N]
+  double largest_outside_ = 0.0;                 // force on a part from outside [N]
+  std::vector<Kept> kept_;                       // by part
+  std::vector<Outside> outside_begin_, outside_middle_, outside_end_;
+  std::vector<int> holds_;  // by constraint: the part that it ties to the ground; -1: none
+  double outside_at_ =
+      0.0;  // when outside_end_ was found [s]; before the first piece: not a number
   State last_, piece_;
 
   mutable State scratch_;
-  mutable VecX r_, unloaded_, g_, gdot_, rest_;
+  mutable std::vector<Vec6> p_;
+  mutable VecX r_, unloaded_, on_nodes_r_, g_, gdot_, rest_;
 };
 
 }  // namespace mbd

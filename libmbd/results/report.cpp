@@ -65,6 +65,8 @@ Json json(const Certificate& certificate) {
   return {{"verdict", name_of(certificate.verdict())},
           {"culprit", culprit != nullptr ? Json(culprit->name) : Json()},
           {"certified", certificate.certified},
+          {"covers", certificate.covers()},
+          {"does_not_cover", certificate.not_covered()},
           {"checks", checks}};
 }
 
@@ -91,7 +93,7 @@ Json settings(const TransientScene& transient) {
   all["output"] = interval ? Json(*interval) : Json("steps");
   if (transient.method == TimeMethod::generalized_alpha) {
     all["rho_infinity"] = rho_infinity_of(transient);
-    all["balance"] = balance_of(transient) == Balance::momentum ? "momentum" : "acceleration";
+    all["balance"] = name_of(transient.balance.value_or(Balance::acceleration));
   }
   if (transient.inertia != InertiaTerms::full) all["inertia"] = "no_gyroscopic";
   if (takes_newton_tolerance(transient)) {
@@ -256,8 +258,16 @@ std::string to_json(const RunReport& report) {
   all["seconds"] = {{"compile", json(report.compile)},
                     {"static", json(report.equilibrium)},
                     {"transient", json(report.integration)},
-                    {"output", json(report.output)}};
+                    {"output", json(report.output)},
+                    {"error_estimate", json(report.estimate)}};
 
+  if (const auto& error = report.time_error)
+    all["error_in_time"] =
+        error->known ? Json{{"relative", error->relative}, {"displacement", error->displacement},
+                            {"rotation", error->rotation}, {"where", error->node},
+                            {"time", error->time},         {"until", error->until},
+                            {"from_a_run_in", error->how}}
+                     : Json{{"relative", nullptr}, {"why", error->why_not}};
   all["certificate"] = json(report.certificate);
   Json expects = Json::array();
   for (const ExpectResult& expect : report.expects)

@@ -129,6 +129,8 @@ struct RunReport {
   double energy_moved() const;  // largest of kinetic energy, change of the total and works [J]
 
   Seconds compile, equilibrium, integration, output;  // of the parts; output is in no other
+  std::optional<TimeError> time_error;                // of a transient, where it was asked for
+  Seconds estimate;                                   // what that took, in no other part
   Certificate certificate;
   std::vector<ExpectResult> expects;
   std::vector<std::filesystem::path> results;  // files written

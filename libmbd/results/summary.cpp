@@ -124,7 +124,8 @@ void seconds(std::string& text, const RunReport& report) {
                         {report.path ? "path" : "static", report.equilibrium,
                          report.statics.has_value() || report.path.has_value()},
                         {"transient", report.integration, report.transient.has_value()},
-                        {"output", report.output, true}};
+                        {"output", report.output, true},
+                        {"error estimate", report.estimate, report.time_error.has_value()}};
   const auto show = [&](std::string_view name, double Seconds::*clock) {
     double sum = 0.0;
     std::string words;
@@ -208,7 +209,24 @@ void certificate(std::string& text, const Certificate& certificate) {
   } else {
     words += fmt::format(", {}", plural(std::ssize(certificate.checks), "check"));
   }
+  const auto listed = [](const std::vector<std::string>& phrases) {
+    std::string list;
+    for (std::size_t i = 0; i < phrases.size(); ++i)
+      list += (i == 0 ? "" : i + 1 == phrases.size() ? " and " : ", ") + phrases[i];
+    return list;
+  };
+  const auto check_named = [&](std::string_view name) {
+    return std::find_if(certificate.checks.begin(), certificate.checks.end(),
+                        [name](const Check& check) { return check.name == name; });
+  };
+  if (const auto time = check_named("error in time");
+      time != certificate.checks.end() && certificate.culprit() != &*time)
+    words += time->fail > 0.0
+                 ? fmt::format("; error in time about {:.1g} of the motion", time->value)
+                 : std::string("; error in time not known");
   item(text, "certificate", words);
+  item(text, "  covers",
+       fmt::format("{}; not {}", listed(certificate.covers()), listed(certificate.not_covered())));
   if (!certificate.certified) return;
   for (const Check& check : certificate.checks) {
     std::string about = fmt::format("{}: {}", check.name, number(check));

@@ -9,6 +9,7 @@
 
 #include "elements/beam/beam_elastic_batch.hpp"
 #include "libmbd/compile/drags.hpp"
+#include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/results/expect.hpp"
 #include "libmbd/results/observers.hpp"
@@ -145,7 +146,9 @@ void add_mechanism(const System& system, const State& state, const Scene& scene,
   if (scene.statics && mechanism.freedoms() > 0)
     report.notes.push_back(fmt::format(
         "the mechanism is free to move in {}, and <static> seeks an equilibrium: there is a unique "
-        "one only where loads or gravity hold it; otherwise add a joint, a drive or a motion",
+        "one only where springs, loads or gravity hold it; what nothing answers stays as it is, "
+        "and "
+        "what loads drive needs a joint, a drive or a motion",
         counted(mechanism.freedoms(), "ways")));
 }
 
@@ -592,7 +595,7 @@ class Explainer {
     const std::string here = at("<transient>", transient.source);
     const bool alpha = transient.method == TimeMethod::generalized_alpha;
     const std::string balance =
-        balance_of(transient) == Balance::momentum ? "momenta" : "accelerations";
+        balance_of(system_, transient) == Balance::momentum ? "momenta" : "accelerations";
     present(fmt::format("course in time by {}, {}{}", name_of(transient.method),
                         transient.step ? fmt::format("steps of {} s", shortest(*transient.step))
                                        : fmt::format("steps for a relative error of {}",

@@ -11,10 +11,12 @@
 
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/core/parts.hpp"
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/pictures/shapes.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/expect.hpp"
+#include "libmbd/results/time_error.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/text/text.hpp"
@@ -151,7 +153,7 @@ class Run {
                       "them, and reactions are those of least norm, sum of F^2 + (M/L)^2 with "
                       "L = {:.6g} m",
                       model_.redundant.size(), model_.redundant.size() == 1 ? "s" : "",
-                      first_of(report_.redundant), system.length_scale()));
+                      first_of(report_.redundant), system.reaction_length()));
     for (const RecordScene& record : scene.records)
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
     audit_.emplace(scene_, system, options.certify);
@@ -181,14 +183,17 @@ class Run {
     const Mechanism mechanism = system.multipliers() <= most_analysed
                                     ? analyze_mechanism(system, model_.initial)
                                     : Mechanism{};
+    const bool driven = failure.find("nothing holds the motion") != std::string::npos;
     if ((in_statics_ || scene_.path) && mechanism.freedoms() > 0)
       throw Error(
           scene_.statics ? scene_.statics->source : scene_.path->source,
           fmt::format(
-              "{}: no equilibrium was found: its parts are free to move in {} way{}, which "
-              "nothing in the scene brings to rest; hold them by joints, or give a <transient>",
+              "{}: no equilibrium was found: its parts are free to move in {} way{}, and {}{}, or "
+              "give a "
+              "<transient>",
               scene_.statics ? "static" : "path", mechanism.freedoms(),
-              mechanism.freedoms() == 1 ? "" : "s"));
+              mechanism.freedoms() == 1 ? "" : "s", failure,
+              driven ? "" : "; hold them by joints or springs, start nearer to an equilibrium"));
     for (const BodyScene& body : scene_.bodies)
       if (!(body.mass > 0.0 && body.inertia.determinant() > 0.0) &&
           failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
@@ -253,19 +258,26 @@ class Run {
       if (report_.rows == 0) fail_to_start(result.failure);
       report_.failure = "static equilibrium: " + result.failure;
     }
-    if (result.converged) judge_stability(state);
+    if (!result.neutral.empty())
+      report_.notes.push_back(fmt::format(
+          "nothing answers {} of the equilibrium ({}): it is left where it is, and any other is an "
+          "equilibrium too; a joint or a spring would hold it",
+          result.neutral.size() == 1 ? std::string("one motion")
+                                     : fmt::format("{} motions", result.neutral.size()),
+          fmt::join(result.neutral, "; ")));
+    if (result.converged) judge_stability(state, !result.neutral.empty());
     in_statics_ = false;
   }
 
   // Of the equilibrium of a <static>.
-  void judge_stability(const State& state) {
+  void judge_stability(const State& state, bool neutral) {
     if (!has_potential(scene_)) {
       report_.notes.push_back("the stability of the equilibrium is not judged: " +
                               without_potential(scene_));
       return;
     }
     StabilityCount count(*model_.system);
-    report_.negative_eigenvalues = count(state);
+    report_.negative_eigenvalues = count(state, neutral);
     report_.equilibrium += watch_.lap();
     if (report_.negative_eigenvalues.value_or(0) > 0)
       report_.notes.push_back(fmt::format(
@@ -338,6 +350,11 @@ class Run {
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
           "and may diverge in long runs; 0.9 is safer");
     const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
+    say_balance();
+    if (options_.estimate_error) {
+      time_error_.emplace(*model_.system, transient);
+      time_error_->start(state);
+    }
     const long steps = transient.step ? number_of_steps(transient) : 0;
     // Monitored: some of the fixed steps, or the first step that ends after each of equal times.
     const long every = (steps + most_monitored - 1) / most_monitored;
@@ -347,21 +364,20 @@ class Run {
 
     State inside = state;  // where steps are interpolated
     const bool rows_inside = steps == 0 || rows_->inside_steps();
-    if (rows_inside || audit_->certifies())
-      stepper->on_substep([&](const DenseStep& step) {
-        if (audit_->certifies()) audit_->piece(step);
-        if (!rows_inside) return;
-        // What lies at the end of the step is left to the state there, after a restart if there is one; what
-        // lies at the end of a piece, to the beginning of the next.
-        const double before = step.end() - rows_->slack();
-        if (!going || !(rows_->next() < before)) return;
-        report_.integration += watch_.lap();
-        for (; going && rows_->next() < before; rows_->advance()) {
-          step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
-          going = write_row(inside);
-        }
-        report_.output += watch_.lap();
-      });
+    stepper->on_substep([&](const DenseStep& step) {
+      audit_->piece(step);
+      if (!rows_inside) return;
+      // What lies at the end of the step is left to the state there, after a restart if there is one; what
+      // lies at the end of a piece, to the beginning of the next.
+      const double before = step.end() - rows_->slack();
+      if (!going || !(rows_->next() < before)) return;
+      report_.integration += watch_.lap();
+      for (; going && rows_->next() < before; rows_->advance()) {
+        step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
+        going = write_row(inside);
+      }
+      report_.output += watch_.lap();
+    });
 
     StepReport step = stepper->start(state);
     if (!step.converged) fail_to_start(step.failure);
@@ -511,6 +527,34 @@ class Run {
                                                 : size / model_.system->length_scale());
       }
     audit_->sample(state);
+    if (time_error_ && scene_.transient) time_error_->sample(state);
+  }
+
+  // Of generalized_alpha: which balance was chosen, and what it loses.
+  void say_balance() {
+    TransientScene& transient = *report_.transient;
+    if (transient.method != TimeMethod::generalized_alpha) return;
+    const bool chosen = !transient.balance.has_value();
+    transient.balance = balance_of(*model_.system, transient);
+    const ConnectedParts parts = find_parts(*model_.system);
+    if (!chosen || transient.balance == Balance::momentum || !parts.any_free()) return;
+    const auto part = static_cast<std::size_t>(
+        std::find(parts.is_held.begin(), parts.is_held.end(), 0) - parts.is_held.begin());
+    report_.notes.push_back(fmt::format(
+        "nothing ties the part with {} to the ground, and its momenta drift by an error of the "
+        "balance of accelerations, which {}; {}",
+        model_.system->node_name(static_cast<Index>(parts.first[part])),
+        transient.inertia != InertiaTerms::full
+            ? "inertia without gyroscopic moments asks for"
+            : "is the default as other parts are held: it damps less what turns",
+        transient.inertia != InertiaTerms::full ? "its certificate measures it"
+                                                : "balance=\"momentum\" keeps them to round-off"));
+  }
+
+  void estimate_time_error() {
+    if (!time_error_ || !report_.complete()) return;
+    report_.time_error = time_error_->measure(options_.interrupted);
+    report_.estimate = watch_.lap();
   }
 
   // Says it if the integrator has made much of the energy, or lost much.
@@ -528,6 +572,7 @@ class Run {
 
   void finish() {
     check_energy();
+    estimate_time_error();
     report_.certificate = audit_->certificate(report_);
     report_.expects = expectations_->results();
     for (Observer* const observer : observers_) {
@@ -557,6 +602,7 @@ class Run {
       0.0;  // largest multiplier of the monitored states, moments over the scene's length [N]
   Model model_;
   std::optional<Audit> audit_;
+  std::optional<TimeErrorMeter> time_error_;
   std::vector<Column> columns_;
   std::vector<double> row_;
   bool shares_reactions_ = false;  // constraints repeat each other, and reactions are recorded

@@ -49,10 +49,6 @@ double rho_infinity_of(const TransientScene& transient) {
   return transient.rho_infinity.value_or(0.0);
 }
 
-Balance balance_of(const TransientScene& transient) {
-  return transient.balance.value_or(Balance::acceleration);
-}
-
 std::vector<std::string> change_stepping(TransientScene& transient, const SteppingChange& change) {
   std::vector<std::string> notes;
   const auto drop = [&notes](std::string_view name, auto& value, std::string_view why) {

@@ -1,44 +1,14 @@
 #include "solvers/constraints/mechanism.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-
-#include "joints/any_joint_batch.hpp"
+#include "libmbd/core/parts.hpp"
 #include "libmbd/core/se3.hpp"
 
 namespace mbd {
 namespace {
 
-// Part of each node, -1 for the ground: nodes that elements couple are one.
-std::vector<int> rigid_parts(const System& system, Index& count) {
-  const auto nodes = static_cast<int>(system.nodes());
-  std::vector<int> parent(static_cast<std::size_t>(nodes));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int n) {
-    while (parent[static_cast<std::size_t>(n)] != n) n = parent[static_cast<std::size_t>(n)];
-    return n;
-  };
-  const auto first = system.first_contributions();
-  const auto& contributions = system.graph().contributions;
-  for (std::size_t b = 0; b < system.batches().size(); ++b) {
-    if (dynamic_cast<const joint::AnyJointBatch*>(system.batches()[b].get())) continue;
-    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
-      const auto [row, column] = contributions[i];
-      if (row < 0 || column < 0) continue;
-      const int p = root(row + 1), q = root(column + 1);
-      parent[static_cast<std::size_t>(std::max(p, q))] = std::min(p, q);
-    }
-  }
-  std::vector<int> part(static_cast<std::size_t>(nodes), -1);
-  count = 0;
-  for (int n = 1; n < nodes; ++n) {
-    const int r = root(n);
-    part[static_cast<std::size_t>(n)] =
-        r == n ? static_cast<int>(count++) : part[static_cast<std::size_t>(r)];
-  }
-  return part;
-}
+// What makes nodes one rigid part, with every beam as a rigid body. Springs, dampers and bushings tie nothing: they
+// leave every motion, and give it a force.
+bool is_rigid(const Batch& batch) { return batch.type().starts_with("beam"); }
 
 }  // namespace
 
@@ -48,11 +18,10 @@ Mechanism analyze_mechanism(const System& system, const State& state) {
 
   // Lengths: rotations times L.
   const double L = system.length_scale();
-  const auto nodes = static_cast<std::size_t>(system.nodes());
-  const std::vector<int> part = rigid_parts(system, result.rigid_parts);
-  std::vector<int> origin(static_cast<std::size_t>(result.rigid_parts), -1);  // a node of each part
-  for (std::size_t n = nodes; n-- > 1;)
-    origin[static_cast<std::size_t>(part[n])] = static_cast<int>(n);
+  const ConnectedParts parts = find_parts(system, is_rigid);
+  const std::vector<int>& part = parts.of_node;
+  result.rigid_parts = parts.count();
+  const std::vector<int>& origin = parts.first;
 
   ConstraintEntries flexible, rigid;
   for (const GradientBlock& piece : constraint_gradients(system, state)) {

@@ -19,9 +19,10 @@ struct Mechanism {
   std::vector<RedundantRow> redundant;  // rows, of the system as it is, beams flexible
 
   // With every beam as a rigid body:
-  Index rigid_parts = 0;     // beams joined at nodes and bodies on their nodes: one part
-  Index joint_freedoms = 0;  // ways to move that the joints leave
-  Index prescribed = 0;      // of these, taken by drives and motions
+  // Beams joined at nodes and bodies on their nodes are one part; springs, dampers and bushings join nothing.
+  Index rigid_parts = 0;
+  Index joint_freedoms = 0;                   // ways to move that the joints leave
+  Index prescribed = 0;                       // of these, taken by drives and motions
   std::vector<RedundantRow> rigid_redundant;  // rows; those in `redundant` among them
 
   Index freedoms() const { return joint_freedoms - prescribed; }

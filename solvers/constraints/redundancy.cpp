@@ -176,7 +176,7 @@ VecX multiplier_units(const System& system) {
   for (const ConstraintInfo& info : system.constraints())
     for (Index i = 0; i < info.rows; ++i)
       w(info.first_row + i) =
-          info.is_position[static_cast<std::size_t>(i)] ? 1.0 : 1.0 / system.length_scale();
+          info.is_position[static_cast<std::size_t>(i)] ? 1.0 : 1.0 / system.reaction_length();
   return w;
 }
 

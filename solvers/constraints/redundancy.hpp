@@ -6,7 +6,8 @@
 // rows are looked at after each step (idle_rows_open), since what repeats another constraint at one configuration
 // only may part from it.
 //
-// Reactions are those of least norm, sum of F^2 + (M/L)^2 over the multipliers, with the length L of the scene:
+// Reactions are those of least norm, sum of F^2 + (M/L)^2 over the multipliers, L the largest distance in the scene
+// (System::reaction_length; a turned scene has the same, and so the same reactions, turned with it):
 // lambda less its part in the span of the n_i (minimum_norm). They are zero along what the joints could do against
 // each other, and the same whichever rows are idle.
 //

@@ -16,6 +16,20 @@ constexpr double largest_rotation = 0.5;  // [rad] of a Newton increment; larger
 constexpr double small_increment = 1e-4;  // of the scene's length, or [rad]: not searched along
 constexpr int searching = 3;              // times as many iterations with a line search
 constexpr double smallest_share = 1.0 / 256.0;
+constexpr double nearly_singular = 1e-14;  // reciprocal condition: worth a look for neutral motions
+constexpr double driven = 1e-9;  // of forces times the scene's length: what drives a motion
+
+// Of loads, reactions and what is left over, as energy of a motion of unit size: force times the scene's length.
+double size_of_forces(const System& system, const VecX& r, const State& state) {
+  VecX load;
+  system.load_rate(state, load);
+  double size = 0.0;
+  const double L = system.length_scale();
+  for (const VecX* f : {&r, static_cast<const VecX*>(&load)})
+    for (Index i = 6; i < 6 * system.nodes(); ++i)
+      size = std::max(size, std::abs((*f)(i)) * (i % 6 < 3 ? L : 1.0));
+  return size;
+}
 
 // Largest motion of an increment: displacements over the scene's length, rotations [rad].
 double motion(const System& system, const VecX& x) {
@@ -74,7 +88,12 @@ void retract(State& state, const VecX& increment, double scale) {
 }
 
 bool newton_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
-                        State& state, Counters& counters, std::string& failure) {
+                        State& state, Counters& counters, std::string& failure,
+                        NeutralMotions* neutral) {
+  NeutralMotions free;
+  bool looked = false;
+  const VecX weights = motion_weights(system);
+  if (neutral != nullptr) *neutral = {};
   IncrementNorm norm(system, options);
   VecX r, x(system.unknowns());
   State trial;
@@ -88,7 +107,36 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     ++counters.tangents;
     ++counters.factorizations;
     if (k == 0) norm.set_floor(state, largest_stiffness(system, solver));
-    if (solver.factor() != FactorStatus::ok) {
+    FactorStatus status = solver.factor();
+    // Pivots of a neutral motion are round-off, or zero.
+    if (!looked) {
+      looked = true;
+      if (status != FactorStatus::ok || solver.reciprocal_condition() < nearly_singular) {
+        free = find_neutral_motions(system, solver, state);
+        if (free.count() == 0) {
+          system.linearize(state, {}, r, solver);
+          status = solver.factor();
+        } else {
+          status = FactorStatus::ok;
+        }
+        counters.factorizations += free.count() == 0 ? 2 : 1;
+      }
+    } else if (free.count() > 0) {
+      free = find_neutral_motions(system, solver, state);
+      status = free.count() > 0 ? FactorStatus::ok : FactorStatus::singular;
+      ++counters.factorizations;
+    }
+    if (free.count() > 0) {  // the motion that loads drive, of those that are neutral
+      const VecX drives = free.shapes.transpose() * r.tail(x.size());
+      if (!(drives.norm() <= driven * size_of_forces(system, r, state))) {
+        failure = fmt::format(
+            "nothing holds the motion in which {} most, which loads drive; hold it by a joint or a "
+            "spring",
+            name_of_motion(system, free.shapes * drives));
+        return false;
+      }
+    }
+    if (status != FactorStatus::ok) {
       const Index row = solver.singular_row();
       failure = fmt::format("the tangent is singular{}: the structure can move freely there",
                             row >= 0 ? " at " + system.name_of(row + 6) : std::string());
@@ -96,6 +144,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     }
     x = -r.tail(x.size());
     solver.solve({x.data(), static_cast<std::size_t>(x.size())});
+    if (free.count() > 0) free.take_out(weights, x);
     const double e = norm({x.data(), static_cast<std::size_t>(x.size())}, 1.0);
     if (!std::isfinite(e)) {
       failure =
@@ -130,6 +179,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         failure = *open;
         return false;
       }
+      if (neutral != nullptr) *neutral = std::move(free);
       return true;
     }
     previous = e;

@@ -155,9 +155,10 @@ class Kinsol {
 }  // namespace
 
 bool kinsol_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
-                        State& state, Counters& counters, std::string& failure) {
+                        State& state, Counters& counters, std::string& failure,
+                        NeutralMotions* neutral) {
   if (!Kinsol(system, solver, options, state, counters).go(failure)) return false;
-  return newton_equilibrium(system, solver, options, state, counters, failure);
+  return newton_equilibrium(system, solver, options, state, counters, failure, neutral);
 }
 
 }  // namespace mbd

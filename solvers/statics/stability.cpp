@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "solvers/newton/increments.hpp"
+
 namespace mbd {
 
 VecX motion_weights(const System& system) {
@@ -20,8 +22,82 @@ StabilityCount::StabilityCount(const System& system)
   solver_->analyze(system.graph());
 }
 
-std::optional<Index> StabilityCount::operator()(const State& equilibrium) {
+namespace {
+
+// s W of stability.hpp on the diagonal of what has been added to slots; false if a node has no place for it.
+bool add_springs(const System& system, std::span<const Slot> slots, double s) {
+  const VecX w = motion_weights(system);
+  const auto nodes = static_cast<std::size_t>(system.nodes()) - 1;
+  std::vector<char> done(nodes, 0);
+  std::size_t left = nodes;
+  const auto& contributions = system.graph().contributions;
+  for (std::size_t i = 0; i < contributions.size() && left > 0; ++i) {
+    const auto [row, column] = contributions[i];
+    if (row < 0 || row != column || static_cast<std::size_t>(row) >= nodes) continue;
+    const auto n = static_cast<std::size_t>(row);
+    if (done[n] != 0) continue;
+    done[n] = 1;
+    --left;
+    for (Index k = 0; k < 6; ++k)
+      slots[i].data[k * (slots[i].ld + 1)] += s * w(6 * static_cast<Index>(n) + k);
+  }
+  return left == 0;
+}
+
+double spring_of(const System& system, const LinearSolver& solver) {
+  const double L = system.length_scale();
+  return neutral_share * largest_stiffness(system, solver) * L * L *
+         static_cast<double>(system.nodes());
+}
+
+}  // namespace
+
+void NeutralMotions::take_out(const VecX& weights, Eigen::Ref<VecX> x) const {
+  for (Index k = 0; k < shapes.cols(); ++k)
+    x -= shapes.col(k) * shapes.col(k).dot(weights.cwiseProduct(x));
+}
+
+NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver,
+                                    const State& state) {
+  constexpr Index most = 64;
+  constexpr int iterations = 4;
+  NeutralMotions none, found;
+  VecX r;
+  system.linearize(state, {}, r, solver);
+  const double s = spring_of(system, solver);
+  if (!(s > 0.0) || !add_springs(system, solver.slots(), s)) return none;
+  if (solver.factor() != FactorStatus::ok) return none;
+  const VecX w = motion_weights(system);
+  const Index motions = 6 * (system.nodes() - 1);
+  found.shapes.resize(w.size(), 0);
+  VecX x(w.size()), y(w.size());
+  while (true) {
+    for (Index i = 0; i < x.size(); ++i)  // with a share of every mode, the same in every run
+      x(i) = std::sin(1.0 + 2.7 * static_cast<double>((i * i + 31 * found.count()) % 1009));
+    double eigenvalue = 0.0;
+    for (int k = 0; k < iterations; ++k) {
+      x.tail(x.size() - motions).setZero();
+      found.take_out(w, x);
+      x /= std::sqrt(x.dot(w.cwiseProduct(x)));
+      y = w.cwiseProduct(x);
+      solver.solve({y.data(), static_cast<std::size_t>(y.size())});
+      if (!y.allFinite()) return none;
+      eigenvalue = 1.0 / x.dot(w.cwiseProduct(y));  // of K + s W, and s of a neutral motion
+      x = y;
+    }
+    if (!(std::abs(eigenvalue) < 2.0 * s)) return found;
+    x.tail(x.size() - motions).setZero();
+    found.take_out(w, x);
+    x /= std::sqrt(x.dot(w.cwiseProduct(x)));
+    if (found.count() == most) return none;
+    found.shapes.conservativeResize(Eigen::NoChange, found.count() + 1);
+    found.shapes.col(found.count() - 1) = x;
+  }
+}
+
+std::optional<Index> StabilityCount::operator()(const State& equilibrium, bool neutral) {
   system_.linearize(equilibrium, {}, r_, *solver_);
+  if (neutral) add_springs(system_, solver_->slots(), spring_of(system_, *solver_));
   if (solver_->factor() != FactorStatus::ok) return std::nullopt;
   const std::optional<Index> negative = solver_->negative_eigenvalues();
   // Fewer than constraints: they are not independent, and the count means nothing.

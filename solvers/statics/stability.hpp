@@ -6,6 +6,7 @@
 #include <string>
 
 #include "libmbd/core/system.hpp"
+#include "libmbd/core/types.hpp"
 #include "solvers/linear/inertia_solver.hpp"
 
 namespace mbd {
@@ -22,8 +23,8 @@ class StabilityCount {
  public:
   explicit StabilityCount(const System& system);
 
-  // Empty within round-off of a singular tangent.
-  std::optional<Index> operator()(const State& equilibrium);
+  // Empty within round-off of a singular tangent. `neutral` motions (below) are not counted.
+  std::optional<Index> operator()(const State& equilibrium, bool neutral = false);
 
   // max |S_ij - S_ji| / max |S_ij| at the last one: round-off where there is a potential.
   double asymmetry() const { return solver_->asymmetry(); }
@@ -45,6 +46,23 @@ struct CriticalMode {
 // be empty. Empty if the tangent cannot be factored.
 std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& solver,
                                           const State& state, const VecX& guess = {});
+
+// Motions that constraints leave and nothing answers: x with B x = 0 and K x = 0, such as the spin of a pendulum on a ball
+// joint about the vertical. Shapes as columns, orthonormal in motion_weights, multipliers zero.
+//
+// Found by inverse iteration of [K + s W, B^T; B, 0], s W a spring on every node, s of `neutral_share` of the largest
+// stiffness: an eigenvalue of K below that is zero but for round-off.
+struct NeutralMotions {
+  Eigen::MatrixXd shapes;
+  Index count() const { return shapes.cols(); }
+  // Takes its part in the span of the shapes out of an increment of the unknowns, which is then the least.
+  void take_out(const VecX& weights, Eigen::Ref<VecX> x) const;
+};
+inline constexpr double neutral_share = 1e-12;
+
+// Leaves in `solver`, which has been analysed for the system, the factors of that matrix. Empty if there are no neutral
+// motions, or more than can be told.
+NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state);
 
 // The largest motion of an increment in words: "beam 'arch' node 19 moves along its axis 2".
 std::string name_of_motion(const System& system, const VecX& shape);

@@ -77,18 +77,23 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     const long before = report.counters.iterations;
     NewtonOptions newton = options.newton;
     newton.line_search = false;
-    bool found = equilibrium(system, solver, newton, trial, report.counters, failure);
+    NeutralMotions neutral;
+    bool found = equilibrium(system, solver, newton, trial, report.counters, failure, &neutral);
     if (!found && options.newton.line_search && options.solver == StaticSolver::newton) {
       newton.line_search = true;
       trial = state;
       trial.load_factor = next;
-      found = newton_equilibrium(system, solver, newton, trial, report.counters, failure);
+      found = newton_equilibrium(system, solver, newton, trial, report.counters, failure, &neutral);
       report.searched += found ? 1 : 0;
     }
     if (found) {
       state = trial;
       // Newton's last tangent is that of the solution, up to its last increment.
       VecX now = motion_per_load(system, solver, state);
+      if (neutral.count() > 0 && now.size() > 0) neutral.take_out(motion_weights(system), now);
+      report.neutral.clear();
+      for (Index i = 0; i < neutral.count(); ++i)
+        report.neutral.push_back(name_of_motion(system, neutral.shapes.col(i)));
       bend.resize(0);
       if (rate.size() > 0 && now.size() > 0) bend = (now - rate) / ahead;
       rate = std::move(now);
@@ -101,6 +106,13 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
       if (iterations <= easy_iterations) increment *= 2.0;
     } else {
       ++report.counters.retries;
+      if (failure.starts_with("nothing holds the motion")) {  // nor under a smaller load
+        report.failure = report.load_factor > 0.0
+                             ? fmt::format("no equilibrium beyond {:.9g} of the load: {}",
+                                           report.load_factor, failure)
+                             : failure;
+        return report;
+      }
       increment *= 0.5;
       if (increment < smallest_increment) {
         report.failure =

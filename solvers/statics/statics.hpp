@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "libmbd/core/system.hpp"
 #include "solvers/newton/report.hpp"
@@ -24,7 +26,9 @@ struct StaticReport {
   Counters counters;
   int most_iterations = 0;  // in one accepted load step
   int searched = 0;         // load steps that the line search saved
-  std::string failure;      // when not converged; empty if `accepted` ended it
+  std::vector<std::string>
+      neutral;          // motions of the last equilibrium that nothing answers, in words
+  std::string failure;  // when not converged; empty if `accepted` ended it
 };
 
 // Moves `state` to equilibrium at state.t. On failure it is the last equilibrium found.

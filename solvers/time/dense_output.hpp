@@ -52,6 +52,8 @@ class HermiteStep final : public DenseStep {
   double begin() const override { return begin_->t; }
   double end() const override { return end_->t; }
   void at(double t, State& out) const override;
+  const State* first() const override { return begin_; }
+  const State* last() const override { return end_; }
 
  private:
   void prepare() const;

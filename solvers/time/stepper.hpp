@@ -22,6 +22,9 @@ class DenseStep {
   // The state at t in [begin, end], with the signals at t; at a jump at the end of the step their left limits.
   // `out` must be a state of the same System.
   virtual void at(double t, State& out) const = 0;
+  // The states at both ends, of steppers that keep them while the step is shown; else nullptr, and at() tells.
+  virtual const State* first() const { return nullptr; }
+  virtual const State* last() const { return nullptr; }
 };
 
 // What round-off leaves unknown because of the size of a step h. Positions are known to eps of their size, so

@@ -58,8 +58,11 @@ struct Known {
 
 TEST(Certificate, OfEveryModel) {
   const Known known[] = {
-      {"slider_crank", Verdict::warn, "energy balance",
-       "its bars ring, which the integrator damps"},
+      {"free_beam", Verdict::warn, "error in time",
+       "0.1 m of 70 m, against steps 32 times shorter"},
+      {"shaft", Verdict::warn, "error in time", "4 % of the whirl, against the reference"},
+      {"slider_crank", Verdict::fail, "error in time",
+       "its bars ring: 0.05 m of 0.3 m off, against steps 32 times shorter"},
       {"windows", Verdict::warn, "rank-tolerant steps", "its links come into one line"},
   };
   int passed = 0, warned = 0, failed = 0;
@@ -102,6 +105,7 @@ TEST(Certificate, AWrongMassIsSeen) {
     Audit audit(scene, spoiled ? *wrong.system : *model.system, false);
     State state = model.initial;
     const auto stepper = make_stepper(*model.system, *scene.transient);
+    stepper->on_substep([&](const DenseStep& step) { audit.piece(step); });
     ASSERT_TRUE(stepper->start(state).converged);
     audit.sample(state);
     for (int n = 1; n <= 2000; ++n) {

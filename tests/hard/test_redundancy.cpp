@@ -11,6 +11,7 @@
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/study/trust/transform.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/redundancy.hpp"
 #include "tests/hard/hard_case.hpp"
@@ -146,7 +147,7 @@ TEST(Redundancy, DoorOnThreeHinges) {
   EXPECT_EQ(report.redundant.size(), 2u);
   const double lean = 5.0 * pi / 180.0, b = 0.9, m = 20.0, g = 9.81;
   const Model model = compile(scene);
-  const double L = model.system->length_scale();
+  const double L = 2.0;  // the largest distance of the scene: from the lowest hinge to the highest
   double worst = 0.0, balance = 0.0, energy = 0.0;
   for (std::size_t k = 0; k < table.columns[0].size(); ++k) {
     std::vector<Vec6> given;
@@ -193,6 +194,39 @@ TEST(Redundancy, DoorOnThreeHinges) {
                     bounded(balance, 1e-5),
                 "no idle row: no start, or tolerant steps only, or multipliers beyond measure; "
                 "multipliers as they come: 0.1 of the weight off"});
+}
+
+// A door that leans in another direction, and hangs in another place, has the same reactions: the length that compares
+// moments with forces is the scene's, whichever way that is turned. (With the diagonal of its box along the axes, 0.2 of
+// the weight.)
+TEST(Redundancy, LeastNormDoesNotDependOnTheFrame) {
+  Scene scene = hard_scene("door");
+  scene.bodies[0].center = Vec3(0.1, 0.2, 0.0);
+  const auto reactions = [](const Scene& of) {
+    const Model model = compile(of);
+    State state = model.initial;
+    const auto stepper = make_stepper(*model.system, *of.transient);
+    EXPECT_TRUE(stepper->start(state).converged);
+    const VecX lambda = minimum_norm(*model.system, state);
+    VecX sizes(2 * 3);  // of force and moment of each hinge: their axes turn with the scene
+    for (Index c = 0; c < 3; ++c) {
+      const ConstraintInfo& info = model.system->constraints()[static_cast<std::size_t>(c)];
+      double force = 0.0, moment = 0.0;
+      for (Index i = 0; i < info.rows; ++i)
+        (info.is_position[static_cast<std::size_t>(i)] ? force : moment) +=
+            std::pow(lambda(info.first_row + i), 2);
+      sizes(2 * c) = std::sqrt(force);
+      sizes(2 * c + 1) = std::sqrt(moment);
+    }
+    return sizes;
+  };
+  const VecX here = reactions(scene);
+  const double weight = 20.0 * 9.81;
+  EXPECT_GT(here.minCoeff(), 1e-3 * weight);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Scene there = moved(scene, random_motion(seed, 3.0)).scene;
+    EXPECT_LT((reactions(there) - here).cwiseAbs().maxCoeff(), 1e-9 * weight) << seed;
+  }
 }
 
 TEST(Redundancy, TwoOfTheSame) {

@@ -102,7 +102,7 @@ TEST(EnergyAuditOfABall, ClosesToRoundOff) {
   const Scene scene = read_model_text(R"xml(<mbd name="ball">
     <body name="ball" mass="2" inertia="1 1 1" velocity="1 2 3"/>
     <load at="ball" force="t&lt;0.2345?3:-1 2 -4"/><gravity acceleration="0 0 -9.81"/>
-    <transient duration="1" step="0.01" rho_infinity="0.5"/></mbd>)xml",
+    <transient duration="1" step="0.01" rho_infinity="0.5" balance="acceleration"/></mbd>)xml",
                                       "ball.xml", {});
   EXPECT_LT(audit(scene, 0.01, 0.5).gap, 1e-13);
 }

@@ -91,6 +91,36 @@ TEST(Mechanism, FourBar) {
   EXPECT_EQ(straight.mechanism.rigid_redundant.size(), 3u);
 }
 
+// Springs, dampers and bushings leave every motion: two sliders with one between them have two freedoms.
+TEST(Mechanism, WhatIsElasticTiesNothing) {
+  const std::string sliders = body("a") + body("b", "1 0 0") +
+                              "<prismatic name=\"ja\" between=\"ground a\" axis=\"1 0 0\"/>"
+                              "<prismatic name=\"jb\" between=\"ground b\" axis=\"1 0 0\"/>";
+  for (const std::string between : {"<spring name=\"s\" between=\"a b\" stiffness=\"9\"/>",
+                                    "<spring name=\"s\" between=\"a b\" damping=\"9\"/>",
+                                    "<bushing name=\"s\" between=\"a b\" stiffness=\"9 9 9\"/>",
+                                    "<bushing name=\"s\" between=\"a b\" damping=\"9 9 9\"/>"}) {
+    SCOPED_TRACE(between);
+    const Analysed a = analyse(sliders + between);
+    EXPECT_EQ(a.mechanism.rigid_parts, 2);
+    EXPECT_EQ(a.mechanism.joint_freedoms, 2);
+  }
+  const std::string arms = body("a") + body("b", "1 0 0") + body("c", "2 0 0") +
+                           revolute("ja", "ground a", "0 0 0", "0 0 1") +
+                           revolute("jb", "a b", "1 0 0", "0 0 1") +
+                           revolute("jc", "b c", "2 0 0", "0 1 0");
+  const Analysed sprung = analyse(
+      arms +
+      "<joint_spring name=\"s\" joint=\"jb\" angular_stiffness=\"9\" angular_damping=\"1\"/>"
+      "<joint_torque joint=\"jc\" moment=\"1\"/>");
+  EXPECT_EQ(sprung.mechanism.rigid_parts, 3);
+  EXPECT_EQ(sprung.mechanism.joint_freedoms, 3);
+  // A spring to the ground holds nothing either; a beam does what it did.
+  EXPECT_EQ(analyse(body("a") + "<bushing name=\"s\" between=\"ground a\" stiffness=\"9 9 9\"/>")
+                .mechanism.joint_freedoms,
+            6);
+}
+
 TEST(Mechanism, DoorOnThreeHinges) {
   const Analysed a = analyse(body("door") + revolute("low", "ground door", "0 0 0", "0 0 1") +
                              revolute("middle", "ground door", "0 0 1", "0 0 1") +

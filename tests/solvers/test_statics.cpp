@@ -170,5 +170,82 @@ TEST(UnreachableLoadSlow, KeepsTheLastEquilibriumAndNamesTheReason) {
   }
 }
 
+Scene hanging(const std::string& more) {
+  return read_model_text(R"(<mbd name="m">
+    <body name="bob" at="0 0 -2" mass="3" inertia="0.3 0.2 0.1"/>
+    <spherical name="ball" between="ground bob" at="0 0 0"/>
+    <gravity acceleration="0 0 -9.81"/> <static steps="2"/>)" +
+                         more + "</mbd>");
+}
+
+// On a ball joint gravity holds two rotations; the spin is neutral, said so, and left alone.
+TEST(NeutralMotions, APendulumOnABallJointHangs) {
+  const Scene scene = hanging(R"(<load at="bob" force="9 -12 0"/>
+      <record name="bob" at="bob" quantities="position"/> <record name="ball" joint="ball" quantities="reaction_force"/>)");
+  const Solved s = solve(scene, {.steps = 2, .newton = {}});
+  ASSERT_TRUE(s.report.converged) << s.report.failure;
+  // Along the sum of its weight and the load, 2 m from the ball.
+  const Vec3 force(9, -12, -3 * 9.81);
+  EXPECT_LT((s.state.pose[1].r - 2.0 * force.normalized()).norm(), 1e-10);
+  ASSERT_EQ(s.report.neutral.size(), 1u);
+  EXPECT_EQ(s.report.neutral[0], "body 'bob' turns about its axis 3");
+  // The least turn from where it hung: without spin about its own axis, the shortest way there.
+  const Vec3 axis = Vec3(0, 0, -1).cross(force).normalized();
+  const double angle = std::acos(-force(2) / force.norm());
+  const Eigen::AngleAxisd turned(Mat3(s.state.pose[1].R()));
+  EXPECT_NEAR(turned.angle(), angle, 1e-6);
+  EXPECT_NEAR(std::abs(turned.axis().dot(axis)), 1.0, 1e-6);
+  const RunReport report = run(scene);
+  ASSERT_TRUE(report.complete()) << report.failure;
+  EXPECT_TRUE(std::any_of(report.notes.begin(), report.notes.end(), [](const std::string& note) {
+    return note.find("turns about its axis 3") != std::string::npos;
+  }));
+  EXPECT_EQ(report.negative_eigenvalues.value_or(0), 0);  // stable but for the spin
+}
+
+// Two on each other: two spins. On top of its joint it is unstable, spin or not.
+TEST(NeutralMotions, AreCountedApartFromStability) {
+  const Solved two = solve(hanging(R"(<body name="low" at="0 0 -5" mass="1" inertia="0.1 0.1 0.1"/>
+      <spherical name="b2" between="bob low" at="0 0 -3"/> <load at="low" force="1 0 0"/>)"),
+                           {.steps = 2, .newton = {}});
+  ASSERT_TRUE(two.report.converged) << two.report.failure;
+  EXPECT_EQ(two.report.neutral.size(), 2u);
+  // Below the joint at 1 m of bob's axis beyond its centre: tan of each link's angle is the force below over the weight.
+  const double g = 9.81;
+  const Vec3 low = two.state.pose[2].r;
+  const double t2 = std::atan2(1.0, 1.0 * g);
+  const double t1 = std::atan2(1.0 * 3.0, (3.0 * 2.0 + 1.0 * 3.0) * g);
+  EXPECT_NEAR(low(0), 3 * std::sin(t1) + 2 * std::sin(t2), 1e-9);
+  EXPECT_NEAR(low(2), -3 * std::cos(t1) - 2 * std::cos(t2), 1e-9);
+  Scene standing = hanging("");
+  standing.gravity->acceleration *= -1.0;
+  const RunReport up = run(standing);
+  ASSERT_TRUE(up.complete()) << up.failure;
+  EXPECT_EQ(up.negative_eigenvalues, 2);
+}
+
+// What loads drive and nothing holds is named.
+TEST(NeutralMotions, AreRefusedWhereLoadsDriveThem) {
+  for (const auto& [more, motion] :
+       {std::pair{R"(<load at="bob" moment="0 0 0.5"/>)", "body 'bob' turns about its axis 3"},
+        {R"(<body name="free" at="5 0 0" mass="1" inertia="1 1 1"/>)",
+         "body 'free' moves along its axis 3"}}) {
+    try {
+      run(hanging(more));
+      FAIL() << more;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(motion), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("nothing holds"), std::string::npos) << error.what();
+    }
+  }
+  // A spring holds it, however soft.
+  const Solved held = solve(hanging(R"(<load at="bob" moment="0 0 0.5"/>
+      <bushing name="soft" between="ground bob" at="0 0 0" stiffness="0 0 0" angular_stiffness="0 0 2"/>)"),
+                            {.steps = 2, .newton = {}});
+  ASSERT_TRUE(held.report.converged) << held.report.failure;
+  EXPECT_TRUE(held.report.neutral.empty());
+  EXPECT_NEAR(Eigen::AngleAxisd(Mat3(held.state.pose[1].R())).angle(), 0.25, 1e-9);
+}
+
 }  // namespace
 }  // namespace mbd::test::test_statics

@@ -36,7 +36,7 @@ int check_models(const CheckArguments& arguments) {
       first = false;
     } catch (const std::exception& error) {
       std::fflush(stdout);
-      complain("mbd: {}\n", error.what());
+      complain(fmt::format("mbd: {}\n", error.what()));
       status = 1;
     }
   }

@@ -133,12 +133,12 @@ int answer(CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> named = app.get_subcommands();
   const CLI::App& command = named.empty() ? app : *named.back();
   if (named.empty() && app.remaining(true).empty()) {  // nothing was asked for
-    complain("{}", app.help());
+    complain(fmt::format("{}", app.help()));
     return error.get_exit_code();
   }
   const std::string name =
       named.empty() ? app.get_name() : app.get_name() + " " + command.get_name();
-  complain("{}: {}\nTry: {} --help\n", name, misuse(app, command, name, error), name);
+  complain(fmt::format("{}: {}\nTry: {} --help\n", name, misuse(app, command, name, error), name));
   return error.get_exit_code();
 }
 
@@ -186,11 +186,12 @@ int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {
   } catch (const CLI::ParseError& error) {
     result = answer(app, error);
   } catch (const std::exception& error) {
-    complain("mbd: {}\n", error.what());
+    complain(fmt::format("mbd: {}\n", error.what()));
     result = 1;
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    complain("mbd: what was printed could not be written in full; is the disk full?\n");
+    complain(
+        fmt::format("mbd: what was printed could not be written in full; is the disk full?\n"));
     if (result == 0) result = 1;
   }
   return result;
@@ -205,11 +206,11 @@ std::string given(std::string_view option, const std::vector<std::string>& words
   return text;
 }
 
-void write_error(const std::string& text) {
+void complain(const std::string& text) {
   std::fputs(text.c_str(), stderr);  // where that fails, nobody can be told
   std::fflush(stderr);
 }
 
-void show_progress(const std::string& text) { complain("\r\033[K{}", text); }
+void show_progress(const std::string& text) { complain(fmt::format("\r\033[K{}", text)); }
 
 }  // namespace mbd

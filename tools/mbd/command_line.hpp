@@ -1,8 +1,6 @@
 // What all commands of mbd have in common: how help looks, what wrong use is answered, exit statuses.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <string>
 #include <string_view>
@@ -15,12 +13,8 @@ inline constexpr std::string_view exit_status_text =
     "Exit status: 0 all went well; 1 an error, or the run or its certificate failed; 2 not the\n"
     "numbers that the model expects; 100 and more: wrong use of the command.";
 
-// Writes to standard error. Where that is closed or full nobody can be told, and that is no error.
-void write_error(const std::string& text);
-template <class... T>
-void complain(fmt::format_string<T...> text, T&&... values) {
-  write_error(fmt::format(text, std::forward<T>(values)...));
-}
+// Writes a message to standard error. Where that is closed or full nobody can be told, and that is no error.
+void complain(const std::string& text);
 
 // To be called first: closed standard streams stay closed when files are opened, and a file that may not grow further
 // is an error where it is written, not a signal.

@@ -50,7 +50,7 @@ int torture_models(const TortureArguments& arguments) {
       all.push_back(torture(read_model(file, overrides), options));
     } catch (const Error& error) {
       std::fflush(stdout);
-      complain("{}mbd: {}\n", shown ? "\r\033[K" : "", error.what());
+      complain(fmt::format("{}mbd: {}\n", shown ? "\r\033[K" : "", error.what()));
       status = 1;
       continue;
     }
@@ -63,7 +63,8 @@ int torture_models(const TortureArguments& arguments) {
     if (const TortureTrial* const culprit = one.culprit();
         culprit != nullptr && culprit->verdict == Verdict::fail) {
       if (arguments.quiet)
-        complain("mbd: {}: {}, {}: {}\n", file, culprit->kind, culprit->name, culprit->reason);
+        complain(fmt::format("mbd: {}: {}, {}: {}\n", file, culprit->kind, culprit->name,
+                             culprit->reason));
       if (status == 0) status = some_fail;
     }
     if (one.interrupted) return interrupted_status;

@@ -125,6 +125,7 @@ Trial run_here(Scene scene, const TrialOptions& options) {
   Finder finder(scene, trial.findings, deadline, options.resolution ? &meter : nullptr);
   RunOptions run_options;
   run_options.observers = {&finder};
+  run_options.estimate_error = false;
   run_options.progress = [&](const Progress&) { deadline.check(); };
   try {
     const RunReport report = run(scene, run_options);

@@ -1,0 +1,165 @@
+#include "libmbd/results/time_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/core/error.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double other_steps = 1.75;        // r of (1)
+constexpr double other_tolerances = 10.0;   // times as large, or as small
+constexpr double largest_tolerance = 0.01;  // that makes sense
+// Of a node in a fixed step [rad]: of a top with 0.3 (1) is right to a factor of 3, with 0.5 it says an eighth of the error,
+// with 1 a hundredth. Radau's terms of higher order are smaller.
+constexpr double most_turn_alpha = 0.4, most_turn_radau = 1.0;
+constexpr double no_motion = 1e-12;  // lengths of the scene, or rad
+
+double angle_between(const Pose<double>& a, const Pose<double>& b) {
+  const auto q = a.p.conjugate() * b.p;
+  return 2.0 * std::atan2(q.vec().norm(), std::abs(q.w()));
+}
+
+TransientScene in_steps(TransientScene t, double times, double tolerance_times) {
+  const auto scale = [](std::optional<double>& value, double by) {
+    if (value) *value *= by;
+  };
+  scale(t.step, times);
+  if (!t.tolerance) return t;
+  t.tolerance = std::clamp(*t.tolerance * tolerance_times, 1e-13, largest_tolerance);
+  for (auto* limit : {&t.position_tolerance, &t.rotation_tolerance, &t.velocity_tolerance,
+                      &t.angular_velocity_tolerance})
+    scale(*limit, tolerance_times);
+  // Otherwise both take the same steps where only the longest one limits them.
+  t.max_step = times * t.max_step.value_or(0.05 * t.duration);
+  return t;
+}
+
+}  // namespace
+
+TimeErrorMeter::TimeErrorMeter(const System& system, const TransientScene& transient)
+    : system_(system), transient_(transient) {}
+
+void TimeErrorMeter::start(const State& state) { start_ = state; }
+
+void TimeErrorMeter::sample(const State& state) {
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    farthest_ = std::max(farthest_, (state.pose[n].r - start_.pose[n].r).norm());
+    turned_ = std::max(turned_, angle_between(state.pose[n], start_.pose[n]));
+  }
+  if (state.t > start_.t && (samples_.empty() || state.t > samples_.back().t))
+    samples_.push_back({state.t, state.pose});
+}
+
+// False if the other run ends early for a reason of its own.
+bool TimeErrorMeter::follow(const TransientScene& other, double factor,
+                            const std::atomic<bool>* interrupted, TimeError& error) const {
+  const double length = std::max(system_.length_scale(), farthest_);
+  const double motion = std::min(1.0, std::max(farthest_ / length, turned_));
+  const double last = samples_.back().t, slack = 1e-12 * (last - start_.t);
+  std::size_t next = 0;
+  State state = start_, at = start_;
+  double worst = -1.0;
+  const auto look = [&](const Sample& sample) {
+    for (std::size_t n = 1; n < at.pose.size(); ++n) {
+      const double u = factor * (at.pose[n].r - sample.pose[n].r).norm(),
+                   psi = factor * angle_between(at.pose[n], sample.pose[n]);
+      const double one = std::max(u / length, psi) / motion;
+      if (!(one <= worst)) {  // or not a number
+        worst = one;
+        error.relative = u == u && psi == psi ? one : u + psi;
+        error.displacement = u;
+        error.rotation = psi;
+        error.node = system_.node_name(static_cast<Index>(n));
+        error.time = sample.t;
+      }
+    }
+    error.until = sample.t;
+  };
+  try {
+    const std::unique_ptr<Stepper> stepper = make_stepper(system_, other);
+    stepper->on_substep([&](const DenseStep& step) {
+      for (; next < samples_.size() && samples_[next].t <= step.end() + slack; ++next) {
+        step.at(std::clamp(samples_[next].t, step.begin(), step.end()), at);
+        look(samples_[next]);
+      }
+    });
+    double spin = 0.0;  // [rad/s]
+    std::size_t spinning = 1;
+    StepReport report = stepper->start(state);
+    while (report.converged && next < samples_.size()) {
+      if (interrupted != nullptr && *interrupted) {
+        error.why_not = "it was interrupted";
+        return true;
+      }
+      const double before = state.t;
+      report = stepper->step(state);
+      if (report.converged && !(state.t > before)) break;
+      for (std::size_t n = 1; n < state.V.size(); ++n)
+        if (const double w = state.V[n].tail<3>().norm(); w > spin) {
+          spin = w;
+          spinning = n;
+        }
+    }
+    if (next == samples_.size()) {
+      const double turn = spin * transient_.step.value_or(0.0);
+      if (turn > (transient_.method == TimeMethod::radau ? most_turn_radau : most_turn_alpha))
+        error.why_not = fmt::format(
+            "{} turns by {:.2g} rad in a step, where errors do not go with a power of the step any "
+            "more; take steps in which it turns by less than {:g}",
+            system_.node_name(static_cast<Index>(spinning)), turn,
+            transient_.method == TimeMethod::radau ? most_turn_radau : most_turn_alpha);
+      return true;
+    }
+    error.why_not = report.failure;
+  } catch (const Error& failure) {
+    error.why_not = failure.what();
+  }
+  return false;
+}
+
+TimeError TimeErrorMeter::measure(const std::atomic<bool>* interrupted) const {
+  TimeError error;
+  if (samples_.empty()) {
+    error.why_not = "there is no state to compare";
+    return error;
+  }
+  if (!(std::max(farthest_ / std::max(system_.length_scale(), farthest_), turned_) > no_motion)) {
+    error.why_not = "nothing moves, and steps that miss what ought to move it look the same";
+    return error;
+  }
+  const bool fixed = transient_.step.has_value();
+  const double order = transient_.method == TimeMethod::generalized_alpha ? 2.0 : 3.0;
+  for (const bool longer : {true, false}) {
+    double times = longer ? other_steps : 1.0 / other_steps;
+    if (fixed) {
+      const double steps =
+          std::max(1.0, std::round((samples_.back().t - start_.t) / *transient_.step));
+      const double others = longer ? std::floor(steps / times) : std::ceil(steps / times);
+      if (others < 1.0) continue;
+      times = steps / others;
+    }
+    const TransientScene other =
+        in_steps(transient_, times, longer ? other_tolerances : 1.0 / other_tolerances);
+    if (!fixed && *other.tolerance == *transient_.tolerance) continue;
+    const double power = std::pow(times, order);
+    const double factor = fixed ? 1.0 / std::abs(power - 1.0) : (longer ? 1.0 / 3.0 : 1.5);
+    error = {};
+    error.how = fixed ? fmt::format("steps {:.3g} times as {}", longer ? times : 1.0 / times,
+                                    longer ? "long" : "short")
+                      : fmt::format("a tolerance of {:.1g}", *other.tolerance);
+    if (follow(other, factor, interrupted, error)) {
+      error.known = error.why_not.empty();
+      return error;
+    }
+  }
+  error.why_not =
+      fmt::format("the run in {} does not come to its end: {}", error.how, error.why_not);
+  return error;
+}
+
+}  // namespace mbd

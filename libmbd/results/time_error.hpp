@@ -1,0 +1,71 @@
+// How far a transient is off because of its steps: estimated by a second run of the same system in other steps.
+//
+// The second run takes fixed steps r = 1.75 times as long, or a little more, so that a whole number of them ends with the
+// run (few of them end where steps of the run do, so that what falls between the steps of one is seen by the other), or
+// ten times the tolerance. Where it does not come to its end it takes steps r times as short, or a tenth of the
+// tolerance. With an error that goes with h^p, the difference d of the poses at equal times leaves in the run
+//
+//   d / |r^p - 1|,   r the ratio of the other's steps to its own                                        (1)
+//
+// p = 2 of generalized-alpha, 3 of Radau IIA (the least of its orders). Of tolerances, of which the error is proportional
+// to no power that is sure, d/3 and 3/2 d. Displacements are measured by the farther of the scene's length L and the way
+// that a node goes, rotations in radians; both over the largest motion of any node from the start, 1 at most:
+//
+//   error = max |d| / min(1, max over nodes and times of max(|u|/L, |psi|))                             (2)
+//
+// An estimate: of the first order of what steps do. Where both runs do not resolve what happens (a load shorter than
+// all steps, vibrations that both damp away), both are wrong alike, and (1) does not tell.
+//
+// Not used: the local errors of the scheme, summed: they are no bound where the motion amplifies them, and far too large
+// where it does not; a run in half the steps, which costs twice the run, not 0.57 of it.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "libmbd/core/system.hpp"
+#include "libmbd/scene/transient.hpp"
+
+namespace mbd {
+
+struct TimeError {
+  bool known = false;
+  double relative = 0.0;      // (2)
+  double displacement = 0.0;  // where and when (2) is largest [m]
+  double rotation = 0.0;      // [rad]
+  std::string node = {};      // "body 'bob'"
+  double time = 0.0;          // [s]
+  double until = 0.0;         // compared from the start up to there [s]
+  std::string how = {};       // "steps 1.75 times as long"
+  std::string why_not = {};   // if it is not known
+};
+
+class TimeErrorMeter {
+ public:
+  // Refers to both. What the run of `transient` does is told by sample().
+  TimeErrorMeter(const System& system, const TransientScene& transient);
+
+  void start(const State& state);   // what the run starts from, before the stepper's start()
+  void sample(const State& state);  // some accepted states, in the order of time
+
+  // Makes the second run. `interrupted`: looked at after each step; true ends it.
+  TimeError measure(const std::atomic<bool>* interrupted = nullptr) const;
+
+ private:
+  struct Sample {
+    double t;
+    std::vector<Pose<double>> pose;
+  };
+  bool follow(const TransientScene& other, double factor, const std::atomic<bool>* interrupted,
+              TimeError& error) const;
+
+  const System& system_;
+  const TransientScene& transient_;
+  State start_;
+  std::vector<Sample> samples_;
+  double farthest_ = 0.0;  // way of a node [m]
+  double turned_ = 0.0;    // [rad]
+};
+
+}  // namespace mbd
