@@ -27,7 +27,8 @@ constexpr double some_ringing = 5e-4;    // and after more
 constexpr double least_of_speed = 5e-5;  // gdot, of the velocities
 constexpr double too_large = 0.02;       // gdot, of the velocities, but for
 constexpr long steps_of_a_start = 20;    // where all velocities may be small
-constexpr double damps_little = 0.91;    // rho_infinity: beyond, ringing is taken for granted
+constexpr double damps_little =
+    0.91;  // rho_infinity: beyond, a step that fails is taken for ringing
 // Rank-tolerant steps: increments of multipliers that fall no faster, where those of the motion are that small.
 constexpr double creeping = 0.5, converged_motion = 0.1;
 // Of a node in a step [rad]: angles of joints, between two nodes, are unwrapped to the nearest value, up to pi.
@@ -54,8 +55,8 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   const auto n = static_cast<std::size_t>(system.nodes());
   if (options.balance == Balance::momentum) momentum_.resize(n);
+  damps_little_ = options.rho_infinity > damps_little;
   p_.resize(n);
-  projects_ = options.rho_infinity > damps_little;
   solver_->analyze(own_graph(false));
   Q_.assign(n, Vec6::Zero());
   A_.assign(n, Vec6::Zero());
@@ -359,6 +360,7 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
 }
 
 void GeneralizedAlpha::settle() {
+  projects_ = projects_ || (damps_little_ && !tolerant_);
   calm_next_ = projects_ && !tolerant_ && !starting_;
   tolerant_ = false;
   factored_ = false;  // or by the other solver

@@ -38,7 +38,7 @@
 // faster the shorter a step that fails is cut. Where gdot rings (it changes sign from step to step, and is no small part
 // of the motion) velocities are put on their constraints at each accepted step from then on, by the smallest change in
 // the norm of (2): of order h^2, as the error is; and the accelerations of the first such step, and of each that
-// fails, are made consistent anew. Beyond rho = 0.91 that is done from the start. A run in which nothing rings is
+// fails, are made consistent anew. Beyond rho = 0.91 a step that fails is taken for ringing. A run in which nothing rings is
 // what it would be without.
 //
 // Where the step changes, A - Vdot, which is proportional to h, is scaled with it. Landings, steps that fail, and
@@ -147,8 +147,9 @@ class GeneralizedAlpha final : public OneStep {
   VecX gdot_old_;
   int alternations_ = 0;
   long steps_since_start_ = 0;
-  bool projects_ = false;   // velocities at accepted states
-  bool calm_next_ = false;  // accelerations are made consistent before the next step
+  bool projects_ = false;      // velocities at accepted states
+  bool damps_little_ = false;  // a step that fails is taken for ringing
+  bool calm_next_ = false;     // accelerations are made consistent before the next step
   // With the block -eps I; made when it is first needed.
   std::unique_ptr<LinearSolver> tolerant_solver_;
   bool factored_ = false;

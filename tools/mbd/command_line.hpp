@@ -10,8 +10,8 @@ namespace mbd {
 
 // What every command's help ends with.
 inline constexpr std::string_view exit_status_text =
-    "Exit status: 0 all went well; 1 an error, or the run or its certificate failed; 2 not the\n"
-    "numbers that the model expects; 100 and more: wrong use of the command.";
+    "Exit status: 0 all went well; 1 an error, or the run failed; 2 not the numbers that the\n"
+    "model expects; 100 and more: wrong use of the command.";
 
 // Writes a message to standard error. Where that is closed or full nobody can be told, and that is no error.
 void complain(const std::string& text);
