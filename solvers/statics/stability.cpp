@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "solvers/newton/increments.hpp"
@@ -42,6 +43,32 @@ bool add_springs(const System& system, std::span<const Slot> slots, double s) {
       slots[i].data[k * (slots[i].ld + 1)] += s * w(6 * static_cast<Index>(n) + k);
   }
   return left == 0;
+}
+
+// Whether the motion strains a beam: however soft that is beside its stretching, it answers then.
+bool strains_beams(const System& system, const State& state, const VecX& x) {
+  constexpr double none = 1e-3;  // of the motion, between two nodes of an element
+  const double L = system.length_scale();
+  const auto size_of = [L](const Vec6& u) {
+    return std::max(u.head<3>().norm() / L, u.tail<3>().norm());
+  };
+  const auto motion_of = [&x](int node) -> Vec6 { return x.segment<6>(6 * Index{node}); };
+  const int nodes = static_cast<int>(system.nodes()) - 1;
+  double most = 0.0;
+  for (int n = 0; n < nodes; ++n) most = std::max(most, size_of(motion_of(n)));
+  const auto first = system.first_contributions();
+  const auto& contributions = system.graph().contributions;
+  for (std::size_t b = 0; b < system.batches().size(); ++b) {
+    if (!system.batches()[b]->type().starts_with("beam")) continue;
+    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
+      const auto [P, Q] = contributions[i];
+      if (P < 0 || P >= Q || Q >= nodes) continue;
+      const Pose<double> g = relative(state.pose[static_cast<std::size_t>(P) + 1],
+                                      state.pose[static_cast<std::size_t>(Q) + 1]);
+      if (size_of(motion_of(Q) - adjoint_inverse(g) * motion_of(P)) > none * most) return true;
+    }
+  }
+  return false;
 }
 
 double spring_of(const System& system, const LinearSolver& solver) {
@@ -89,6 +116,7 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver,
     x.tail(x.size() - motions).setZero();
     found.take_out(w, x);
     x /= std::sqrt(x.dot(w.cwiseProduct(x)));
+    if (strains_beams(system, state, x)) return found;
     if (found.count() == most) return none;
     found.shapes.conservativeResize(Eigen::NoChange, found.count() + 1);
     found.shapes.col(found.count() - 1) = x;

@@ -51,7 +51,8 @@ std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& so
 // joint about the vertical. Shapes as columns, orthonormal in motion_weights, multipliers zero.
 //
 // Found by inverse iteration of [K + s W, B^T; B, 0], s W a spring on every node, s of `neutral_share` of the largest
-// stiffness: an eigenvalue of K below that is zero but for round-off.
+// stiffness: an eigenvalue of K below that is zero but for round-off, unless the motion strains a beam, which may be so
+// slender that its bending is as soft.
 struct NeutralMotions {
   Eigen::MatrixXd shapes;
   Index count() const { return shapes.cols(); }
