@@ -71,11 +71,11 @@ class Search {
     std::array<Interval, order + derivatives> c;
     f_.enclose(a, b, c);
     const double r = std::pow(0.5 * (b - a), double(order));
-    double product = 720.0;  // (order + k)!/order! of c, over order!
+    double product = 1.0;  // (order + k)!/order!, of c
     for (std::size_t k = 0; k < derivatives; ++k) {
       product *= k == 0 ? 1.0 : double(order + k);
       if (!looked_at_[k]) continue;
-      const double remainder = product / 720.0 * interval::magnitude(c[order + k]) * r;
+      const double remainder = product * interval::magnitude(c[order + k]) * r;
       const double change = (k == 2 ? 2.0 : 1.0) * (c[k].hi - c[k].lo);
       result.rest[k] = std::isnan(remainder) ? change : std::min(remainder, change);
     }

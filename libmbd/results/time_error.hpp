@@ -17,7 +17,7 @@
 // all steps, vibrations that both damp away), both are wrong alike, and (1) does not tell.
 //
 // Not used: the local errors of the scheme, summed: they are no bound where the motion amplifies them, and far too large
-// where it does not; a run in half the steps, which costs twice the run, not 0.57 of it.
+// where it does not; a run in half the steps, which costs twice the run, not 0.5 to 0.8 of it.
 #pragma once
 
 #include <atomic>

@@ -26,7 +26,7 @@ struct RunOptions {
   std::vector<std::string> notes = {};               // that the report begins with
   std::optional<ChosenAccuracy> accuracy = {};       // for the report
   bool certify = false;  // the dear checks of the certificate too (certificate.hpp)
-  // Of a transient that comes to its end, a second run in other steps, of 0.6 times its cost, which estimates its error
+  // Of a transient that comes to its end, a second run in other steps, of 0.5 to 0.8 times its cost, which estimates its error
   // (time_error.hpp).
   bool estimate_error = true;
   std::function<void(const Progress&)> progress = {};  // after each time step

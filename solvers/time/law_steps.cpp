@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <map>
+#include <set>
 #include <utility>
 
 #include "libmbd/core/law_cells.hpp"
@@ -27,9 +27,9 @@ std::pair<double, double> narrowest(const std::vector<double>& ends) {
 }  // namespace
 
 LawSteps::LawSteps(const System& system, double begin, double end) {
-  std::map<std::pair<std::string, std::size_t>, bool>
+  std::set<std::pair<std::string, std::size_t>>
       known;  // laws by text: many places of a load share one
-  std::map<std::vector<double>, bool> patterns;
+  std::set<std::vector<double>> patterns;
   long left = most_of_all;
   for (std::size_t i = 0; i < system.signals().size(); ++i) {
     bool is_rate = false;
@@ -39,7 +39,7 @@ LawSteps::LawSteps(const System& system, double begin, double end) {
     const bool drives = system.signal_use(i) == SignalUse::drive;
     static constexpr std::array<int, 2> both{1, 2};
     const std::span<const int> more(both.data(), !drives ? 0 : is_rate ? 1 : 2);
-    if (!known.try_emplace({law->text(), more.size()}, true).second) continue;
+    if (!known.emplace(law->text(), more.size()).second) continue;
     LawCells cells = find_cells(*law, more, begin, end, std::min(most_cells, left));
     left = std::max(left - cells.count(), 1L);
     const std::string& name = system.signal_name(i);
@@ -51,15 +51,14 @@ LawSteps::LawSteps(const System& system, double begin, double end) {
               ? fmt::format("too often: {} cells are spent", cells.count())
               : std::string("within a time too short to be told apart, or has a pole")));
     if (cells.ends.size() <= reach + 1) continue;
-    if (!patterns.try_emplace(cells.ends, true).second) continue;
+    if (!patterns.insert(cells.ends).second) continue;
     const auto [step, at] = narrowest(cells.ends);
     if (facts_.longest_step == 0.0 || step < facts_.longest_step) {
       facts_.longest_step = step;
       facts_.at = at;
       facts_.which = who;
     }
-    limits_.push_back({std::move(cells.ends), i});
-    names_.push_back(who);
+    limits_.push_back({std::move(cells.ends), who});
   }
 }
 
@@ -75,16 +74,15 @@ double LawSteps::end_of_step(double t) const {
 
 LawFacts LawSteps::facts_for(double h) const {
   LawFacts facts = facts_;
-  double allowed = h * (1.0 + 1e-9);
-  for (std::size_t k = 0; k < limits_.size(); ++k) {
-    const std::vector<double>& ends = limits_[k].ends;
+  const double allowed = h * (1.0 + 1e-9);
+  for (const auto& [ends, name] : limits_) {
     for (std::size_t i = 0, j = 0; i < ends.size(); ++i) {
       while (j + 1 < ends.size() && ends[j + 1] <= ends[i] + allowed) ++j;
       const double cells = static_cast<double>(j - i) / static_cast<double>(reach);
       if (cells > facts.reach) {
         facts.reach = cells;
         if (cells > 1.0) {
-          facts.which = names_[k];
+          facts.which = name;
           facts.at = ends[(i + j) / 2];
         }
       }

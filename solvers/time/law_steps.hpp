@@ -41,10 +41,9 @@ class LawSteps {
  private:
   struct Limits {
     std::vector<double> ends;  // of the cells of a law
-    std::size_t signal;        // one that has them
+    std::string name;          // as messages call it
   };
   std::vector<Limits> limits_;  // of laws with more cells than a step may reach over
-  std::vector<std::string> names_;
   LawFacts facts_;
 };
 

@@ -16,6 +16,7 @@
 #include "libmbd/study/trust/torture.hpp"
 #include "solvers/time/stepper.hpp"
 #include "tests/hard/hard_case.hpp"
+#include "tests/support/certificates.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
 
@@ -23,20 +24,6 @@ namespace mbd::test::test_certificate {
 namespace {
 
 namespace fs = std::filesystem;
-
-const Check* find(const Certificate& certificate, std::string_view name) {
-  for (const Check& check : certificate.checks)
-    if (check.name == name) return &check;
-  return nullptr;
-}
-
-std::string words(const Certificate& certificate) {
-  std::string text;
-  for (const Check& check : certificate.checks)
-    text += fmt::format("{} {} {:.3g} (warn {:.1g}, fail {:.1g}) {}\n", name_of(check.verdict),
-                        check.name, check.value, check.warn, check.fail, check.where);
-  return text;
-}
 
 Output certified(const std::string& model, const std::string& more, const fs::path& out) {
   return shell(quote(MBD_PROGRAM) + " run " +

@@ -1,8 +1,7 @@
 #include "tools/mbd/command_line.hpp"
 
-#include <fmt/format.h>
-
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -133,7 +132,7 @@ int answer(CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> named = app.get_subcommands();
   const CLI::App& command = named.empty() ? app : *named.back();
   if (named.empty() && app.remaining(true).empty()) {  // nothing was asked for
-    complain(fmt::format("{}", app.help()));
+    complain(app.help());
     return error.get_exit_code();
   }
   const std::string name =
@@ -190,8 +189,7 @@ int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {
     result = 1;
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    complain(
-        fmt::format("mbd: what was printed could not be written in full; is the disk full?\n"));
+    complain("mbd: what was printed could not be written in full; is the disk full?\n");
     if (result == 0) result = 1;
   }
   return result;

@@ -1,6 +1,6 @@
-// mbd: the command. Each of its commands is a file of its own and a line here. Exit status 0: all went well; 1: an
-// error, a run that failed, or one with --certify whose certificate does; 2: a run that ended but does not give the numbers its model
-// expects; 100 and more: wrong use of the command.
+// mbd: the command. Each of its commands is a file of its own and a line here. Exit status 0: all went well;
+// 1: an error, a run that failed, or one with --certify whose certificate does; 2: a run that ended but does
+// not give the numbers its model expects; 100 and more: wrong use of the command.
 
 #include <CLI/CLI.hpp>
 

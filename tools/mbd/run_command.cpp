@@ -266,7 +266,7 @@ void add_run_command(CLI::App& app, int& status) {
       ->type_name("SECONDS");
   command->add_flag("--no-estimate", arguments->no_estimate,
                     "without the second run, in longer steps, that estimates the error of steps in "
-                    "time, and costs 0.6 of the run");
+                    "time, and costs 0.5 to 0.8 of the run");
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"
