@@ -39,8 +39,10 @@ Json json(const ChosenAccuracy& accuracy) {
     pilots.push_back({{"setting", pilot.setting},
                       {"cpu", pilot.cpu},
                       {"error", json(pilot.error)},
+                      {"cut_off", pilot.cut_off},
                       {"failure", pilot.failure.empty() ? Json() : Json(pilot.failure)}});
   return {{"requested", accuracy.requested},
+          {"quantities", accuracy.quantities},
           {"believed", json(accuracy.believed)},
           {"quantity", accuracy.quantity},
           {"setting", accuracy.setting},

@@ -71,9 +71,10 @@ struct ExpectResult {
 // How the settings of a run were chosen for an accuracy (libmbd/study/accuracy/choose.hpp has norms and ways).
 struct ChosenAccuracy {
   double requested = 0.0;
-  std::optional<double> believed = {};  // error of this run; nothing: not known
-  std::string quantity = {};            // of which it is the error, the worst
-  std::string setting = {};             // "order 3, 2 elements, radau, tolerance 1e-05"
+  std::vector<std::string> quantities = {};  // that were asked for; none: all that are recorded
+  std::optional<double> believed = {};       // error of this run; nothing: not known
+  std::string quantity = {};                 // of which it is the error, the worst
+  std::string setting = {};                  // "order 3, 2 elements, radau, tolerance 1e-05"
   bool met = false;
   std::string reason = {};  // if not
   double cpu = 0.0;         // of choosing [s]
@@ -81,6 +82,7 @@ struct ChosenAccuracy {
     std::string setting;
     double cpu = 0.0;             // [s]
     std::optional<double> error;  // believed
+    bool cut_off = false;         // it would have taken longer than it may
     std::string failure;
   };
   std::vector<Pilot> pilots = {};

@@ -106,7 +106,9 @@ void laws(std::string& text, const LawFacts& facts) {
 }
 
 void accuracy(std::string& text, const ChosenAccuracy& chosen) {
-  std::string words = fmt::format("requested\t{:.1e}; ", chosen.requested) +
+  const std::string of =
+      chosen.quantities.empty() ? "" : fmt::format(" of {}", fmt::join(chosen.quantities, ", "));
+  std::string words = fmt::format("requested\t{:.1e}{}; ", chosen.requested, of) +
                       (chosen.believed ? fmt::format("believed\t{:.1e}, rms of {}",
                                                      *chosen.believed, chosen.quantity)
                                        : std::string("believed: not known"));

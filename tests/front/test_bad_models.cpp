@@ -33,6 +33,7 @@
 #include "tests/front/bad_models.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_bad_models {
 namespace {
@@ -362,10 +363,9 @@ class LimitedMemory {
  public:
   LimitedMemory() {
     getrlimit(RLIMIT_AS, &before_);
-#ifndef __SANITIZE_ADDRESS__  // which maps terabytes
+    if (sanitized()) return;  // it maps terabytes
     const rlimit limit{rlim_t{4} << 30, before_.rlim_max};
     setrlimit(RLIMIT_AS, &limit);
-#endif
   }
   ~LimitedMemory() { setrlimit(RLIMIT_AS, &before_); }
 
@@ -669,11 +669,8 @@ class LargeModelsSlow : public BadModels {
     for (int k = 0; k < 5; ++k) least_cpu_ = std::min(least_cpu_, run_large(file, "name").cpu);
   }
 
-#ifdef __SANITIZE_ADDRESS__  // it keeps what is freed, and much beside
-  static constexpr long most_memory = 8 << 20;
-#else
-  static constexpr long most_memory = 1 << 20;  // [kB]
-#endif
+  // [kB]; sanitizers keep what is freed, and much beside.
+  const long most_memory = (sanitized() ? 8 : 1) << 20;
   std::optional<Program> program_;
   double least_cpu_ = 1e300;  // [s] of a model that is refused at once
 };

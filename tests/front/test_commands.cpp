@@ -11,6 +11,7 @@
 #include "libmbd/results/report.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_commands {
 namespace {
@@ -24,7 +25,7 @@ using test::shell;
 using test::write_text;
 
 Output mbd_command(const std::string& arguments) {
-  return shell(quote(MBD_PROGRAM) + " " + arguments);
+  return shell(quote(test::mbd_program) + " " + arguments);
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -195,7 +196,7 @@ TEST(WrongUse, NothingAskedForIsAnsweredWithHelp) {
 
 // Standard streams that are closed or full: an exit status, no abort, and no message in the file that took their place.
 TEST(WrongUse, ClosedAndFullStreamsAreSurvived) {
-  const std::string mbd = quote(MBD_PROGRAM),
+  const std::string mbd = quote(test::mbd_program),
                     model = quote(std::string(MBD_SOURCE_DIR) + "/models/pendulum.xml");
   const TemporaryDirectory directory;
   const std::string out = (directory.path() / "out").string();
@@ -218,7 +219,7 @@ TEST(WrongUse, ClosedAndFullStreamsAreSurvived) {
 // A limit of the size of files is an error like a full disk: what was written stays, with the reason.
 TEST(WrongUse, AFileThatMayNotGrowIsAnError) {
   const TemporaryDirectory directory;
-  const Output output = shell("ulimit -f 16; " + quote(MBD_PROGRAM) + " run " +
+  const Output output = shell("ulimit -f 16; " + quote(test::mbd_program) + " run " +
                               quote(std::string(MBD_SOURCE_DIR) + "/models/chain.xml") + " --out " +
                               quote((directory.path() / "out").string()));
   EXPECT_EQ(output.status, 1) << output.text;
@@ -226,7 +227,7 @@ TEST(WrongUse, AFileThatMayNotGrowIsAnError) {
 }
 
 TEST(WrongUse, WhatCannotBePrintedIsAnError) {
-  const Output output = shell(quote(MBD_PROGRAM) + " schema --xsd > /dev/full");
+  const Output output = shell(quote(test::mbd_program) + " schema --xsd > /dev/full");
   EXPECT_EQ(output.status, 1);
   EXPECT_HAS(output.text, "could not be written");
 }
@@ -262,7 +263,7 @@ class Completion : public testing::Test {
     std::string array;
     for (const std::string& word : words) array += " " + quote(word);
     const Output output = bash(
-        "cd " + quote(directory_.path().string()) + "\nsource <(" + quote(MBD_PROGRAM) +
+        "cd " + quote(directory_.path().string()) + "\nsource <(" + quote(test::mbd_program) +
         " completion bash) || exit 9\nCOMP_WORDS=(mbd" + array +
         ")\nCOMP_CWORD=" + std::to_string(words.size()) +
         "\n_mbd || exit 8\n((${#COMPREPLY[@]})) && printf '%s\\n' \"${COMPREPLY[@]}\"\nexit 0");

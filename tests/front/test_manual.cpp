@@ -14,6 +14,7 @@
 #include "libmbd/language/reader.hpp"
 #include "libmbd/run/run.hpp"
 #include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_manual {
 namespace {
@@ -34,7 +35,7 @@ void expect_current(const std::string& file, const std::string& generated,
                     const std::string& option) {
   if (read_text(models / file) == generated) return;
   ADD_FAILURE() << "models/" << file << " is not what the schema says now; renew it:\n  "
-                << MBD_PROGRAM << " schema " << option << " > models/" << file;
+                << test::mbd_program << " schema " << option << " > models/" << file;
 }
 TEST(Manual, CheckedInPageIsCurrent) { expect_current("MANUAL.md", to_markdown(), "--markdown"); }
 TEST(Manual, CheckedInGrammarIsCurrent) { expect_current("mbd.xsd", to_xsd(), "--xsd"); }

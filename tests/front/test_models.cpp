@@ -18,6 +18,7 @@
 #include "libmbd/results/summary.hpp"
 #include "libmbd/run/run.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_models {
 namespace {
@@ -243,7 +244,7 @@ using Command = Directory;
 
 int status_of(const std::string& arguments) {
   const int status =
-      std::system((std::string(MBD_PROGRAM) + " " + arguments + " > /dev/null 2>&1").c_str());
+      std::system((std::string(test::mbd_program) + " " + arguments + " > /dev/null 2>&1").c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 

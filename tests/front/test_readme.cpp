@@ -18,6 +18,7 @@
 
 #include "tests/support/machine.hpp"
 #include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_readme {
 namespace {
@@ -89,7 +90,7 @@ class Document {
   Document(std::string name, const std::string& text) : name_(std::move(name)) {
     fs::create_directories(work());
     fs::create_directories(bin());
-    fs::create_symlink(MBD_PROGRAM, bin() / "mbd");
+    fs::create_symlink(test::mbd_program, bin() / "mbd");
     fs::create_directory_symlink(fs::path(MBD_SOURCE_DIR) / "models", work() / "models");
     read(text);
   }

@@ -14,6 +14,7 @@
 #include "libmbd/run/describe.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_time_stepping {
 namespace {
@@ -466,7 +467,7 @@ TEST(TransientReport, OnlyGeneralizedAlphaIsWarnedOfRho) {
 class TransientCommand : public testing::Test {
  protected:
   test::Output run_model(const std::string& model, const std::string& arguments) const {
-    return shell(quote(MBD_PROGRAM) + " run " + quote((models / model).string()) + " --out " +
+    return shell(quote(test::mbd_program) + " run " + quote((models / model).string()) + " --out " +
                  quote(directory_.path().string()) + " " + arguments);
   }
   nlohmann::json settings() const { return report()["settings"]["transient"]; }
@@ -542,11 +543,11 @@ TEST_F(TransientCommand, RefusesWhatCannotBe) {
 }
 
 TEST_F(TransientCommand, IsInTheHelpAndCompleted) {
-  const test::Output help = shell(quote(MBD_PROGRAM) + " run --help");
+  const test::Output help = shell(quote(test::mbd_program) + " run --help");
   for (const char* const option :
        {"-m, --method", "--step H", "-t, --tolerance T", "--output DT", "--tolerance 1e-8"})
     EXPECT_HAS(help.text, option);
-  const test::Output completion = shell(quote(MBD_PROGRAM) + " completion bash");
+  const test::Output completion = shell(quote(test::mbd_program) + " completion bash");
   EXPECT_HAS(completion.text, "--method) kind=words words='generalized_alpha radau ida'");
 }
 

@@ -19,6 +19,7 @@
 #include "tests/support/certificates.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_certificate {
 namespace {
@@ -26,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Output certified(const std::string& model, const std::string& more, const fs::path& out) {
-  return shell(quote(MBD_PROGRAM) + " run " +
+  return shell(quote(test::mbd_program) + " run " +
                quote((fs::path(MBD_SOURCE_DIR) / "models" / (model + ".xml")).string()) +
                " --certify --out " + quote(out.string()) + " " + more);
 }
@@ -174,7 +175,7 @@ TEST(Certificate, FromTheCommandLine) {
 TEST(TortureCommand, TriesAModel) {
   const TemporaryDirectory directory;
   const std::string command =
-      quote(MBD_PROGRAM) + " torture " +
+      quote(test::mbd_program) + " torture " +
       quote((fs::path(MBD_SOURCE_DIR) / "models" / "double_pendulum.xml").string()) + " --out " +
       quote(directory.path().string()) + " --budget 1e6";
   const Output all = shell(command + " --trials motion far units order threads steps");

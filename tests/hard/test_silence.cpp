@@ -21,6 +21,7 @@
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_silence {
 namespace {
@@ -343,7 +344,7 @@ TEST_F(Silence, ADiskThatFillsUpLeavesAPrefix) {
   EXPECT_EQ(mbd({"run", model("many_rows"), "--set", "steps=2000"}, "whole").status, 0);
   const Output limited =
       bash(fmt::format("trap '' XFSZ; ulimit -f 256; exec {} run {} --set steps=2000 -q -o {}",
-                       quote(MBD_PROGRAM), quote(model("many_rows")), quote(part.string())));
+                       quote(test::mbd_program), quote(model("many_rows")), quote(part.string())));
   EXPECT_EQ(limited.status, 1);
   expect_says(
       limited.text,

@@ -9,6 +9,7 @@
 
 #include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_accuracy_command {
 namespace {
@@ -108,7 +109,7 @@ TEST_F(AccuracyCommandSlow, InterruptedLeavesWhatIsDoneAndGoesOnFromThere) {
 TEST_F(AccuracyCommandSlow, ThatIsToIgnoreInterruptsIgnoresThem) {
   const Output output = shell(
       "setsid --wait bash -c " +
-      quote("trap '' INT; " + quote(MBD_PROGRAM) + " accuracy " + quote(model("pendulum")) +
+      quote("trap '' INT; " + quote(test::mbd_program) + " accuracy " + quote(model("pendulum")) +
             " --vary method=radau tolerance=1e-3 --budget 1e6 --refinements 2 --quiet --out " +
             quote((out_ / "out").string()) +
             " & while kill -0 $! 2>/dev/null; do kill -INT 0; sleep 0.01; done; wait $!"));

@@ -14,6 +14,7 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/support/static_references.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_choose {
 namespace {
@@ -111,6 +112,26 @@ TEST(Disagreement, OfAPathLeavesOutHowItWasFollowed) {
   EXPECT_EQ(disagreement(make(3.0, 0.5, 1), make(4.0, -0.5, 1), 1e-3).rms, 0.0);
   EXPECT_EQ(disagreement(make(3.0, 0.5, 0), make(3.0, -0.5, 0), 1e-3).rms, 2.0);
   EXPECT_EQ(disagreement(make(3.0, 0.5, 1), make(3.0, -0.5, 0), 1e-3).rms, 2.0);
+}
+
+// Positions, potentials and moments of momentum have the size of their changes: a scene that stands 10 km away is judged
+// as it was, and so is what else is measured in their units. Mutation: depends_on_origin() returns false.
+TEST(Disagreement, DoesNotDependOnWhereTheSceneStands) {
+  const auto make = [](double far, double error) {
+    return findings_of(
+        {"P.position.1", "P.displacement.1", "all.potential_energy", "s.strain_energy"},
+        {"m", "m", "J", "J"},
+        {{far, 0.0, 50.0 * far, 1.0},
+         {far + 2.0 + error, 0.5 + error, 50.0 * far + 4.0 + error, 3.0}});
+  };
+  for (const std::string quantity : {"P.position", "P.displacement", "all.potential_energy"}) {
+    const std::vector<std::string> names{quantity};
+    const Disagreement here = disagreement(make(0.0, 1e-3), make(0.0, 0.0), 1e-2, names);
+    const Disagreement there = disagreement(make(1e4, 1e-3), make(1e4, 0.0), 1e-2, names);
+    EXPECT_GT(here.rms, 1e-4);
+    EXPECT_NEAR(there.rms, here.rms, 1e-8) << quantity;
+    EXPECT_TRUE(there.as_zero.empty());
+  }
 }
 
 TEST(Disagreement, OfRunsThatCannotBeComparedIsInfinite) {
@@ -305,7 +326,7 @@ TEST(Choose, TakesClassicalBeamsAsTheyAre) {
 class RunAccuracy : public ::testing::Test {
  protected:
   Output run(const std::string& model, const std::string& options) {
-    return shell(quote(MBD_PROGRAM) + " run " +
+    return shell(quote(test::mbd_program) + " run " +
                  quote(std::string(MBD_SOURCE_DIR) + "/models/" + model) + " --out " +
                  quote((directory_.path() / "out").string()) + " " + options);
   }
@@ -332,8 +353,9 @@ TEST_F(RunAccuracy, ChoosesRunsAndSaysWhatItBelieves) {
 }
 
 TEST_F(RunAccuracy, KeepsResultsOfWhatIsNotMet) {
-  const Output output = run("slider_crank.xml", "--accuracy 1e-6 --choose-within 0.3 --quiet");
+  const Output output = run("slider_crank.xml", "--accuracy 1e-6 --choose-within 0.3");
   EXPECT_EQ(output.status, 2) << output.text;
+  EXPECT_NE(output.text.find("cut off: too dear"), std::string::npos) << output.text;
   EXPECT_NE(output.text.find("the accuracy 1e-06 is not met"), std::string::npos) << output.text;
   EXPECT_EQ(report()["accuracy"]["met"], false);
   EXPECT_TRUE(std::filesystem::exists(directory_.path() / "out" / "history.csv"));
@@ -351,6 +373,12 @@ TEST_F(RunAccuracy, RefusesBeforeAnythingIsWritten) {
     EXPECT_NE(output.text.find("leave out one of both"), std::string::npos) << output.text;
   }
   EXPECT_NE(run("pendulum.xml", "--accuracy 1e-3 --choose-within 0").status, 0);
+  for (const char* const wrong : {"--accuracy 1e-3 --for bob.postion", "--for bob.position"}) {
+    const Output output = run("pendulum.xml", wrong);
+    EXPECT_EQ(output.status, 1) << output.text;
+    EXPECT_NE(output.text.find("--for"), std::string::npos) << output.text;
+    EXPECT_EQ(output.text.find("pilot"), std::string::npos) << output.text;
+  }
   EXPECT_FALSE(std::filesystem::exists(directory_.path() / "out"));
 }
 
@@ -393,6 +421,37 @@ TEST(Choose, BelievesNothingWhereNothingMoves) {
   EXPECT_FALSE(choice.met);
   EXPECT_NE(choice.reason.find("nothing that is recorded changes"), std::string::npos)
       << choice.reason;
+}
+
+// A rod swung about its end: smooth, so that fixed steps of Radau and fewer elements than are given may do. They are tried
+// where a run is worth it, and what is taken is honest against a far finer run. Mutation: no try_cheaper().
+const char* const swung = R"(<mbd name="swung">
+    <section name="s"><stiffness EA="1e7" GA2="4e6" GA3="4e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+      <mass per_length="3" inertia="2e-3 1e-3 1e-3"/><damping stiffness_proportional="1e-3"/></section>
+    <beam name="b" section="s" from="0 0 0" to="2 0 0" normal="0 0 1" elements="16" order="3"/>
+    <revolute name="hub" between="ground b.start" axis="0 0 1"/>
+    <drive joint="hub" angle="t - sin(pi*t)/pi"/>
+    <transient duration="2" step="1e-3"/>
+    <record name="tip" at="b.end" quantities="displacement"/>
+    <record name="hub" joint="hub" quantities="reaction_moment"/></mbd>)";
+
+TEST(Choose, TakesWhatIsCheaperAndAsGood) {
+  const Scene scene = read_model_text(swung);
+  const Choice choice = choose_at_leisure(scene, {.accuracy = 1e-4});
+  const Trial fine = run_trial(
+      mbd::with(scene, {.order = 6, .elements = 4, .method = TimeMethod::radau, .tolerance = 1e-8}),
+      {.repeats = 1});
+  ASSERT_TRUE(fine.complete) << fine.failure;
+  const Findings found = run_of(scene, choice).findings;
+  expect_honest(choice, disagreement(found, fine.findings, 1e-4).rms);
+  const auto tried = [&](const auto& what) {
+    return std::ranges::any_of(choice.pilots, [&](const Pilot& p) { return what(p.setting); });
+  };
+  double dearest = 0.0;
+  for (const Pilot& pilot : choice.pilots) dearest = std::max(dearest, pilot.cpu);
+  if (dearest < 0.2) GTEST_SKIP() << "a machine on which nothing is worth a look";
+  EXPECT_TRUE(tried([](const Setting& s) { return s.elements && *s.elements < 16; }));
+  EXPECT_TRUE(tried([](const Setting& s) { return s.method == TimeMethod::radau && s.step; }));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "tests/support/machine.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test {
 
@@ -41,7 +42,7 @@ class Program {
  public:
   Program(const std::vector<std::string>& arguments, std::filesystem::path scratch)
       : scratch_(std::move(scratch)) {
-    std::vector<std::string> all = {MBD_PROGRAM};
+    std::vector<std::string> all = {mbd_program};
     all.insert(all.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& argument : all) argv.push_back(argument.data());

@@ -33,8 +33,9 @@ struct RunArguments {
   std::string model;
   std::string output;
   std::vector<std::string> set;
-  std::vector<std::string> without;  // effects
-  std::string accuracy;              // empty: the model's own settings
+  std::vector<std::string> without;   // effects
+  std::string accuracy;               // empty: the model's own settings
+  std::vector<std::string> accurate;  // quantities; none: all that are recorded
   double choose_within = 600.0;
   TransientOptions transient;
   bool certify = false;
@@ -111,6 +112,7 @@ void choose_settings(const RunArguments& arguments, Scene& scene, RunOptions& op
   int count = 0;
   const Choice choice =
       choose(scene, {.accuracy = requested_accuracy(arguments.accuracy),
+                     .quantities = arguments.accurate,
                      .limit = arguments.choose_within,
                      .progress = [&](const std::string& what) {
                        if (terminal) show_progress(fmt::format("pilot {}: {}", ++count, what));
@@ -124,9 +126,10 @@ void choose_settings(const RunArguments& arguments, Scene& scene, RunOptions& op
     for (const Pilot& pilot : choice.pilots)
       fmt::print("{} {:8.3g} s  {:<22}  {}\n", pilot.setting == choice.setting ? '>' : ' ',
                  pilot.cpu,
-                 !pilot.failure.empty() ? "failed"
-                 : pilot.error          ? fmt::format("believed error {:.1e}", *pilot.error)
-                                        : "",
+                 pilot.cut_off            ? "cut off: too dear"
+                 : !pilot.failure.empty() ? "failed"
+                 : pilot.error            ? fmt::format("believed error {:.1e}", *pilot.error)
+                                          : "",
                  pilot.text);
     const std::string permanent = snippet(scene, choice.setting);
     if (permanent.empty())
@@ -158,6 +161,9 @@ int run_model(const RunArguments& arguments) {
   if (!arguments.without.empty()) scene = without(scene, arguments.without);
   RunOptions options;
   if (!arguments.accuracy.empty()) refuse_both(arguments.transient);
+  if (arguments.accuracy.empty() && !arguments.accurate.empty())
+    throw Error("--for " + arguments.accurate.front() +
+                ": says whose error --accuracy bounds; give --accuracy too");
   options.notes = apply(arguments.transient, scene);
   if (!arguments.accuracy.empty()) choose_settings(arguments, scene, options);
   options.output = arguments.output.empty() ? std::filesystem::path("results") /
@@ -234,6 +240,12 @@ void add_run_command(CLI::App& app, int& status) {
       ->check(not_empty, "", "")
       ->type_name("E");
   command
+      ->add_option("--for", arguments->accurate,
+                   "with --accuracy: of this quantity, record or column only, as `mbd plot` names "
+                   "them; may be given more than once. What else is recorded may be less accurate")
+      ->check(not_empty, "", "")
+      ->type_name("QUANTITY");
+  command
       ->add_option("--choose-within", arguments->choose_within,
                    "with --accuracy: the CPU time that pilot runs may take; default: 600 s")
       ->check(
@@ -276,6 +288,7 @@ void add_run_command(CLI::App& app, int& status) {
                "mbd run models/shaft.xml --step \"0.5 ms\" --output 0.01\n"
                "mbd run models/pendulum.xml --method radau --tolerance 1e-10 --output steps\n"
                "mbd run models/shaft.xml --accuracy 1e-4\n"
+               "mbd run models/four_bar.xml --accuracy 1e-3 --for C.displacement\n"
                "mbd run models/four_bar.xml --certify");
   command->callback([arguments, &status] { status = run_model(*arguments); });
 }

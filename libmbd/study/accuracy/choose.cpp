@@ -27,15 +27,16 @@ constexpr double to_believe = 2.5;  // times the cost of a run: of one with a fi
 constexpr int first_order = 3, highest_order = 8;
 constexpr int usual_highest = 6;  // of a transient: above, more elements cost less
 constexpr int most_elements = 4000;
-constexpr double slow = 3.0;          // decay below which elements are doubled
-constexpr double much_jump = 0.3;     // of the strain
-constexpr int most_without_gain = 3;  // refinements in a row
-constexpr double worth_a_look = 0.1;  // [s] of a run for which a cheaper method is tried
+constexpr double slow = 3.0;            // decay below which elements are doubled
+constexpr double much_jump = 0.3;       // of the strain
+constexpr int most_without_gain = 3;    // refinements in a row
+constexpr double worth_a_look = 0.05;   // [s] of a run for which what is cheaper is tried
+constexpr double enough_cheaper = 0.7;  // for less, nothing is changed
 
 std::vector<Components> vectors_of(const Findings& findings,
                                    const std::vector<std::string>& names) {
   std::vector<Components> vectors;
-  add_components(vectors, findings, names, "--accuracy");
+  add_components(vectors, findings, names, "--for");
   // Of a path, the load is found; how long the way there was depends on the number of nodes.
   if (names.empty())
     std::erase_if(vectors, [](const Components& v) {
@@ -66,10 +67,17 @@ class Chooser {
  public:
   Chooser(const Scene& scene, const ChooseOptions& options) : scene_(scene), options_(options) {
     choice_.accuracy = options.accuracy;
+    choice_.quantities = options.quantities;
   }
 
   Choice go() {
-    compile(scene_);  // what is wrong with the scene is told as run() tells it
+    const Model model = compile(scene_);  // what is wrong with the scene is told as run() tells it
+    Findings empty;
+    for (const Column& column : columns(model)) {
+      empty.columns.push_back(column.name);
+      empty.units.push_back(column.unit);
+    }
+    vectors_of(empty, options_.quantities);  // and what is wrong with their names before a run
     try {
       search();
     } catch (const Enough& enough) {
@@ -142,6 +150,7 @@ class Chooser {
       known.trial.failure = error.what();
     }
     pilot.cpu = known.trial.cpu;
+    pilot.cut_off = known.trial.stopped;
     pilot.failure = known.trial.failure;
     choice_.cpu += pilot.cpu;
     choice_.pilots.push_back(std::move(pilot));
@@ -338,7 +347,7 @@ class Chooser {
     if (flexible()) mesh = first_mesh();
     if (!flexible()) {
       settle_time(mesh, part_alone * accuracy);
-      try_own_steps(mesh);
+      try_cheaper(mesh);
       return;
     }
     const int own = *setting_of(scene_).elements;
@@ -373,7 +382,7 @@ class Chooser {
           std::max(rate ? 1.0 / (std::max(*rate, 2.0) - 1.0) : 0.2, fixed_ ? rest_of(2.0) : 0.0);
       const double error = believe(run, finer_run, std::clamp(rest, 0.1, 1.0));
       if (error <= 0.9 * accuracy) {
-        try_own_steps(mesh);
+        try_cheaper(mesh);
         return;
       }
       if (std::isfinite(d.rms)) {
@@ -407,36 +416,57 @@ class Chooser {
     }
   }
 
-  // ---- the scene's own steps --------------------------------------------------------------------
+  // ---- what is cheaper ------------------------------------------------------------------------
 
-  // The verified choice stands; is the scene's own way in time good enough, and cheaper? Its error is measured
-  // against the run that verified the choice.
-  void try_own_steps(const Mesh& mesh) {
-    if (!moving() || fixed_ || !scene_.transient->step || options_.accuracy < 1e-4) return;
+  // The choice stands, and `verifier` is the finer run that says so. Takes `other` instead if its error, against that
+  // run, is small enough and its cost well below that of the choice.
+  bool take_if_cheaper(const Setting& other, const Known& verifier) {
+    const double cost = enough_cheaper * get(choice_.setting).trial.cpu;
+    if (choice_.cpu + cost > options_.limit) return false;
+    const Known& run = get(other, cost);
+    const Disagreement d = compare(run, verifier);
+    if (!std::isfinite(d.rms)) return false;
+    const double error = d.rms + 0.2 * verified_;
+    choice_.pilots[run.pilot].error = error;
+    if (error > 0.9 * options_.accuracy || run.trial.cpu > cost) return false;
+    choice_.setting = other;
+    choice_.error = error;
+    choice_.worst = d.worst;
+    differs_from_ = d.from;
+    return true;
+  }
+
+  void try_cheaper(const Mesh& mesh) {
+    if (!moving() || fixed_ || !choice_.error) return;
     const Known& chosen = get(setting(mesh, tolerance_));
-    if (chosen.trial.cpu < worth_a_look || !choice_.error) return;
-    const Mesh better_mesh = flexible() ? finer(mesh) : mesh;
-    const Known& verifier = get(setting(better_mesh, better(tolerance_)));
-    const double rest = *choice_.error;  // above that of the better run
-    std::vector<Setting> candidates(1);
-    if (flexible()) {
-      candidates.push_back({});
-      candidates.front().order = mesh.order;
-      candidates.front().elements = mesh.elements;
+    if (chosen.trial.cpu < worth_a_look) return;
+    verified_ = *choice_.error;  // above that of the verifier
+    const Known& verifier = get(setting(flexible() ? finer(mesh) : mesh, better(tolerance_)));
+    // The scene's own way in time, on this mesh and on its own.
+    if (scene_.transient->step && options_.accuracy >= 1e-4) {
+      Setting own;
+      if (flexible()) {
+        own.order = mesh.order;
+        own.elements = mesh.elements;
+        take_if_cheaper(own, verifier);
+      }
+      take_if_cheaper({}, verifier);
     }
-    double cost = 0.7 * chosen.trial.cpu;  // for less, nothing is changed
-    for (const Setting& own : candidates) {
-      if (choice_.cpu + cost > options_.limit) return;
-      const Known& run = get(own, cost);
-      const Disagreement d = compare(run, verifier);
-      if (!std::isfinite(d.rms)) continue;
-      const double error = d.rms + 0.2 * rest;
-      choice_.pilots[run.pilot].error = error;
-      if (error > 0.9 * options_.accuracy) continue;
-      choice_.setting = own;
-      choice_.error = error;
-      choice_.worst = d.worst;
-      cost = run.trial.cpu;
+    // Smooth motions need no steps of different lengths, nor what finds them.
+    for (double n = std::floor(0.5 * static_cast<double>(chosen.trial.counters.steps)); n >= 1.0;
+         n = std::floor(0.5 * n)) {
+      Setting steps = setting(mesh, tolerance_);
+      steps.tolerance.reset();
+      steps.step = scene_.transient->duration / n;
+      if (!take_if_cheaper(steps, verifier)) break;
+    }
+    while (flexible() && choice_.setting.elements && *choice_.setting.elements > 1) {
+      Setting fewer = choice_.setting;
+      fewer.elements = (*fewer.elements + 1) / 2;
+      if (take_if_cheaper(fewer, verifier)) continue;
+      if (*fewer.order >= usual_highest) break;
+      ++*fewer.order;
+      if (!take_if_cheaper(fewer, verifier)) break;
     }
   }
 
@@ -472,6 +502,7 @@ class Chooser {
   bool fixed_ = false;       // fractions of the model's own step, in place of tolerances
   double tolerance_ = 0.0;   // or that fraction
   double in_time_ = 0.0;
+  double verified_ = 0.0;  // believed of the run that was verified
   // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].
   std::optional<Kept> kept_;
   double reserve_ = 0.0;
@@ -523,13 +554,14 @@ Choice choose(const Scene& scene, const ChooseOptions& options) {
 
 ChosenAccuracy summary_of(const Choice& choice) {
   ChosenAccuracy chosen{.requested = choice.accuracy,
+                        .quantities = choice.quantities,
                         .believed = choice.error,
                         .quantity = choice.worst,
                         .met = choice.met,
                         .reason = choice.reason,
                         .cpu = choice.cpu};
   for (const Pilot& pilot : choice.pilots) {
-    chosen.pilots.push_back({pilot.text, pilot.cpu, pilot.error, pilot.failure});
+    chosen.pilots.push_back({pilot.text, pilot.cpu, pilot.error, pilot.cut_off, pilot.failure});
     if (pilot.setting == choice.setting) chosen.setting = pilot.text;
   }
   return chosen;

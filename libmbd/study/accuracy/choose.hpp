@@ -1,7 +1,7 @@
 // A run that chooses its own settings for an accuracy of its recorded quantities.
 //
 // Error: of each quantity the rms over the places of Findings of the length of the difference of its vector, over the
-// largest length of it in the run; that of a run is its worst quantity's. What is not above `accuracy` times others of
+// largest length of it in the run (of what depends on where the origin is, its largest change); that of a run is its worst quantity's. What is not above `accuracy` times others of
 // its unit is zero within what is asked, and is measured by those; that, rotations and branches: norm.hpp. Of a path,
 // loads and recorded numbers at its special points count.
 //
@@ -15,7 +15,9 @@
 //          Legendre coefficients (resolution.hpp): sigma^1.5, between that of strains (sigma) and of displacements
 //          (sigma^2). Where sigma is small, or strains jump from element to element, the motion is not smooth at the
 //          size of the elements, and their number is doubled instead.
-//   last   at coarse accuracies the scene's own time steps, if the run that verified the choice shows that they do.
+//   last   what is cheaper and, measured against the run that verified the choice, as good: at coarse accuracies the
+//          scene's own time steps, fixed steps of radau (fewer than the tolerance took), and half the elements, as long as
+//          each does.
 //
 // Not used: the integrator's own estimates, which are of a step, and a priori constants of elements, which are of
 // beams of one kind. Differences that do not fall are chaos or ringing that is not resolved: then nothing is claimed.
@@ -51,16 +53,18 @@ struct Pilot {
   // Believed, of the worst quantity; nothing: it was not compared to a finer one.
   std::optional<double> error;
   std::optional<double> in_time, in_space;  // its parts, where a run with one knob finer was made
-  std::string failure;
+  bool cut_off = false;                     // it would have taken longer than it may
+  std::string failure;                      // why it did not come to its end
 };
 
 struct Choice {
-  Setting setting;              // to be run
-  double accuracy = 0.0;        // requested
-  std::optional<double> error;  // believed of it; nothing: not known
-  std::string worst;            // the quantity of `error`
-  bool met = false;             // error <= accuracy
-  std::string reason;           // if not: why no better setting was taken
+  Setting setting;                           // to be run
+  double accuracy = 0.0;                     // requested
+  std::vector<std::string> quantities = {};  // of which; none: all
+  std::optional<double> error;               // believed of it; nothing: not known
+  std::string worst;                         // the quantity of `error`
+  bool met = false;                          // error <= accuracy
+  std::string reason;                        // if not: why no better setting was taken
   std::vector<Pilot> pilots;
   double cpu = 0.0;  // of the pilots [s]
   std::vector<std::string> notes;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/results/history.hpp"
 
 namespace mbd {
@@ -25,6 +26,18 @@ double to_turned(const Vec3& a, const Vec3& b) {
     for (const double turn : {-2.0, 2.0})
       least = std::min(least, (a * (1.0 + turn * std::numbers::pi / angle) - b).norm());
   return least;
+}
+
+// In a scene that stands elsewhere it is another number.
+bool depends_on_origin(std::string_view column) {
+  std::string_view name = quantity_of(column);
+  name.remove_prefix(name.rfind('.') + 1);
+  using schema::Quantity;
+  const Quantity* quantity = schema::find_quantity(schema::place_quantities(), name);
+  if (!quantity) quantity = schema::find_quantity(schema::system_quantities(), name);
+  return quantity && (quantity->moved == Quantity::Moved::as_point ||
+                      quantity->moved == Quantity::Moved::as_potential ||
+                      quantity->moved == Quantity::Moved::as_momentum);
 }
 
 bool on_branch(const Findings& findings, std::size_t row) {
@@ -85,11 +98,17 @@ double distance(const Components& vector, const Findings& a, std::size_t i, cons
 Scale scale_of(const Components& vector, const Findings& findings, std::size_t places,
                double zero) {
   double own = 0.0, of_unit = vector.unit == "J" ? findings.energy : 0.0;
+  std::vector<double> zero_of(findings.columns.size(), 0.0), row;
+  if (places > 1)
+    for (std::size_t c = 0; c < zero_of.size(); ++c)
+      if (findings.units[c] == vector.unit && depends_on_origin(findings.columns[c]))
+        zero_of[c] = findings.rows.front()[c];
   for (std::size_t k = 0; k < places; ++k) {
-    own = std::max(own, length(vector, findings.rows[k]));
-    for (std::size_t c = 0; c < findings.columns.size(); ++c)
-      if (findings.units[c] == vector.unit)
-        of_unit = std::max(of_unit, std::abs(findings.rows[k][c]));
+    row = findings.rows[k];
+    for (std::size_t c = 0; c < row.size(); ++c) row[c] -= zero_of[c];
+    own = std::max(own, length(vector, row));
+    for (std::size_t c = 0; c < row.size(); ++c)
+      if (findings.units[c] == vector.unit) of_unit = std::max(of_unit, std::abs(row[c]));
   }
   // Angles have a size of their own: two whole turns are a rotation by round-off.
   if (vector.unit == "rad" && of_unit < zero_angle) of_unit = 1.0;

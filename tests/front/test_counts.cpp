@@ -1,0 +1,69 @@
+// A regression test, against this program's own earlier counts: of steps, Newton iterations and tangents of runs of all
+// kinds, within 5 % (at least 2). A change that makes runs dearer, or less careful, shows here before it shows in times. Who
+// changes them on purpose writes the new counts, and why, into the commit.
+// Mutations that it sees: a floor of the contraction of 1e-3 in place of 0.1 (fewer iterations), no extrapolated start of
+// iterations (more), a tangent in every iteration.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <ostream>
+#include <string>
+
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test::test_counts {
+namespace {
+
+struct Case {
+  std::string name, model;
+  TimeMethod method = TimeMethod::generalized_alpha;
+  double tolerance = 0.0;  // 0: the model's own steps
+  double duration = 0.0;   // [s]; 0: statics
+  long steps = 0, iterations = 0, tangents = 0;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+const Case cases[] = {
+    {"pendulum", "pendulum", TimeMethod::generalized_alpha, 0.0, 1.0, 0, 0, 0},
+    {"four_bar", "four_bar", TimeMethod::generalized_alpha, 0.0, 1.8, 0, 0, 0},
+    {"chain", "chain", TimeMethod::generalized_alpha, 0.0, 0.2, 0, 0, 0},
+    {"double_pendulum_beams", "double_pendulum_beams", TimeMethod::generalized_alpha, 0.0, 0.2, 0,
+     0, 0},
+    {"slider_crank", "slider_crank", TimeMethod::generalized_alpha, 0.0, 0.02, 0, 0, 0},
+    {"heavy_top_radau", "heavy_top", TimeMethod::radau, 1e-6, 0.5, 0, 0, 0},
+    {"shaft_radau", "shaft", TimeMethod::radau, 1e-4, 0.5, 0, 0, 0},
+    {"heavy_top_ida", "heavy_top", TimeMethod::ida, 1e-5, 0.5, 0, 0, 0},
+    {"bend45", "bend45", TimeMethod::generalized_alpha, 0.0, 0.0, 0, 0, 0},
+    {"roll_up", "roll_up", TimeMethod::generalized_alpha, 0.0, 0.0, 0, 0, 0},
+    {"shallow_arch", "shallow_arch", TimeMethod::generalized_alpha, 0.0, 0.0, 0, 0, 0},
+};
+
+class Counts : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Counts, AreWhatTheyWere) {
+  const Case& c = GetParam();
+  Scene scene = model_scene(c.model);
+  if (c.duration > 0.0) {
+    scene.transient->duration = c.duration;
+    if (c.tolerance > 0.0) {
+      scene.transient->method = c.method;
+      scene.transient->step.reset();
+      scene.transient->rho_infinity.reset();
+      scene.transient->tolerance = c.tolerance;
+    }
+  }
+  const RunReport report = run_to_table(scene).report;
+  ASSERT_TRUE(report.complete()) << report.failure;
+  const Counters& now = c.duration > 0.0 ? report.transient_counters : report.static_counters;
+  const auto near = [](long before) { return std::max(2.0, 0.05 * static_cast<double>(before)); };
+  EXPECT_NEAR(static_cast<double>(now.steps), static_cast<double>(c.steps), near(c.steps));
+  EXPECT_NEAR(static_cast<double>(now.iterations), static_cast<double>(c.iterations),
+              near(c.iterations));
+  EXPECT_NEAR(static_cast<double>(now.tangents), static_cast<double>(c.tangents), near(c.tangents));
+}
+INSTANTIATE_TEST_SUITE_P(Of, Counts, ::testing::ValuesIn(cases),
+                         [](const auto& one) { return one.param.name; });
+
+}  // namespace
+}  // namespace mbd::test::test_counts
