@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <cstdlib>
+#include <cstdio>
 
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/newton/increments.hpp"
@@ -12,7 +14,7 @@
 namespace mbd {
 namespace {
 
-constexpr double largest_rotation = 0.5;  // [rad] of a Newton increment; larger ones are shortened
+const double largest_rotation = std::getenv("CAP") ? std::atof(std::getenv("CAP")) : 0.5;  // [rad] of a Newton increment; larger ones are shortened
 constexpr double small_increment = 1e-4;  // of the scene's length, or [rad]: not searched along
 constexpr int searching = 3;              // times as many iterations with a line search
 constexpr double smallest_share = 1.0 / 256.0;
@@ -89,7 +91,15 @@ void retract(State& state, const VecX& increment, double scale) {
 
 bool newton_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
                         State& state, Counters& counters, std::string& failure,
-                        NeutralMotions* neutral) {
+                        NeutralMotions* neutral, MixedIterate* mixed) {
+  MixedIterate own;
+  std::vector<Vec6>& S = (mixed != nullptr ? mixed : &own)->resultants;
+  std::vector<Vec6> next;
+  if (S.empty()) system.linearized_resultants(state, {}, S);
+  const auto linearize = [&](VecX& r) {
+    if (options.line_search) system.linearized_resultants(state, {}, S);
+    system.linearize_mixed(state, S, r, solver);
+  };
   NeutralMotions free;
   bool looked = false;
   const VecX weights = motion_weights(system);
@@ -101,7 +111,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
   const int most =
       options.line_search ? searching * options.max_iterations : options.max_iterations;
   for (int k = 0; k < most; ++k) {
-    system.linearize(state, {}, r, solver);
+    linearize(r);
     ++counters.iterations;
     ++counters.residuals;
     ++counters.tangents;
@@ -112,9 +122,9 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     if (!looked) {
       looked = true;
       if (status != FactorStatus::ok || solver.reciprocal_condition() < nearly_singular) {
-        free = find_neutral_motions(system, solver, state);
+        free = find_neutral_motions(system, solver, state, S);
         if (free.count() == 0) {
-          system.linearize(state, {}, r, solver);
+          linearize(r);
           status = solver.factor();
         } else {
           status = FactorStatus::ok;
@@ -122,7 +132,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         counters.factorizations += free.count() == 0 ? 2 : 1;
       }
     } else if (free.count() > 0) {
-      free = find_neutral_motions(system, solver, state);
+      free = find_neutral_motions(system, solver, state, S);
       status = free.count() > 0 ? FactorStatus::ok : FactorStatus::singular;
       ++counters.factorizations;
     }
@@ -164,8 +174,14 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
       }
       state = trial;
     } else {
+      if (!options.line_search) {
+        system.linearized_resultants(state, x, next);
+        for (std::size_t i = 0; i < S.size(); ++i) S[i] += share * (next[i] - S[i]);
+      }
+      if (mixed != nullptr && share == 1.0 && e < 1e3) mixed->linearized = state;
       retract(state, x, share);
     }
+    if (std::getenv("TRACE")) fprintf(stderr, "   %2d e %.2e turn %.2e share %.3f sign %d\n", k, e, turn, share, solver.determinant_sign());
     norm.observe(state.lambda);
     // Quadratic convergence: what is left after an increment e < 1 is far below the tolerance. At the
     // floor of round-off increments stop falling.

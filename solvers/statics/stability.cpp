@@ -87,12 +87,15 @@ void NeutralMotions::take_out(const VecX& weights, Eigen::Ref<VecX> x) const {
 }
 
 NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver,
-                                    const State& state) {
+                                    const State& state, std::span<const Vec6> resultants) {
   constexpr Index most = 64;
   constexpr int iterations = 4;
   NeutralMotions none, found;
   VecX r;
-  system.linearize(state, {}, r, solver);
+  if (resultants.empty())
+    system.linearize(state, {}, r, solver);
+  else
+    system.linearize_mixed(state, resultants, r, solver);
   const double s = spring_of(system, solver);
   if (!(s > 0.0) || !add_springs(system, solver.slots(), s)) return none;
   if (solver.factor() != FactorStatus::ok) return none;

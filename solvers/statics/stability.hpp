@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "libmbd/core/system.hpp"
@@ -63,7 +64,9 @@ inline constexpr double neutral_share = 1e-12;
 
 // Leaves in `solver`, which has been analysed for the system, the factors of that matrix. Empty if there are no neutral
 // motions, or more than can be told.
-NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state);
+// `resultants`: of mixed Newton (equilibrium.hpp), whose tangent it is then; empty: none.
+NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state,
+                                    std::span<const Vec6> resultants = {});
 
 // The largest motion of an increment in words: "beam 'arch' node 19 moves along its axis 2".
 std::string name_of_motion(const System& system, const VecX& shape);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <cstdio>
 
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/statics/stability.hpp"
@@ -65,6 +67,9 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
   }();
   State trial;
   VecX rate, bend;  // of the path over the load: the next step starts from where they lead
+  MixedIterate mixed;
+  std::vector<Vec6> S, S_rate, S_bend;  // the same of resultants
+  system.linearized_resultants(state, {}, S);
   while (report.load_factor < 1.0) {
     double next = report.load_factor + increment;
     if (next > 1.0 - 1e-9) next = 1.0;
@@ -73,19 +78,26 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     if (rate.size() > 0) retract(trial, ahead * rate);
     if (bend.size() > 0) retract(trial, 0.5 * ahead * ahead * bend);
     trial.load_factor = next;
+    mixed.resultants = S;
+    for (std::size_t i = 0; i < S_rate.size(); ++i) mixed.resultants[i] += ahead * S_rate[i];
+    for (std::size_t i = 0; i < S_bend.size(); ++i)
+      mixed.resultants[i] += 0.5 * ahead * ahead * S_bend[i];
     std::string failure;
     const long before = report.counters.iterations;
     NewtonOptions newton = options.newton;
     newton.line_search = false;
     NeutralMotions neutral;
-    bool found = equilibrium(system, solver, newton, trial, report.counters, failure, &neutral);
+    bool found = equilibrium(system, solver, newton, trial, report.counters, failure, &neutral, &mixed);
     if (!found && options.newton.line_search && options.solver == StaticSolver::newton) {
       newton.line_search = true;
       trial = state;
       trial.load_factor = next;
-      found = newton_equilibrium(system, solver, newton, trial, report.counters, failure, &neutral);
+      mixed.resultants.clear();
+      found = newton_equilibrium(system, solver, newton, trial, report.counters, failure, &neutral,
+                                 &mixed);
       report.searched += found ? 1 : 0;
     }
+    if (std::getenv("TRACE")) fprintf(stderr, "load %.6g (+%.3g) found %d: %ld iterations\n", next, ahead, found, report.counters.iterations - before);
     if (found) {
       state = trial;
       // Newton's last tangent is that of the solution, up to its last increment.
@@ -97,6 +109,21 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
       bend.resize(0);
       if (rate.size() > 0 && now.size() > 0) bend = (now - rate) / ahead;
       rate = std::move(now);
+      system.linearized_resultants(state, {}, S);
+      std::vector<Vec6> S_now;
+      if (rate.size() > 0 && !S.empty()) {
+        // Where the tangent was taken: a rate strains stiff directions by round-off there, by more elsewhere.
+        std::vector<Vec6> there;
+        system.linearized_resultants(mixed.linearized, {}, there);
+        system.linearized_resultants(mixed.linearized, rate, S_now);
+        for (std::size_t i = 0; i < S.size(); ++i) S_now[i] -= there[i];
+      }
+      S_bend.clear();
+      if (S_rate.size() == S_now.size() && bend.size() > 0) {
+        S_bend = S_now;
+        for (std::size_t i = 0; i < S.size(); ++i) S_bend[i] = (S_now[i] - S_rate[i]) / ahead;
+      }
+      S_rate = std::move(S_now);
       system.follow_angles(state);
       report.load_factor = next;
       ++report.counters.steps;
