@@ -112,6 +112,7 @@ class Follower {
     State state;
     VecX tangent;  // of (U, lambda, mu), n_ + 1
     VecX bend;     // how it changed over the last step, per measure; empty if not known
+    std::vector<Vec6> bend_of_resultants;  // the same of how resultants change along the tangent
     double arc = 0.0;
     std::optional<Index> index;  // negative eigenvalues, or 1 for a negative determinant of (1)
     bool is_branching = false;   // a bifurcation, left in the direction of its mode
@@ -136,9 +137,13 @@ class Follower {
 
   static std::span<double> span(VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
-  // r and the matrix of (1) at a state.
-  bool factor_bordered(const State& state, const VecX& normal, VecX& r) {
-    system_.linearize(state, {}, r, *bordered_);
+  // r and the matrix of (1) at a state; of a corrector with its resultants.
+  bool factor_bordered(const State& state, const VecX& normal, VecX& r,
+                       std::span<const Vec6> resultants = {}) {
+    if (resultants.empty())
+      system_.linearize(state, {}, r, *bordered_);
+    else
+      system_.linearize_mixed(state, resultants, r, *bordered_);
     system_.load_rate(state, rate_);
     count_tangent();
     const std::span<const Slot> slots = bordered_->slots();
@@ -234,7 +239,16 @@ class Follower {
     return largest;
   }
 
-  // The point at h from another. Empty if the corrector does not converge quickly.
+  // How resultants change along the tangent of a point.
+  std::vector<Vec6> rate_of_resultants(const Point& point) const {
+    std::vector<Vec6> here, rate;
+    system_.linearized_resultants(point.state, {}, here);
+    system_.linearized_resultants(point.state, point.tangent.head(n_), rate);
+    for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= here[i];
+    return rate;
+  }
+
+  // The point at h from another, by mixed Newton (equilibrium.hpp). Empty if the corrector does not converge quickly.
   std::optional<Point> correct(const Point& from, double h, int& iterations) {
     Point point;
     point.state = from.state;
@@ -243,6 +257,10 @@ class Follower {
     if (from.bend.size() > 0) ahead += (0.5 * h * h) * from.bend;
     retract(point.state, ahead);
     point.state.load_factor += ahead(n_);
+    std::vector<Vec6> resultants;
+    system_.linearized_resultants(from.state, h * from.tangent.head(n_), resultants);
+    for (std::size_t i = 0; i < from.bend_of_resultants.size(); ++i)
+      resultants[i] += (0.5 * h * h) * from.bend_of_resultants[i];
     const bool on_cylinder = options_.method == PathMethod::crisfield;
     const double radius = on_cylinder ? std::abs(h) * displacement(from.tangent) : 0.0;
     IncrementNorm norm(system_, options_.newton);
@@ -255,15 +273,16 @@ class Follower {
       ++report_.counters.iterations;
       ++iterations;
       if (on_cylinder) {
-        if (!increment_on_cylinder(from, point.state, radius, r, x)) return std::nullopt;
+        if (!increment_on_cylinder(from, point.state, resultants, radius, r, x)) return std::nullopt;
       } else {
-        if (!factor_bordered(point.state, from.tangent, r)) return std::nullopt;
+        if (!factor_bordered(point.state, from.tangent, r, resultants)) return std::nullopt;
         x << -r.tail(n_), 0.0;
         bordered_->solve(span(x));
       }
       if (k == 0) norm.set_floor(point.state, stiffness_);
       if (deflated_.size() > 0) x -= dot(deflated_, x) * deflated_;
       if (!x.allFinite() || rotation(x) > largest_rotation) return std::nullopt;
+      system_.linearized_resultants(point.state, x.head(n_), resultants);
       retract(point.state, x);
       point.state.load_factor += x(n_);
       norm.observe(point.state.lambda);
@@ -307,9 +326,9 @@ class Follower {
   // Solutions of S dU + p dmu = -r are a line, a + s b, whose direction is the tangent there; the one with
   // |d + a + s b| = radius in displacements, d those since `from`. From the matrix of (1), so that the
   // line is known at limit points too.
-  bool increment_on_cylinder(const Point& from, const State& state, double radius, VecX& r,
-                             VecX& x) {
-    if (!factor_bordered(state, from.tangent, r)) return false;
+  bool increment_on_cylinder(const Point& from, const State& state,
+                             std::span<const Vec6> resultants, double radius, VecX& r, VecX& x) {
+    if (!factor_bordered(state, from.tangent, r, resultants)) return false;
     VecX a(n_ + 1), b = VecX::Unit(n_ + 1, n_);
     a << -r.tail(n_), 0.0;
     bordered_->solve(span(a));
@@ -656,6 +675,10 @@ class Follower {
       ++report_.counters.steps;
       if (!accept(*next, PathEvent::none, branch)) return;
       next->bend = (next->tangent - at.tangent) / h;
+      next->bend_of_resultants = rate_of_resultants(*next);
+      const std::vector<Vec6> before = rate_of_resultants(at);
+      for (std::size_t i = 0; i < before.size(); ++i)
+        next->bend_of_resultants[i] = (next->bend_of_resultants[i] - before[i]) / h;
       at = std::move(*next);
       double factor = iterations <= easy_iterations ? 2.0 : iterations <= most_easy ? 1.0 : 0.7;
       if (turn > 0.0) factor = std::min(factor, 0.5 * most_turn / turn);
@@ -692,6 +715,7 @@ class Follower {
     Point start = from.point;
     start.tangent = direction;
     start.bend.resize(0);
+    start.bend_of_resultants.clear();
     start.index.reset();  // of the path it leaves
     start.is_branching = true;
     start.arc = 0.0;
