@@ -87,8 +87,7 @@ class ElementBatch : public Base {
       double margin = 1.0;
       for (std::size_t e = 0; e < data_.size(); ++e) {
         gather(state, e, x);
-        const double m =
-            E::evaluate_mixed(shared_, data_[e], x.data(), &S[e * points], out);
+        const double m = E::evaluate_mixed(shared_, data_[e], x.data(), &S[e * points], out);
         margin = m < margin ? m : margin;
         add_residual(out, e, r);
         hand_over(out, e, 1.0, {}, slots);

@@ -250,8 +250,7 @@ struct Classical {
       const Matrix43<S> Xv = inverse_n * product_of<S>(point.a);
       const Vector3<S> av = Xv.transpose() * da, bv = Xv.transpose() * db;
       const Vector3<S> dt = point.R.transpose() * dc + S(2) * point.t.cross(av);
-      const Vector3<S> dk =
-          S(2) * bv - a0 * point.k - S(2) * point.b0 * av + point.k.cross(av);
+      const Vector3<S> dk = S(2) * bv - a0 * point.k - S(2) * point.b0 * av + point.k.cross(av);
       resultants[i] = times<S>(D_at(shared, data, i).template cast<S>(),
                                Vector6<S>(strain(data, i, point) + six<S>(dt, dk)));
     }

@@ -158,8 +158,7 @@ Index System::resultant_count() const {
   return sum;
 }
 
-void System::linearized_resultants(const State& state, const VecX& dU,
-                                   std::vector<Vec6>& S) const {
+void System::linearized_resultants(const State& state, const VecX& dU, std::vector<Vec6>& S) const {
   S.resize(static_cast<std::size_t>(resultant_count()));
   std::size_t first = 0;
   for (const auto& batch : batches_) {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <cstdlib>
-#include <cstdio>
 
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/newton/increments.hpp"
@@ -14,7 +12,7 @@
 namespace mbd {
 namespace {
 
-const double largest_rotation = std::getenv("CAP") ? std::atof(std::getenv("CAP")) : 0.5;  // [rad] of a Newton increment; larger ones are shortened
+constexpr double largest_rotation = 1.0;  // [rad] of a Newton increment; larger ones are shortened
 constexpr double small_increment = 1e-4;  // of the scene's length, or [rad]: not searched along
 constexpr int searching = 3;              // times as many iterations with a line search
 constexpr double smallest_share = 1.0 / 256.0;
@@ -93,8 +91,11 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
                         State& state, Counters& counters, std::string& failure,
                         NeutralMotions* neutral, MixedIterate* mixed) {
   MixedIterate own;
-  std::vector<Vec6>& S = (mixed != nullptr ? mixed : &own)->resultants;
+  if (mixed == nullptr) mixed = &own;
+  std::vector<Vec6>& S = mixed->resultants;
   std::vector<Vec6> next;
+  mixed->sign = 0;
+  mixed->sign_varied = false;
   if (S.empty()) system.linearized_resultants(state, {}, S);
   const auto linearize = [&](VecX& r) {
     if (options.line_search) system.linearized_resultants(state, {}, S);
@@ -163,6 +164,9 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     }
     const double turn = rotation(system, x);
     double share = turn > largest_rotation ? largest_rotation / turn : 1.0;
+    const int sign = free.count() > 0 ? 0 : solver.determinant_sign();
+    mixed->sign_varied |= k > 0 && sign != mixed->sign;
+    mixed->sign = sign;
     if (options.line_search && motion(system, x) > small_increment) {
       share = search(system, solver, state, x, counters, trial, share);
       if (share == 0.0) {
@@ -178,10 +182,9 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         system.linearized_resultants(state, x, next);
         for (std::size_t i = 0; i < S.size(); ++i) S[i] += share * (next[i] - S[i]);
       }
-      if (mixed != nullptr && share == 1.0 && e < 1e3) mixed->linearized = state;
+      if (share == 1.0 && e < 1e3) mixed->linearized = state;
       retract(state, x, share);
     }
-    if (std::getenv("TRACE")) fprintf(stderr, "   %2d e %.2e turn %.2e share %.3f sign %d\n", k, e, turn, share, solver.determinant_sign());
     norm.observe(state.lambda);
     // Quadratic convergence: what is left after an increment e < 1 is far below the tolerance. At the
     // floor of round-off increments stop falling.
@@ -195,6 +198,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         failure = *open;
         return false;
       }
+      if (options.line_search) system.linearized_resultants(state, {}, S);
       if (neutral != nullptr) *neutral = std::move(free);
       return true;
     }

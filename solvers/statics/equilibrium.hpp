@@ -17,7 +17,11 @@ void retract(State& state, const VecX& increment, double scale = 1.0);
 // System::linearized_resultants.
 struct MixedIterate {
   std::vector<Vec6> resultants;  // S* [N; N.m]; empty: those of the state, D E
-  State linearized;              // of a solution: the state at which its last tangent was taken
+  // Of a solution: the state at which its last tangent was taken, the sign of its determinant, 0 if not known, and
+  // whether that of another iterate was not the same.
+  State linearized;
+  int sign = 0;
+  bool sign_varied = false;
 };
 
 // Newton's method on the saddle point of Hellinger and Reissner, whose unknowns are motion U and resultants S,

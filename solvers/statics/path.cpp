@@ -78,14 +78,16 @@ class Follower {
 
   PathReport go(State& state) {
     state.load_factor = 0.0;
+    MixedIterate mixed;
     if (!newton_equilibrium(system_, plain_, options_.newton, state, report_.counters,
-                            report_.failure)) {
+                            report_.failure, nullptr, &mixed)) {
       report_.failure = "there is no equilibrium without load to start from: " + report_.failure;
       return std::move(report_);
     }
     system_.follow_angles(state);
     Point start;
     start.state = state;
+    start.resultants = std::move(mixed.resultants);
     if (!first_tangent(start)) return std::move(report_);
     if (!index_at_start(start)) return std::move(report_);
     if (!accept(start, PathEvent::none, 0)) return std::move(report_);
@@ -110,6 +112,7 @@ class Follower {
  private:
   struct Point {
     State state;
+    std::vector<Vec6> resultants;
     VecX tangent;  // of (U, lambda, mu), n_ + 1
     VecX bend;     // how it changed over the last step, per measure; empty if not known
     std::vector<Vec6> bend_of_resultants;  // the same of how resultants change along the tangent
@@ -210,7 +213,7 @@ class Follower {
 
   bool tangent(Point& point, const VecX& before) {
     VecX r;
-    if (!factor_bordered(point.state, before, r)) return false;
+    if (!factor_bordered(point.state, before, r, point.resultants)) return false;
     point.tangent = VecX::Zero(n_ + 1);
     point.tangent(n_) = 1.0;
     bordered_->solve(span(point.tangent));
@@ -227,7 +230,7 @@ class Follower {
       return sign == 0 ? std::nullopt : std::optional<Index>(sign < 0 ? 1 : 0);
     }
     ++report_.counters.tangents;
-    const std::optional<Index> count = (*stability_)(point.state);
+    const std::optional<Index> count = (*stability_)(point.state, false, point.resultants);
     asymmetry_ = std::max(asymmetry_, stability_->asymmetry());
     return count;
   }
@@ -257,8 +260,10 @@ class Follower {
     if (from.bend.size() > 0) ahead += (0.5 * h * h) * from.bend;
     retract(point.state, ahead);
     point.state.load_factor += ahead(n_);
-    std::vector<Vec6> resultants;
-    system_.linearized_resultants(from.state, h * from.tangent.head(n_), resultants);
+    point.resultants = rate_of_resultants(from);
+    std::vector<Vec6>& resultants = point.resultants;
+    for (std::size_t i = 0; i < resultants.size(); ++i)
+      resultants[i] = from.resultants[i] + h * resultants[i];
     for (std::size_t i = 0; i < from.bend_of_resultants.size(); ++i)
       resultants[i] += (0.5 * h * h) * from.bend_of_resultants[i];
     const bool on_cylinder = options_.method == PathMethod::crisfield;
@@ -273,7 +278,8 @@ class Follower {
       ++report_.counters.iterations;
       ++iterations;
       if (on_cylinder) {
-        if (!increment_on_cylinder(from, point.state, resultants, radius, r, x)) return std::nullopt;
+        if (!increment_on_cylinder(from, point.state, resultants, radius, r, x))
+          return std::nullopt;
       } else {
         if (!factor_bordered(point.state, from.tangent, r, resultants)) return std::nullopt;
         x << -r.tail(n_), 0.0;
@@ -371,7 +377,8 @@ class Follower {
       VecX shape;
     };
     const auto end = [&](double h, const Point& point) -> End {
-      const std::optional<CriticalMode> mode = critical_mode(system_, plain_, point.state, guess_);
+      const std::optional<CriticalMode> mode =
+          critical_mode(system_, plain_, point.state, guess_, point.resultants);
       ++report_.counters.factorizations;
       if (!mode) return {h, 0.0, {}};
       return {h, mode->eigenvalue, mode->shape};
