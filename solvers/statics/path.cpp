@@ -15,7 +15,10 @@ namespace {
 
 constexpr double most_turn = 0.5;  // [rad] of the tangent in a step; steps aim at half of it
 constexpr int easy_iterations = 6, most_easy = 9;  // of the corrector: steps grow, stay
-constexpr double located = 1e-6;           // what remains of a root's bracket, of the step's
+constexpr double located = 1e-6;  // what remains of a root's bracket, of the step's
+// A root of what is continuous, not a pole: what is left there, of its change. Its bracket is at round-off; t_mu is
+// known to 1e-5 where shear is 1e9 times as stiff as bending.
+constexpr double continuous = 1e-4;
 constexpr double balanced = 1e-8;          // force along a mode, of the change of its eigenvalue
 constexpr double most_first_steps = 20.0;  // of the load, in a step that moves nothing
 constexpr int most_halvings = 5;           // of a step in which an event could not be located
@@ -470,7 +473,7 @@ class Follower {
           0.0, from.tangent(n_), whole, to.tangent(n_), tolerance);
       std::optional<Point> point = between(from, h);
       const double change = std::abs(from.tangent(n_) - to.tangent(n_));
-      if (point && std::abs(point->tangent(n_)) <= located * change) {
+      if (point && std::abs(point->tangent(n_)) <= continuous * change) {
         limits.push_back(h);
         const VecX mode = point->tangent.head(n_);
         met.events.push_back(
