@@ -204,7 +204,7 @@ TEST(MixedTangent, IsThatOfTheSaddle) {
 // Errors of the iterates of one load step of the elastica, of 0.4 of a load of 10 EI/L^2, stretching and shear 1e8 times
 // as stiff as bending. Largest difference of positions from the solution, over L.
 TEST(MixedNewton, RateIsQuadratic) {
-  const Scene scene = model_scene("elastica", {{"stiff", 1e8}, {"load", 10.0}});
+  const Scene scene = model_scene("elastica", {{"stiff", "1e8"}, {"load", "10"}});
   const Model model = compile(scene);
   const std::unique_ptr<LinearSolver> solver = make_klu_solver();
   solver->analyze(model.system->graph());
@@ -246,7 +246,7 @@ TEST(MixedNewton, StiffStretchingCostsNothing) {
     Overrides overrides;
     int steps;
     double most;
-  } cases[] = {{"elastica", {{"stiff", 1e2}, {"load", 10.0}}, 4, 1e8},
+  } cases[] = {{"elastica", {{"stiff", "1e2"}, {"load", "10"}}, 4, 1e8},
                {"bend45", {}, 4, 1e6},
                {"roll_up", {}, 4, 1e6},
                {"princeton", {}, 4, 1e6},
@@ -278,7 +278,8 @@ TEST(MixedNewton, RollsUpToACircle) {
 // Elliptic integrals: models/elastica.xml.
 TEST(MixedNewton, ElasticaOfEveryStiffness) {
   for (const double stiff : {1e4, 1e7, 1e10}) {
-    const Solved s = solve(model_scene("elastica", {{"stiff", stiff}, {"load", 10.0}}), 4);
+    const Solved s =
+        solve(model_scene("elastica", {{"stiff", std::to_string(stiff)}, {"load", "10"}}), 4);
     ASSERT_TRUE(s.report.converged) << s.report.failure;
     EXPECT_NEAR(s.tip().r(0), 1.0 - 0.554995598, 1e-9) << stiff;
     EXPECT_NEAR(s.tip().r(2), -0.810609025 - 10.0 / stiff, 1e-9) << stiff;
