@@ -77,4 +77,18 @@ concept Element = requires(const typename E::Shared& shared, const typename E::D
     } -> std::convertible_to<double>;
 };
 
+// An element whose resultants may be iterates of Newton's method (Batch::linearized_resultants); it has besides
+//   point_count(shared)     quadrature points
+//   evaluate_mixed(shared, data, node states, S, out) -> margin: as evaluate<Want::tangent>, the geometric
+//       stiffness that of the resultants S, one a point
+//   linearized_resultants(shared, data, node states, dU by node, S): sets S_i = D (E_i + B_i dU)
+template <class E>
+concept Mixed = requires(const typename E::Shared& shared, const typename E::Data& data,
+                         const NodeState<double>* x, const Vec6* given, Vec6* set,
+                         typename E::template Output<double>& out) {
+  { E::point_count(shared) } -> std::convertible_to<int>;
+  { E::evaluate_mixed(shared, data, x, given, out) } -> std::convertible_to<double>;
+  E::linearized_resultants(shared, data, x, given, set);
+};
+
 }  // namespace mbd

@@ -50,6 +50,54 @@ class ElementBatch : public Base {
     return run<Want::tangent>(state, weights, r, slots);
   }
 
+  Index resultant_count() const override {
+    if constexpr (Mixed<E>) {
+      return size() * E::point_count(shared_);
+    } else {
+      return 0;
+    }
+  }
+
+  void linearized_resultants(const State& state, std::span<const double> dU,
+                             std::span<Vec6> S) const override {
+    if constexpr (Mixed<E>) {
+      const auto points = static_cast<std::size_t>(E::point_count(shared_));
+      NodeStates x;
+      std::array<Vec6, static_cast<std::size_t>(max_nodes)> U;
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        gather(state, e, x);
+        const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+        for (int a = 0; a < count(); ++a) {
+          Vec6& u = U[static_cast<std::size_t>(a)];
+          u.setZero();
+          if (!dU.empty() && node[a] > 0)
+            u = Eigen::Map<const Vec6>(&dU[6 * static_cast<std::size_t>(node[a] - 1)]);
+        }
+        E::linearized_resultants(shared_, data_[e], x.data(), U.data(), &S[e * points]);
+      }
+    }
+  }
+
+  bool linearize_mixed(const State& state, std::span<const Vec6> S, VecX& r,
+                       std::span<const Slot> slots) const override {
+    if constexpr (Mixed<E>) {
+      const auto points = static_cast<std::size_t>(E::point_count(shared_));
+      typename E::template Output<double> out;
+      NodeStates x;
+      double margin = 1.0;
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        gather(state, e, x);
+        const double m = E::evaluate_mixed(shared_, data_[e], x.data(), &S[e * points], out);
+        margin = m < margin ? m : margin;
+        add_residual(out, e, r);
+        hand_over(out, e, 1.0, {}, slots);
+      }
+      return margin > 0.0;
+    } else {
+      return linearize(state, {}, r, slots);
+    }
+  }
+
   void add_rate_tangent(const State& state, const TangentWeights& weights,
                         std::span<const Slot> slots) const override {
     if constexpr (E::has_D) {

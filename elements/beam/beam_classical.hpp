@@ -204,13 +204,56 @@ struct Classical {
   template <Want want, class S>
   static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x,
                     const Environment&, RateWeights, Output<S>& out) {
-    static const double limit = std::cos(0.5 * ClassicalRange::max_angle);
     Work<S> work;
     residual(shared, data, x, work, out);
     if constexpr (want == Want::tangent) tangent(shared, data, work, out);
-    const S by_angle = work.node.closest - S(limit),
-            by_n = work.smallest_n - S(ClassicalRange::min_n);
-    return by_n < by_angle ? by_n : by_angle;
+    return margin(work);
+  }
+
+  // --- resultants as iterates (NOTATION.md 5) ---
+  static int point_count(const Shared& shared) { return shared.table.points; }
+
+  // (8) with S*_i in place of S_i in the second-order parts of (6), in F_psi, f and y.
+  template <class S>
+  static S evaluate_mixed(const Shared& shared, const Data& data, const NodeState<S>* x,
+                          const Vector6<S>* given, Output<S>& out) {
+    Work<S> work;
+    residual(shared, data, x, work, out);
+    const typename Output<S>::Vector r = out.r;
+    set_forces(shared, data, given, work, out);
+    tangent(shared, data, work, out);
+    out.r = r;
+    return margin(work);
+  }
+
+  // S_i = D (E_i + L [alpha; beta; rho]), the first order of (3), (4).
+  template <class S>
+  static void linearized_resultants(const Shared& shared, const Data& data, const NodeState<S>* x,
+                                    const Vector6<S>* dU, Vector6<S>* resultants) {
+    const Table<N>& table = shared.table;
+    Nodes<S> node;
+    node.set(table.order(), [x](int k) -> const Pose<S>& { return x[k].H; });
+    for (int i = 0; i < table.points; ++i) {
+      const Point<S> point(table, data, i, node);
+      Vector4<S> da = Vector4<S>::Zero(), db = da;
+      Vector3<S> dc = Vector3<S>::Zero();
+      const S inverse_J = S(data.inverse_J[static_cast<std::size_t>(i)]);
+      for (int k = 0; k <= table.order(); ++k) {
+        const auto K = static_cast<std::size_t>(k);
+        const Vector4<S> dp = S(0.5) * (product_of<S>(node.p[K]) * angular(dU[k]));
+        const S dl = inverse_J * S(table.dl[at(i, k)]);
+        da += S(table.l[at(i, k)]) * dp;
+        db += dl * dp;
+        dc += dl * (node.R[K] * linear(dU[k]));
+      }
+      const S inverse_n = S(1) / point.n, a0 = inverse_n * point.a.dot(da);
+      const Matrix43<S> Xv = inverse_n * product_of<S>(point.a);
+      const Vector3<S> av = Xv.transpose() * da, bv = Xv.transpose() * db;
+      const Vector3<S> dt = point.R.transpose() * dc + S(2) * point.t.cross(av);
+      const Vector3<S> dk = S(2) * bv - a0 * point.k - S(2) * point.b0 * av + point.k.cross(av);
+      resultants[i] = times<S>(D_at(shared, data, i).template cast<S>(),
+                               Vector6<S>(strain(data, i, point) + six<S>(dt, dk)));
+    }
   }
 
   template <class S>
@@ -245,11 +288,41 @@ struct Classical {
   }
 
  private:
+  template <class S>
+  static S margin(const Work<S>& work) {
+    static const double limit = std::cos(0.5 * ClassicalRange::max_angle);
+    const S by_angle = work.node.closest - S(limit),
+            by_n = work.smallest_n - S(ClassicalRange::min_n);
+    return by_n < by_angle ? by_n : by_angle;
+  }
+
   static std::size_t at(int i, int k) { return static_cast<std::size_t>(i * Z::max_nodes + k); }
 
   template <class S>
   static Vector6<S> strain(const Data& data, int i, const Point<S>& point) {
     return point.K() - data.K0[static_cast<std::size_t>(i)].template cast<S>();
+  }
+
+  // (5) of point i, inertial, into f and y of the nodes.
+  template <class S>
+  MBD_INLINE static void add_forces(const Table<N>& table, const Data& data, int i,
+                                    const Vector6<S>& force, Work<S>& work,
+                                    std::array<Vector3<S>, Z::max_nodes>& f) {
+    const auto I = static_cast<std::size_t>(i);
+    const Point<S>& at_i = work.point[I];
+    const Vector3<S> n = linear(force), m = angular(force);
+    const Matrix43<S> av = product_of<S>(at_i.a) * (S(1) / at_i.n);
+    const S inverse_J = S(data.inverse_J[I]);
+    const Vector3<S> g_v = S(2) * (n.cross(at_i.t) - at_i.b0 * m) - at_i.k.cross(m);
+    const Vector4<S> g_a = av * g_v - (m.dot(at_i.k) / at_i.n) * at_i.a;
+    const Vector4<S> g_b = (S(2) * inverse_J) * (av * m);
+    const Vector3<S> g_c = inverse_J * (at_i.R * n);
+    for (int k = 0; k <= table.order(); ++k) {
+      const auto K = static_cast<std::size_t>(k);
+      const S l = S(table.l[at(i, k)]), dl = S(table.dl[at(i, k)]);
+      f[K] += dl * g_c;
+      work.y[K] += l * g_a + dl * g_b;
+    }
   }
 
   // Not inlined, so that the residual is the same machine code, and the same to the last bit, with and
@@ -276,22 +349,17 @@ struct Classical {
       const Vector6<S> force =
           S(data.wJ[I]) * times<S>(D_at(shared, data, i).template cast<S>(), strain(data, i, at_i));
       work.force[I] = force;
-      // (5), inertial
-      const Vector3<S> n = linear(force), m = angular(force);
-      const Matrix43<S> av = product_of<S>(at_i.a) * (S(1) / at_i.n);
-      const S inverse_J = S(data.inverse_J[I]);
-      const Vector3<S> g_v = S(2) * (n.cross(at_i.t) - at_i.b0 * m) - at_i.k.cross(m);
-      const Vector4<S> g_a = av * g_v - (m.dot(at_i.k) / at_i.n) * at_i.a;
-      const Vector4<S> g_b = (S(2) * inverse_J) * (av * m);
-      const Vector3<S> g_c = inverse_J * (at_i.R * n);
-      for (int k = 0; k <= order; ++k) {
-        const auto K = static_cast<std::size_t>(k);
-        const S l = S(table.l[at(i, k)]), dl = S(table.dl[at(i, k)]);
-        f[K] += dl * g_c;
-        work.y[K] += l * g_a + dl * g_b;
-      }
+      add_forces(table, data, i, force, work, f);
     }
-    // (7)
+    set_node_forces(order, work, f, out);
+  }
+
+  // (7)
+  template <class S>
+  MBD_INLINE static void set_node_forces(int order, const Work<S>& work,
+                                         const std::array<Vector3<S>, Z::max_nodes>& f,
+                                         Output<S>& out) {
+    const Nodes<S>& node = work.node;
     out.r.resize(6 * (order + 1));
     for (int k = 0; k <= order; ++k) {
       const auto K = static_cast<std::size_t>(k);
@@ -299,6 +367,24 @@ struct Classical {
       rows_at<3>(out.r, 6 * k + 3).noalias() =
           S(0.5) * (product_of<S>(node.p[K]).transpose() * work.y[K]);
     }
+  }
+
+  // What is left of a residual for other forces S_i at its points: the nodal forces and y of a tangent.
+  template <class S>
+  static void set_forces(const Shared& shared, const Data& data, const Vector6<S>* given,
+                         Work<S>& work, Output<S>& out) {
+    const int order = shared.table.order();
+    std::array<Vector3<S>, Z::max_nodes> f;
+    for (int m = 0; m <= order; ++m) {
+      f[static_cast<std::size_t>(m)].setZero();
+      work.y[static_cast<std::size_t>(m)].setZero();
+    }
+    for (int i = 0; i < shared.table.points; ++i) {
+      const auto I = static_cast<std::size_t>(i);
+      work.force[I] = S(data.wJ[I]) * given[i];
+      add_forces(shared.table, data, i, work.force[I], work, f);
+    }
+    set_node_forces(order, work, f, out);
   }
 
   // h of (6) for one point, inertial components: symmetric, without the blocks that are zero.

@@ -14,6 +14,7 @@
 // point. Not used: interpolating displacement and rotation apart (needs a rule for objectivity).
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "elements/beam/beam_strips.hpp"
@@ -70,6 +71,50 @@ struct Elastic {
     residual(shared, data, x, work, out);
     if constexpr (want == Want::tangent) tangent(shared, data, work, out);
     return work.motion.margin;
+  }
+
+  // --- resultants as iterates (NOTATION.md 5) ---
+  static int point_count(const Shared& shared) { return shared.table.points; }
+
+  // (3) or (5) with S*_i in place of S_i where the geometry varies: in W_p, or in S_i^U.
+  template <class S>
+  static S evaluate_mixed(const Shared& shared, const Data& data, const NodeState<S>* x,
+                          const Vector6<S>* given, Output<S>& out) {
+    Work<S> work;
+    residual(shared, data, x, work, out);
+    const int points = shared.table.points, order = shared.table.order();
+    if constexpr (is_energy) {
+      for (int p = 0; p < order * (order + 1) / 2; ++p) {
+        Vector6<S>& sum = work.W[static_cast<std::size_t>(p)];
+        sum.setZero();
+        for (int i = 0; i < points; ++i)
+          sum += S(data.c[static_cast<std::size_t>(i * Z::max_pairs + p)] *
+                   data.wJ[static_cast<std::size_t>(i)]) *
+                 given[i];
+      }
+    } else {
+      std::copy_n(given, points, work.force.begin());
+    }
+    tangent(shared, data, work, out);
+    return work.motion.margin;
+  }
+
+  // S_i = D (E_i + Bbar_i dU), by dq = T^-1(q) U_k - T^-1(-q) U_j.
+  template <class S>
+  static void linearized_resultants(const Shared& shared, const Data& data, const NodeState<S>* x,
+                                    const Vector6<S>* dU, Vector6<S>* resultants) {
+    const int order = shared.table.order();
+    Motion<Metric, N, S> motion;
+    motion.set(order, [x](int k) -> const Pose<S>& { return x[k].H; });
+    std::size_t p = 0;
+    for (int j = 0; j < order; ++j)
+      for (int k = j + 1; k <= order; ++k, ++p) {
+        const DualMatrix<S> T = motion.pair[p].T_inverse();
+        motion.q[p] += T * dU[k] - T.transposed_parts() * dU[j];
+      }
+    for (int i = 0; i < shared.table.points; ++i)
+      resultants[i] = times<S>(D_at(shared, data, i).template cast<S>(),
+                               strain(data, i, order * (order + 1) / 2, motion));
   }
 
   template <class S>

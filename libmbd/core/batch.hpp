@@ -51,6 +51,20 @@ class Batch {
   virtual bool linearize(const State& state, const TangentWeights& weights, VecX& r,
                          std::span<const Slot> slots) const = 0;
 
+  // --- resultants as iterates of Newton's method (NOTATION.md 5): of elements that are stiff in some strains ---
+  // How many there are, one at each quadrature point of each element; 0: none is one.
+  virtual Index resultant_count() const { return 0; }
+  // S = D (E + B dU), the resultants of the strains linearised at a state, in order of elements and points,
+  // [N; N.m] in section frames. dU: increments of all nodes but the ground, 6 each; empty: S = D E.
+  virtual void linearized_resultants(const State& /*state*/, std::span<const double> /*dU*/,
+                                     std::span<Vec6> /*S*/) const {}
+  // linearize() with U = 1 and no rates, its residual to the last bit, where the geometric stiffness is that of
+  // the resultants given: K = B^T D B + d(B^T S)/dU.
+  virtual bool linearize_mixed(const State& state, std::span<const Vec6> /*S*/, VecX& r,
+                               std::span<const Slot> slots) const {
+    return linearize(state, {}, r, slots);
+  }
+
   // Adds (V dr/dV + A dr/dVdot) T_inv to the tangent and nothing else; `weights.U` is not used.
   virtual void add_rate_tangent(const State& /*state*/, const TangentWeights& /*weights*/,
                                 std::span<const Slot> /*slots*/) const {}

@@ -152,6 +152,39 @@ bool System::linearize_powers(const State& state, std::span<const Mat6> V_hat, V
   return in_range;
 }
 
+Index System::resultant_count() const {
+  Index sum = 0;
+  for (const auto& batch : batches_) sum += batch->resultant_count();
+  return sum;
+}
+
+void System::linearized_resultants(const State& state, const VecX& dU, std::vector<Vec6>& S) const {
+  S.resize(static_cast<std::size_t>(resultant_count()));
+  std::size_t first = 0;
+  for (const auto& batch : batches_) {
+    const auto count = static_cast<std::size_t>(batch->resultant_count());
+    if (count == 0) continue;
+    batch->linearized_resultants(state, {dU.data(), static_cast<std::size_t>(dU.size())},
+                                 std::span(S).subspan(first, count));
+    first += count;
+  }
+}
+
+bool System::linearize_mixed(const State& state, std::span<const Vec6> S, VecX& r,
+                             LinearSolver& solver) const {
+  solver.set_zero();
+  r.setZero(rows());
+  bool in_range = true;
+  std::size_t first = 0;
+  for (const auto& batch : batches_) {
+    const auto count = static_cast<std::size_t>(batch->resultant_count());
+    in_range &= batch->linearize_mixed(state, S.subspan(first, count), r, solver.slots());
+    first += count;
+  }
+  leave_out_idle(state, r, solver.slots());
+  return in_range;
+}
+
 void System::leave_out_idle(const State& state, VecX& r, std::span<const Slot> slots) const {
   if (state.idle.empty()) return;
   clear_idle(state, r, 6 * nodes());

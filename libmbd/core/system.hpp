@@ -90,6 +90,12 @@ class System {
   // The same, and the powers of the tangent (Batch::linearize_powers), added to what P[k] hold; constraints in P[0].
   bool linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
                         const std::array<std::span<const Slot>, 3>& P) const;
+  // Resultants as iterates (Batch::linearized_resultants): their number; S = D (E + B dU), dU an increment of the
+  // unknowns or empty; and the tangent of statics with the geometric stiffness of S.
+  Index resultant_count() const;
+  void linearized_resultants(const State& state, const VecX& dU, std::vector<Vec6>& S) const;
+  bool linearize_mixed(const State& state, std::span<const Vec6> S, VecX& r,
+                       LinearSolver& solver) const;
   // (V dr/dV + A dr/dVdot) T_inv alone, added to what the slots hold: no stiffness, no constraints.
   void add_rate_tangent(const State& state, const TangentWeights& weights,
                         std::span<const Slot> slots) const;

@@ -239,6 +239,7 @@ class Run {
     options.steps = scene_.statics->steps;
     options.newton.tolerance = scene_.statics->tolerance;
     options.newton.line_search = scene_.statics->line_search;
+    options.has_potential = has_potential(scene_);
     options.solver = scene_.statics->solver;
     options.accepted = [this](const State& step) {
       if (scene_.transient) return !interrupted(step);
@@ -265,6 +266,7 @@ class Run {
           result.neutral.size() == 1 ? std::string("one motion")
                                      : fmt::format("{} motions", result.neutral.size()),
           fmt::join(result.neutral, "; ")));
+    report_.notes.insert(report_.notes.end(), result.passed.begin(), result.passed.end());
     if (result.converged) judge_stability(state, !result.neutral.empty());
     in_statics_ = false;
   }

@@ -12,7 +12,7 @@
 namespace mbd {
 namespace {
 
-constexpr double largest_rotation = 0.5;  // [rad] of a Newton increment; larger ones are shortened
+constexpr double largest_rotation = 1.0;  // [rad] of a Newton increment; larger ones are shortened
 constexpr double small_increment = 1e-4;  // of the scene's length, or [rad]: not searched along
 constexpr int searching = 3;              // times as many iterations with a line search
 constexpr double smallest_share = 1.0 / 256.0;
@@ -89,7 +89,18 @@ void retract(State& state, const VecX& increment, double scale) {
 
 bool newton_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
                         State& state, Counters& counters, std::string& failure,
-                        NeutralMotions* neutral) {
+                        NeutralMotions* neutral, MixedIterate* mixed) {
+  MixedIterate own;
+  if (mixed == nullptr) mixed = &own;
+  std::vector<Vec6>& S = mixed->resultants;
+  std::vector<Vec6> next;
+  mixed->sign = 0;
+  mixed->sign_varied = false;
+  if (S.empty()) system.linearized_resultants(state, {}, S);
+  const auto linearize = [&](VecX& r) {
+    if (options.line_search) system.linearized_resultants(state, {}, S);
+    system.linearize_mixed(state, S, r, solver);
+  };
   NeutralMotions free;
   bool looked = false;
   const VecX weights = motion_weights(system);
@@ -101,7 +112,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
   const int most =
       options.line_search ? searching * options.max_iterations : options.max_iterations;
   for (int k = 0; k < most; ++k) {
-    system.linearize(state, {}, r, solver);
+    linearize(r);
     ++counters.iterations;
     ++counters.residuals;
     ++counters.tangents;
@@ -112,9 +123,9 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     if (!looked) {
       looked = true;
       if (status != FactorStatus::ok || solver.reciprocal_condition() < nearly_singular) {
-        free = find_neutral_motions(system, solver, state);
+        free = find_neutral_motions(system, solver, state, S);
         if (free.count() == 0) {
-          system.linearize(state, {}, r, solver);
+          linearize(r);
           status = solver.factor();
         } else {
           status = FactorStatus::ok;
@@ -122,7 +133,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         counters.factorizations += free.count() == 0 ? 2 : 1;
       }
     } else if (free.count() > 0) {
-      free = find_neutral_motions(system, solver, state);
+      free = find_neutral_motions(system, solver, state, S);
       status = free.count() > 0 ? FactorStatus::ok : FactorStatus::singular;
       ++counters.factorizations;
     }
@@ -153,6 +164,9 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     }
     const double turn = rotation(system, x);
     double share = turn > largest_rotation ? largest_rotation / turn : 1.0;
+    const int sign = free.count() > 0 ? 0 : solver.determinant_sign();
+    mixed->sign_varied |= k > 0 && sign != mixed->sign;
+    mixed->sign = sign;
     if (options.line_search && motion(system, x) > small_increment) {
       share = search(system, solver, state, x, counters, trial, share);
       if (share == 0.0) {
@@ -164,6 +178,11 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
       }
       state = trial;
     } else {
+      if (!options.line_search) {
+        system.linearized_resultants(state, x, next);
+        for (std::size_t i = 0; i < S.size(); ++i) S[i] += share * (next[i] - S[i]);
+      }
+      if (share == 1.0 && e < 1e3) mixed->linearized = state;
       retract(state, x, share);
     }
     norm.observe(state.lambda);
@@ -179,6 +198,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         failure = *open;
         return false;
       }
+      if (options.line_search) system.linearized_resultants(state, {}, S);
       if (neutral != nullptr) *neutral = std::move(free);
       return true;
     }

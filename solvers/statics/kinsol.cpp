@@ -156,9 +156,10 @@ class Kinsol {
 
 bool kinsol_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
                         State& state, Counters& counters, std::string& failure,
-                        NeutralMotions* neutral) {
+                        NeutralMotions* neutral, MixedIterate* mixed) {
   if (!Kinsol(system, solver, options, state, counters).go(failure)) return false;
-  return newton_equilibrium(system, solver, options, state, counters, failure, neutral);
+  if (mixed != nullptr) mixed->resultants.clear();  // foretold for another way here
+  return newton_equilibrium(system, solver, options, state, counters, failure, neutral, mixed);
 }
 
 }  // namespace mbd

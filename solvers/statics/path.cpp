@@ -15,7 +15,10 @@ namespace {
 
 constexpr double most_turn = 0.5;  // [rad] of the tangent in a step; steps aim at half of it
 constexpr int easy_iterations = 6, most_easy = 9;  // of the corrector: steps grow, stay
-constexpr double located = 1e-6;           // what remains of a root's bracket, of the step's
+constexpr double located = 1e-6;  // what remains of a root's bracket, of the step's
+// A root of what is continuous, not a pole: what is left there, of its change. Its bracket is at round-off; t_mu is
+// known to 1e-5 where shear is 1e9 times as stiff as bending.
+constexpr double continuous = 1e-4;
 constexpr double balanced = 1e-8;          // force along a mode, of the change of its eigenvalue
 constexpr double most_first_steps = 20.0;  // of the load, in a step that moves nothing
 constexpr int most_halvings = 5;           // of a step in which an event could not be located
@@ -78,14 +81,16 @@ class Follower {
 
   PathReport go(State& state) {
     state.load_factor = 0.0;
+    MixedIterate mixed;
     if (!newton_equilibrium(system_, plain_, options_.newton, state, report_.counters,
-                            report_.failure)) {
+                            report_.failure, nullptr, &mixed)) {
       report_.failure = "there is no equilibrium without load to start from: " + report_.failure;
       return std::move(report_);
     }
     system_.follow_angles(state);
     Point start;
     start.state = state;
+    start.resultants = std::move(mixed.resultants);
     if (!first_tangent(start)) return std::move(report_);
     if (!index_at_start(start)) return std::move(report_);
     if (!accept(start, PathEvent::none, 0)) return std::move(report_);
@@ -110,8 +115,10 @@ class Follower {
  private:
   struct Point {
     State state;
+    std::vector<Vec6> resultants;
     VecX tangent;  // of (U, lambda, mu), n_ + 1
     VecX bend;     // how it changed over the last step, per measure; empty if not known
+    std::vector<Vec6> bend_of_resultants;  // the same of how resultants change along the tangent
     double arc = 0.0;
     std::optional<Index> index;  // negative eigenvalues, or 1 for a negative determinant of (1)
     bool is_branching = false;   // a bifurcation, left in the direction of its mode
@@ -136,9 +143,13 @@ class Follower {
 
   static std::span<double> span(VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
-  // r and the matrix of (1) at a state.
-  bool factor_bordered(const State& state, const VecX& normal, VecX& r) {
-    system_.linearize(state, {}, r, *bordered_);
+  // r and the matrix of (1) at a state; of a corrector with its resultants.
+  bool factor_bordered(const State& state, const VecX& normal, VecX& r,
+                       std::span<const Vec6> resultants = {}) {
+    if (resultants.empty())
+      system_.linearize(state, {}, r, *bordered_);
+    else
+      system_.linearize_mixed(state, resultants, r, *bordered_);
     system_.load_rate(state, rate_);
     count_tangent();
     const std::span<const Slot> slots = bordered_->slots();
@@ -205,7 +216,7 @@ class Follower {
 
   bool tangent(Point& point, const VecX& before) {
     VecX r;
-    if (!factor_bordered(point.state, before, r)) return false;
+    if (!factor_bordered(point.state, before, r, point.resultants)) return false;
     point.tangent = VecX::Zero(n_ + 1);
     point.tangent(n_) = 1.0;
     bordered_->solve(span(point.tangent));
@@ -222,7 +233,7 @@ class Follower {
       return sign == 0 ? std::nullopt : std::optional<Index>(sign < 0 ? 1 : 0);
     }
     ++report_.counters.tangents;
-    const std::optional<Index> count = (*stability_)(point.state);
+    const std::optional<Index> count = (*stability_)(point.state, false, point.resultants);
     asymmetry_ = std::max(asymmetry_, stability_->asymmetry());
     return count;
   }
@@ -234,7 +245,16 @@ class Follower {
     return largest;
   }
 
-  // The point at h from another. Empty if the corrector does not converge quickly.
+  // How resultants change along the tangent of a point.
+  std::vector<Vec6> rate_of_resultants(const Point& point) const {
+    std::vector<Vec6> here, rate;
+    system_.linearized_resultants(point.state, {}, here);
+    system_.linearized_resultants(point.state, point.tangent.head(n_), rate);
+    for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= here[i];
+    return rate;
+  }
+
+  // The point at h from another, by mixed Newton (equilibrium.hpp). Empty if the corrector does not converge quickly.
   std::optional<Point> correct(const Point& from, double h, int& iterations) {
     Point point;
     point.state = from.state;
@@ -243,6 +263,12 @@ class Follower {
     if (from.bend.size() > 0) ahead += (0.5 * h * h) * from.bend;
     retract(point.state, ahead);
     point.state.load_factor += ahead(n_);
+    point.resultants = rate_of_resultants(from);
+    std::vector<Vec6>& resultants = point.resultants;
+    for (std::size_t i = 0; i < resultants.size(); ++i)
+      resultants[i] = from.resultants[i] + h * resultants[i];
+    for (std::size_t i = 0; i < from.bend_of_resultants.size(); ++i)
+      resultants[i] += (0.5 * h * h) * from.bend_of_resultants[i];
     const bool on_cylinder = options_.method == PathMethod::crisfield;
     const double radius = on_cylinder ? std::abs(h) * displacement(from.tangent) : 0.0;
     IncrementNorm norm(system_, options_.newton);
@@ -255,15 +281,17 @@ class Follower {
       ++report_.counters.iterations;
       ++iterations;
       if (on_cylinder) {
-        if (!increment_on_cylinder(from, point.state, radius, r, x)) return std::nullopt;
+        if (!increment_on_cylinder(from, point.state, resultants, radius, r, x))
+          return std::nullopt;
       } else {
-        if (!factor_bordered(point.state, from.tangent, r)) return std::nullopt;
+        if (!factor_bordered(point.state, from.tangent, r, resultants)) return std::nullopt;
         x << -r.tail(n_), 0.0;
         bordered_->solve(span(x));
       }
       if (k == 0) norm.set_floor(point.state, stiffness_);
       if (deflated_.size() > 0) x -= dot(deflated_, x) * deflated_;
       if (!x.allFinite() || rotation(x) > largest_rotation) return std::nullopt;
+      system_.linearized_resultants(point.state, x.head(n_), resultants);
       retract(point.state, x);
       point.state.load_factor += x(n_);
       norm.observe(point.state.lambda);
@@ -307,9 +335,9 @@ class Follower {
   // Solutions of S dU + p dmu = -r are a line, a + s b, whose direction is the tangent there; the one with
   // |d + a + s b| = radius in displacements, d those since `from`. From the matrix of (1), so that the
   // line is known at limit points too.
-  bool increment_on_cylinder(const Point& from, const State& state, double radius, VecX& r,
-                             VecX& x) {
-    if (!factor_bordered(state, from.tangent, r)) return false;
+  bool increment_on_cylinder(const Point& from, const State& state,
+                             std::span<const Vec6> resultants, double radius, VecX& r, VecX& x) {
+    if (!factor_bordered(state, from.tangent, r, resultants)) return false;
     VecX a(n_ + 1), b = VecX::Unit(n_ + 1, n_);
     a << -r.tail(n_), 0.0;
     bordered_->solve(span(a));
@@ -352,7 +380,8 @@ class Follower {
       VecX shape;
     };
     const auto end = [&](double h, const Point& point) -> End {
-      const std::optional<CriticalMode> mode = critical_mode(system_, plain_, point.state, guess_);
+      const std::optional<CriticalMode> mode =
+          critical_mode(system_, plain_, point.state, guess_, point.resultants);
       ++report_.counters.factorizations;
       if (!mode) return {h, 0.0, {}};
       return {h, mode->eigenvalue, mode->shape};
@@ -444,7 +473,7 @@ class Follower {
           0.0, from.tangent(n_), whole, to.tangent(n_), tolerance);
       std::optional<Point> point = between(from, h);
       const double change = std::abs(from.tangent(n_) - to.tangent(n_));
-      if (point && std::abs(point->tangent(n_)) <= located * change) {
+      if (point && std::abs(point->tangent(n_)) <= continuous * change) {
         limits.push_back(h);
         const VecX mode = point->tangent.head(n_);
         met.events.push_back(
@@ -656,6 +685,10 @@ class Follower {
       ++report_.counters.steps;
       if (!accept(*next, PathEvent::none, branch)) return;
       next->bend = (next->tangent - at.tangent) / h;
+      next->bend_of_resultants = rate_of_resultants(*next);
+      const std::vector<Vec6> before = rate_of_resultants(at);
+      for (std::size_t i = 0; i < before.size(); ++i)
+        next->bend_of_resultants[i] = (next->bend_of_resultants[i] - before[i]) / h;
       at = std::move(*next);
       double factor = iterations <= easy_iterations ? 2.0 : iterations <= most_easy ? 1.0 : 0.7;
       if (turn > 0.0) factor = std::min(factor, 0.5 * most_turn / turn);
@@ -692,6 +725,7 @@ class Follower {
     Point start = from.point;
     start.tangent = direction;
     start.bend.resize(0);
+    start.bend_of_resultants.clear();
     start.index.reset();  // of the path it leaves
     start.is_branching = true;
     start.arc = 0.0;

@@ -4,7 +4,7 @@
 //   [ S  p ; n^T W  c^2 n_mu ] t = [ 0 ; 1 ],   S = dr/d(U, lambda),  p = dr/dmu,                    (1)
 // n the tangent before it; |t|^2 = t^T W t + c^2 t_mu^2 = 1. W measures motions (stability.hpp), c makes
 // load and motion weigh the same in the first tangent. A step predicts x + h t and corrects
-//   bordered   by Newton's method in the hyperplane t^T W dx + c^2 t_mu dmu = 0, with the matrix of (1), n = t:
+//   bordered   by mixed Newton (equilibrium.hpp) in the hyperplane t^T W dx + c^2 t_mu dmu = 0, with the matrix of (1), n = t:
 //              regular at limit points (the prediction also bends as the tangent did over the last step)
 //   crisfield  on the cylinder of radius |h t| in displacements (Crisfield 1981): rotations, multipliers and
 //              load do not count; of its two intersections the one that goes on

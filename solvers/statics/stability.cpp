@@ -25,6 +25,15 @@ StabilityCount::StabilityCount(const System& system)
 
 namespace {
 
+// The tangent, with the geometric stiffness of resultants if there are any.
+void linearize(const System& system, LinearSolver& solver, const State& state,
+               std::span<const Vec6> resultants, VecX& r) {
+  if (resultants.empty())
+    system.linearize(state, {}, r, solver);
+  else
+    system.linearize_mixed(state, resultants, r, solver);
+}
+
 // s W of stability.hpp on the diagonal of what has been added to slots; false if a node has no place for it.
 bool add_springs(const System& system, std::span<const Slot> slots, double s) {
   const VecX w = motion_weights(system);
@@ -86,13 +95,13 @@ void NeutralMotions::take_out(const VecX& weights, Eigen::Ref<VecX> x) const {
     x -= shapes.col(k) * shapes.col(k).dot(weights.cwiseProduct(x));
 }
 
-NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver,
-                                    const State& state) {
+NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state,
+                                    std::span<const Vec6> resultants) {
   constexpr Index most = 64;
   constexpr int iterations = 4;
   NeutralMotions none, found;
   VecX r;
-  system.linearize(state, {}, r, solver);
+  linearize(system, solver, state, resultants, r);
   const double s = spring_of(system, solver);
   if (!(s > 0.0) || !add_springs(system, solver.slots(), s)) return none;
   if (solver.factor() != FactorStatus::ok) return none;
@@ -125,8 +134,9 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver,
   }
 }
 
-std::optional<Index> StabilityCount::operator()(const State& equilibrium, bool neutral) {
-  system_.linearize(equilibrium, {}, r_, *solver_);
+std::optional<Index> StabilityCount::operator()(const State& equilibrium, bool neutral,
+                                                std::span<const Vec6> resultants) {
+  linearize(system_, *solver_, equilibrium, resultants, r_);
   if (neutral) add_springs(system_, solver_->slots(), spring_of(system_, *solver_));
   if (solver_->factor() != FactorStatus::ok) return std::nullopt;
   const std::optional<Index> negative = solver_->negative_eigenvalues();
@@ -136,11 +146,12 @@ std::optional<Index> StabilityCount::operator()(const State& equilibrium, bool n
 }
 
 std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& solver,
-                                          const State& state, const VecX& guess) {
+                                          const State& state, const VecX& guess,
+                                          std::span<const Vec6> resultants) {
   constexpr int most_iterations = 60;
   constexpr double converged = 1e-13;  // of the eigenvalue, relative; twice in a row
   VecX r;
-  system.linearize(state, {}, r, solver);
+  linearize(system, solver, state, resultants, r);
   if (solver.factor() != FactorStatus::ok) return std::nullopt;
   const VecX w = motion_weights(system);
   CriticalMode mode;

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "libmbd/core/system.hpp"
@@ -24,7 +25,10 @@ class StabilityCount {
   explicit StabilityCount(const System& system);
 
   // Empty within round-off of a singular tangent. `neutral` motions (below) are not counted.
-  std::optional<Index> operator()(const State& equilibrium, bool neutral = false);
+  // `resultants`: those found with it by mixed Newton (equilibrium.hpp), which are known better than D E where D is
+  // large; empty: D E.
+  std::optional<Index> operator()(const State& equilibrium, bool neutral = false,
+                                  std::span<const Vec6> resultants = {});
 
   // max |S_ij - S_ji| / max |S_ij| at the last one: round-off where there is a potential.
   double asymmetry() const { return solver_->asymmetry(); }
@@ -43,9 +47,10 @@ struct CriticalMode {
 };
 
 // `solver` has been analysed for the system; it is used for the tangent at `state`. `guess` of the shape may
-// be empty. Empty if the tangent cannot be factored.
+// be empty; `resultants` as above. Empty if the tangent cannot be factored.
 std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& solver,
-                                          const State& state, const VecX& guess = {});
+                                          const State& state, const VecX& guess = {},
+                                          std::span<const Vec6> resultants = {});
 
 // Motions that constraints leave and nothing answers: x with B x = 0 and K x = 0, such as the spin of a pendulum on a ball
 // joint about the vertical. Shapes as columns, orthonormal in motion_weights, multipliers zero.
@@ -63,7 +68,9 @@ inline constexpr double neutral_share = 1e-12;
 
 // Leaves in `solver`, which has been analysed for the system, the factors of that matrix. Empty if there are no neutral
 // motions, or more than can be told.
-NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state);
+// `resultants` as above.
+NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state,
+                                    std::span<const Vec6> resultants = {});
 
 // The largest motion of an increment in words: "beam 'arch' node 19 moves along its axis 2".
 std::string name_of_motion(const System& system, const VecX& shape);

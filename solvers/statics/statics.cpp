@@ -13,6 +13,11 @@ namespace {
 
 constexpr double smallest_increment = 1e-6;  // of the load
 constexpr int easy_iterations = 6;  // with as many or fewer the next load step is twice as large
+constexpr double smallest_passed = 1e-5;  // of the load: not cut further where stability changes
+constexpr double off_the_path = 0.5;      // of (1)
+constexpr double smallest_change = 0.1;   // of forces, or moments, that (1) judges, of their size
+constexpr double smallest_share = 1e-3;   // and of the size of both
+constexpr double jump = 1e-2;  // of the scene's length, or [rad]: more than a smallest step moves
 constexpr double giving_way =
     30.0;  // growth of the motion per load that tells a limit point from others
 
@@ -49,6 +54,131 @@ std::string reason(const System& system, LinearSolver& solver, const State& star
       name_of_motion(system, mode->shape));
 }
 
+using Resultants = std::vector<Vec6>;
+
+// Where the equilibria over the load lead, and whether one belongs to them.
+class LoadPath {
+ public:
+  LoadPath(const System& system, const State& state) : system_(&system) {
+    system.linearized_resultants(state, {}, S_);
+  }
+  const Resultants& resultants() const { return S_; }
+
+  void foretell(double ahead, State& trial, Resultants& S) const {
+    if (rate_.size() > 0) retract(trial, ahead * rate_);
+    if (bend_.size() > 0) retract(trial, 0.5 * ahead * ahead * bend_);
+    S = S_;
+    for (std::size_t i = 0; i < S_rate_.size(); ++i) S[i] += ahead * S_rate_[i];
+    for (std::size_t i = 0; i < S_bend_.size(); ++i) S[i] += 0.5 * ahead * ahead * S_bend_[i];
+  }
+
+  // The point `ahead` of the last, whose rate of motion is known up to its last increment.
+  LoadPath next(const State& state, VecX rate, const MixedIterate& mixed, double ahead) const {
+    LoadPath next = *this;
+    next.S_ = mixed.resultants;
+    next.bend_.resize(0);
+    next.S_rate_.clear();
+    next.S_bend_.clear();
+    next.rate_ = std::move(rate);
+    if (next.rate_.size() == 0) return next;
+    if (rate_.size() > 0) next.bend_ = (next.rate_ - rate_) / ahead;
+    // Where the tangent was taken: elsewhere rates strain what is stiff.
+    const State& at = mixed.linearized.pose.empty() ? state : mixed.linearized;
+    Resultants there;
+    system_->linearized_resultants(at, {}, there);
+    system_->linearized_resultants(at, next.rate_, next.S_rate_);
+    for (std::size_t i = 0; i < there.size(); ++i) next.S_rate_[i] -= there[i];
+    if (S_rate_.empty()) return next;
+    next.S_bend_ = next.S_rate_;
+    for (std::size_t i = 0; i < there.size(); ++i)
+      next.S_bend_[i] = (next.S_rate_[i] - S_rate_[i]) / ahead;
+    return next;
+  }
+
+  // (1) of statics.hpp; true where it cannot be told.
+  bool leads_to(const LoadPath& next, double ahead) const {
+    if (S_rate_.empty() || next.S_rate_.empty()) return true;
+    const double L = system_->length_scale();
+    double all = 0.0;
+    for (const Vec6& S : next.S_)
+      all += S.head<3>().squaredNorm() + S.tail<3>().squaredNorm() / (L * L);
+    for (const Index first : {0, 3}) {
+      const double whole = std::sqrt(all) * (first == 0 ? 1.0 : L);
+      double off = 0.0, change = 0.0, size = 0.0;
+      for (std::size_t i = 0; i < S_.size(); ++i) {
+        const Vec3 dS = (next.S_[i] - S_[i]).segment<3>(first),
+                   mean = 0.5 * (S_rate_[i] + next.S_rate_[i]).segment<3>(first);
+        off += (dS - ahead * mean).squaredNorm();
+        change += dS.squaredNorm();
+        size += next.S_[i].segment<3>(first).squaredNorm();
+      }
+      if (std::sqrt(off) >
+          off_the_path * std::max({std::sqrt(change), smallest_change * std::sqrt(size),
+                                   smallest_share * whole}))
+        return false;
+    }
+    return true;
+  }
+
+ private:
+  const System* system_;
+  VecX rate_, bend_;  // of motion and multipliers
+  Resultants S_, S_rate_, S_bend_;
+};
+
+// Largest motion between two states: of the scene's length, or [rad].
+double motion(const System& system, const State& a, const State& b) {
+  double largest = 0.0;
+  for (std::size_t n = 1; n < a.pose.size(); ++n) {
+    const Pose<double> g = relative(a.pose[n], b.pose[n]);
+    largest = std::max({largest, (b.pose[n].r - a.pose[n].r).norm() / system.length_scale(),
+                        2.0 * g.p.vec().norm()});
+  }
+  return largest;
+}
+
+// The rate of the path without load, where there is an equilibrium to start from and nothing is neutral, and the sign of
+// the determinant there.
+void begin(const System& system, LinearSolver& solver, const StaticOptions& options,
+           const State& start, LoadPath& path, int& sign, Counters& counters) {
+  constexpr double most =
+      1.0;  // [rad] of a first prediction; Newton's own increments are shortened beyond
+  State unloaded = start;
+  MixedIterate mixed;
+  NeutralMotions neutral;
+  std::string failure;
+  NewtonOptions newton = options.newton;
+  newton.max_iterations = 1;
+  newton.line_search = false;
+  if (!newton_equilibrium(system, solver, newton, unloaded, counters, failure, &neutral, &mixed) ||
+      neutral.count() > 0)
+    return;
+  sign = mixed.sign;
+  VecX rate = motion_per_load(system, solver, unloaded);
+  double turn = 0.0;
+  for (Index n = 0; n < 6 * (system.nodes() - 1) && rate.size() > 0; n += 6)
+    turn = std::max(turn, rate.segment<3>(n + 3).norm());
+  if (turn / std::max(1, options.steps) < most)
+    path = path.next(unloaded, std::move(rate), mixed, 1.0);
+}
+
+// Of a step too small to be cut, in which stability changes.
+std::string words_of_passing(const System& system, LinearSolver& solver, const State& at,
+                             const Resultants& resultants, double load_factor,
+                             const std::optional<Index>& before,
+                             const std::optional<Index>& after) {
+  const std::optional<CriticalMode> mode = critical_mode(system, solver, at, {}, resultants);
+  return fmt::format(
+      "at load factor {:.5g} a branch leaves the equilibria followed, and their stability "
+      "changes{}{}: "
+      "they are followed straight on; <path> in place of <static> finds the branch",
+      load_factor,
+      before && after ? fmt::format(" (negative eigenvalues {} -> {})", *before, *after)
+                      : std::string(),
+      mode ? fmt::format(", in a mode in which {} most", name_of_motion(system, mode->shape))
+           : std::string());
+}
+
 }  // namespace
 
 StaticReport solve_statics(const System& system, LinearSolver& solver, const StaticOptions& options,
@@ -63,48 +193,79 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     unloaded.load_factor = 0.0;
     return unloaded;
   }();
-  State trial;
-  VecX rate, bend;  // of the path over the load: the next step starts from where they lead
+  const VecX weights = motion_weights(system);
+  std::optional<StabilityCount> count;
+  if (options.has_potential) count.emplace(system);
+  const auto negative_at = [&](const State& at, const Resultants& S) {
+    ++report.counters.tangents;
+    return count ? (*count)(at, false, S) : std::nullopt;
+  };
+  LoadPath path(system, state);
+  int sign = 0;                   // of the determinant at the last equilibrium; 0: not known
+  std::optional<Index> negative;  // eigenvalues there
+  begin(system, solver, options, start, path, sign, report.counters);
+  if (sign != 0) negative = negative_at(start, path.resultants());
+  bool cut = false;  // the last step was
+  bool judges_rates = true;
+  double whole = 0.0;  // the increment before it was cut where the path was left; 0: it was not
   while (report.load_factor < 1.0) {
+    increment = std::min(increment, 1.0 - report.load_factor);
     double next = report.load_factor + increment;
     if (next > 1.0 - 1e-9) next = 1.0;
     const double ahead = next - report.load_factor;
-    trial = state;
-    if (rate.size() > 0) retract(trial, ahead * rate);
-    if (bend.size() > 0) retract(trial, 0.5 * ahead * ahead * bend);
+    State trial = state;
+    MixedIterate mixed;
+    path.foretell(ahead, trial, mixed.resultants);
     trial.load_factor = next;
     std::string failure;
     const long before = report.counters.iterations;
     NewtonOptions newton = options.newton;
     newton.line_search = false;
     NeutralMotions neutral;
-    bool found = equilibrium(system, solver, newton, trial, report.counters, failure, &neutral);
+    bool searched = false, found = equilibrium(system, solver, newton, trial, report.counters,
+                                               failure, &neutral, &mixed);
     if (!found && options.newton.line_search && options.solver == StaticSolver::newton) {
       newton.line_search = true;
       trial = state;
       trial.load_factor = next;
-      found = newton_equilibrium(system, solver, newton, trial, report.counters, failure, &neutral);
-      report.searched += found ? 1 : 0;
+      mixed = {};
+      found = searched = newton_equilibrium(system, solver, newton, trial, report.counters, failure,
+                                            &neutral, &mixed);
     }
+    const auto iterations = static_cast<int>(report.counters.iterations - before);
+    std::optional<LoadPath> there;
+    std::optional<Index> negative_there;
+    bool leaves = false;  // the path, or passes a point where stability changes
     if (found) {
-      state = trial;
       // Newton's last tangent is that of the solution, up to its last increment.
-      VecX now = motion_per_load(system, solver, state);
-      if (neutral.count() > 0 && now.size() > 0) neutral.take_out(motion_weights(system), now);
-      report.neutral.clear();
-      for (Index i = 0; i < neutral.count(); ++i)
-        report.neutral.push_back(name_of_motion(system, neutral.shapes.col(i)));
-      bend.resize(0);
-      if (rate.size() > 0 && now.size() > 0) bend = (now - rate) / ahead;
-      rate = std::move(now);
-      system.follow_angles(state);
-      report.load_factor = next;
-      ++report.counters.steps;
-      const auto iterations = static_cast<int>(report.counters.iterations - before);
-      report.most_iterations = std::max(report.most_iterations, iterations);
-      if (options.accepted && !options.accepted(state)) return report;
-      if (iterations <= easy_iterations) increment *= 2.0;
-    } else {
+      VecX rate = motion_per_load(system, solver, trial);
+      if (neutral.count() > 0 && rate.size() > 0) neutral.take_out(weights, rate);
+      there = path.next(trial, std::move(rate), mixed, ahead);
+      if (neutral.count() == 0) negative_there = negative_at(trial, mixed.resultants);
+      leaves = (sign != 0 && mixed.sign != 0 && (mixed.sign != sign || mixed.sign_varied)) ||
+               (negative && negative_there && *negative != *negative_there) ||
+               (judges_rates && !path.leads_to(*there, ahead));
+    }
+    if (leaves && increment < smallest_passed) {
+      if (motion(system, state, trial) > jump) {
+        found = false;
+        increment = 0.0;
+      } else if (sign != mixed.sign || negative != negative_there) {
+        report.passed.push_back(words_of_passing(system, solver, trial, mixed.resultants,
+                                                 report.load_factor, negative, negative_there));
+        increment = std::max(increment, whole);
+        whole = 0.0;
+      } else {
+        judges_rates = false;  // a kink
+      }
+    } else if (leaves) {
+      ++report.counters.retries;
+      whole = std::max(whole, increment);
+      increment *= 0.5;
+      cut = true;
+      continue;
+    }
+    if (!found) {
       ++report.counters.retries;
       if (failure.starts_with("nothing holds the motion")) {  // nor under a smaller load
         report.failure = report.load_factor > 0.0
@@ -114,13 +275,30 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
         return report;
       }
       increment *= 0.5;
+      cut = true;
       if (increment < smallest_increment) {
         report.failure =
             fmt::format("no equilibrium beyond {:.9g} of the load: {}", report.load_factor,
                         reason(system, solver, start, state, failure));
         return report;
       }
+      continue;
     }
+    state = std::move(trial);
+    path = std::move(*there);
+    sign = mixed.sign;
+    negative = negative_there;
+    report.searched += searched ? 1 : 0;
+    report.neutral.clear();
+    for (Index i = 0; i < neutral.count(); ++i)
+      report.neutral.push_back(name_of_motion(system, neutral.shapes.col(i)));
+    system.follow_angles(state);
+    report.load_factor = next;
+    ++report.counters.steps;
+    report.most_iterations = std::max(report.most_iterations, iterations);
+    if (options.accepted && !options.accepted(state)) return report;
+    if (iterations <= easy_iterations && !cut) increment *= 2.0;
+    cut = false;
   }
   report.converged = true;
   return report;

@@ -1,4 +1,13 @@
 // Static equilibrium by load stepping: one load factor over every load, from 0 to 1.
+//
+// A load step starts from where motion and resultants lead to second order, and is solved by mixed Newton
+// (equilibrium.hpp), in which steps may be large. So that what is found belongs to the path of equilibria from no load, and
+// not to whichever side the step happens to lead to, a step is taken only where
+//   the tangents of all iterates have a determinant of the same sign as the equilibrium before,
+//   as many eigenvalues are negative as before, where they are counted,
+//   and resultants change as their rates at both ends say:  |dS - h (S'_0 + S'_1)/2| < |dS|/2,            (1)
+// forces and moments each; it is halved otherwise. A step that cannot be halved further passes a point where stability
+// changes, if it moves little: it is taken, and said. If it moves much, the structure gives way.
 #pragma once
 
 #include <functional>
@@ -15,6 +24,9 @@ struct StaticOptions {
   int steps = 1;  // first load increment is 1/steps; halved on failure, grown when easy
   NewtonOptions newton;
   StaticSolver solver = StaticSolver::newton;
+  // That forces have one: negative eigenvalues are counted then (stability.hpp); otherwise the sign of the determinant
+  // tells odd numbers of them.
+  bool has_potential = false;
   // Shown each equilibrium found, in order of its load factor, the last at 1. False ends the solution
   // there.
   std::function<bool(const State&)> accepted = {};
@@ -27,8 +39,9 @@ struct StaticReport {
   int most_iterations = 0;  // in one accepted load step
   int searched = 0;         // load steps that the line search saved
   std::vector<std::string>
-      neutral;          // motions of the last equilibrium that nothing answers, in words
-  std::string failure;  // when not converged; empty if `accepted` ended it
+      neutral;  // motions of the last equilibrium that nothing answers, in words
+  std::vector<std::string> passed;  // where stability was lost or found on the way, in words
+  std::string failure;              // when not converged; empty if `accepted` ended it
 };
 
 // Moves `state` to equilibrium at state.t. On failure it is the last equilibrium found.
