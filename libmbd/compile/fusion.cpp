@@ -16,7 +16,7 @@ namespace {
 // surely one (joints.cpp is more lenient, and says what is open).
 constexpr double same_point = 1e-12;
 // Of velocities of one group, relative to them.
-constexpr double same_velocity = 1e-12;
+constexpr double same_velocity = 1e-11;
 
 std::string key(char kind, std::string_view name) { return kind + std::string(name); }
 std::string key(std::string_view beam, std::size_t boundary) {
@@ -61,7 +61,8 @@ Fusion::Found Fusion::find(const Place& place, int depth) {
     return it->second;
   };
   const auto of_body = [](const BodyScene& body) {
-    return Member{make_pose(body.orientation, body.at), body.velocity, body.angular_velocity};
+    return Member{make_pose(body.orientation, body.at), body.velocity,
+                  body.orientation * body.angular_velocity};  // which is given in body axes
   };
   // A rigid group has the frame of its first, and the velocity of those of its bodies that have any.
   const auto of_rigid = [&](const RigidScene& rigid) {
@@ -75,8 +76,8 @@ Fusion::Found Fusion::find(const Place& place, int depth) {
       if (body == bodies_.end()) continue;
       const BodyScene& b = *body->second;
       if (b.velocity.isZero() && b.angular_velocity.isZero()) continue;
-      one.velocity = b.velocity + b.angular_velocity.cross(one.pose.r - b.at);
-      one.angular_velocity = b.angular_velocity;
+      one.angular_velocity = b.orientation * b.angular_velocity;
+      one.velocity = b.velocity + one.angular_velocity.cross(one.pose.r - b.at);
     }
     return one;
   };

@@ -41,8 +41,8 @@ class Fusion {
 
  private:
   struct Member {
-    Pose<double> pose;  // of its node
-    Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+    Pose<double> pose;                                              // of its node
+    Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  // inertial axes
   };
   // The member at a place; -1: the ground, or what is not known.
   struct Found {
