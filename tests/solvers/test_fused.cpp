@@ -438,17 +438,19 @@ TEST(Fused, KeptWhereMoreIsSaid) {
       std::string::npos);
 }
 
-// Far from the origin and at it, ends that meet but for round-off are one.
+// Far from the origin and near it, the end of an arc and the start of a beam meet but for round-off.
 TEST(Fused, EndsThatMeetButForRoundOff) {
   for (const double far : {0.0, 1.0, 1e6}) {
-    const Scene scene = scene_of(
-        sections +
-        fmt::format(R"(<beam name="a" section="s" from="{} 0.3 0.7" to="{} 0 0" normal="1 1 0"/>
-                       <beam name="b" section="t" from="{} 0 0" to="{} 1 0" normal="0 0 1"/>
-                       <fixed name="foot" between="ground a.start"/>
-                       <fixed name="ab" between="a.end b.start"/>
-                       <load at="b.end" force="0 0 1e-2"/> <static/>)",
-                    far - 0.1, far, far, far + 0.7));
+    const double third = 1.0 / 3.0;
+    const Scene scene =
+        scene_of(sections + fmt::format(R"(<arc name="a" section="s" from="{} 0 0" center="{} {} {}"
+                                       axis="1 1 1" angle="2*pi/3" normal="1 1 1"/>
+                                  <beam name="b" section="t" from="{} 1 0" to="{} 2 0"
+                                        normal="0 0 1"/>
+                                  <fixed name="foot" between="ground a.start"/>
+                                  <fixed name="ab" between="a.end b.start"/>
+                                  <load at="b.end" force="0 0 1e-2"/> <static/>)",
+                                        far + 1.0, far + third, third, third, far, far));
     EXPECT_EQ(compile(scene).fused.size(), 1u) << far;
   }
 }
