@@ -57,6 +57,7 @@ struct ElementOutput {
 //   evaluate<want>(shared, data, node states, environment, weights, out) -> margin: how far the element
 //       is from the limit of its validity; not positive is out of range (1 where there is no limit)
 //   energies(shared, data, node states, environment)                      where it stores any
+//   may_be_offset           that its nodes may sit in those of the batch at constant poses (ElementBatch::set_frames)
 //   scales_with_load        that the residual is linear in the load factor, not constant
 //   load_power(shared, data, node states with V, environment) -> power [W] of a load on its nodes
 //   damping_power(shared, data, node states, environment)    -> power [W] of its forces that depend on rates

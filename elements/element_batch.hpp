@@ -23,10 +23,26 @@ class ElementBatch : public Base {
     names_.push_back(std::move(name));
   }
 
+  // Of an element type that says may_be_offset: its nodes are not those of the batch but fixed in them, at the poses
+  // H_node^-1 H_own, one for each node of element e. Rates and increments of its own are Ad(frame^-1) times those of the
+  // node, so that r = Ad^T r_own, K = Ad^T K_own Ad, D = Ad^T D_own Ad. An element without pays nothing.
+  void set_frames(Index e, std::span<const Pose<double>> frames) requires requires {
+    E::may_be_offset;
+  }
+  {
+    offsets_of_.resize(data_.size(), -1);
+    offsets_of_[static_cast<std::size_t>(e)] = static_cast<int>(offsets_.size());
+    for (const Pose<double>& frame : frames) {
+      const bool none = frame.p.vec().isZero(0.0) && frame.r.isZero(0.0);
+      offsets_.push_back({frame, adjoint_inverse(frame).matrix(), none});
+    }
+  }
+
   std::string_view type() const override { return type_; }
   Index size() const override { return static_cast<Index>(data_.size()); }
   std::size_t bytes() const override {
-    return data_.size() * sizeof(typename E::Data) + nodes_.size() * sizeof(int);
+    return data_.size() * sizeof(typename E::Data) + nodes_.size() * sizeof(int) +
+           offsets_.size() * sizeof(Offset) + offsets_of_.size() * sizeof(int);
   }
 
   const typename E::Shared& shared() const { return shared_; }
@@ -108,6 +124,7 @@ class ElementBatch : public Base {
         gather(state, e, x);
         E::template evaluate<Want::tangent>(shared_, data_[e], x.data(), env,
                                             RateWeights{weights.V, weights.A}, out);
+        carry<Want::tangent>(e, out);
         hand_over<false>(out, e, 0.0, weights.T_inv, slots);
       }
     }
@@ -127,6 +144,8 @@ class ElementBatch : public Base {
         E::template evaluate<Want::tangent>(shared_, data_[e], x.data(), env, RateWeights{0.0, 1.0},
                                             by_A);
         margin = m < margin ? m : margin;
+        carry<Want::tangent>(e, by_V);
+        carry<Want::tangent>(e, by_A);
         add_residual(by_V, e, r);
         hand_over(by_V, e, 1.0, V_hat, P[0]);
         hand_over<false>(by_V, e, 0.0, {}, P[1]);
@@ -255,9 +274,68 @@ class ElementBatch : public Base {
         }
       }
     }
+    if constexpr (may_be_offset)
+      if (const Offset* const offset = offsets_of(e)) move(offset, x);
   }
 
  private:
+  static constexpr bool may_be_offset = requires { E::may_be_offset; };
+  struct Offset {
+    Pose<double> frame;  // H_node^-1 H_own
+    Mat6 Ad;             // of its inverse: twists of the node as the element's own
+    bool none;           // the identity
+  };
+
+  const Offset* offsets_of(std::size_t e) const {
+    if (offsets_of_.size() <= e || offsets_of_[e] < 0) return nullptr;
+    return &offsets_[static_cast<std::size_t>(offsets_of_[e])];
+  }
+
+  [[gnu::noinline]] void move(const Offset* offset, NodeStates& x) const {
+    for (int a = 0; a < count(); ++a) {
+      if (offset[a].none) continue;
+      NodeState<double>& own = x[static_cast<std::size_t>(a)];
+      own.H = own.H * offset[a].frame;
+      if constexpr (E::needs_rates) {
+        own.V = times<double>(offset[a].Ad, own.V);
+        own.Vdot = times<double>(offset[a].Ad, own.Vdot);
+      }
+    }
+  }
+
+  // Takes what the element made to the nodes of the batch.
+  template <Want want>
+  void carry(std::size_t e, typename E::template Output<double>& out) const {
+    if constexpr (may_be_offset) {
+      const Offset* const offset = offsets_of(e);
+      if (offset == nullptr) return;
+      carry_residual(offset, out);
+      if constexpr (want == Want::tangent) {
+        if constexpr (E::has_K) carry_square(offset, out.K);
+        if constexpr (E::has_D) carry_square(offset, out.D);
+      }
+    }
+  }
+  [[gnu::noinline]] void carry_residual(const Offset* offset,
+                                        typename E::template Output<double>& out) const {
+    for (int a = 0; a < count(); ++a)
+      if (!offset[a].none)
+        rows_at<6>(out.r, 6 * a) = Vec6(offset[a].Ad.transpose() * Vec6(rows_at<6>(out.r, 6 * a)));
+  }
+  template <class Square>
+  [[gnu::noinline]] void carry_square(const Offset* offset, Square& K) const {
+    for (int a = 0; a < count(); ++a) {
+      if (offset[a].none) continue;
+      for (int b = 0; b < count(); ++b) {
+        const Mat6 row = block_at<6, 6>(K, 6 * a, 6 * b);
+        block_at<6, 6>(K, 6 * a, 6 * b) = offset[a].Ad.transpose().lazyProduct(row);
+      }
+      for (int b = 0; b < count(); ++b) {
+        const Mat6 column = block_at<6, 6>(K, 6 * b, 6 * a);
+        block_at<6, 6>(K, 6 * b, 6 * a) = column.lazyProduct(offset[a].Ad);
+      }
+    }
+  }
   int count() const { return E::nodes == Eigen::Dynamic ? n_ : E::nodes; }
 
   static Environment environment(const State& state) {
@@ -276,6 +354,7 @@ class ElementBatch : public Base {
       gather(state, e, x);
       const double m = E::template evaluate<want>(shared_, data_[e], x.data(), env, rates, out);
       margin = m < margin ? m : margin;
+      carry<want>(e, out);
       add_residual(out, e, r);
       if constexpr (want == Want::tangent) hand_over(out, e, weights.U, weights.T_inv, slots);
     }
@@ -314,7 +393,9 @@ class ElementBatch : public Base {
   typename E::Shared shared_;
   int n_;
   std::vector<typename E::Data> data_;
-  std::vector<int> nodes_;  // n_ an element
+  std::vector<int> nodes_;       // n_ an element
+  std::vector<int> offsets_of_;  // by element: the first of its offsets, or -1; as long as needed
+  std::vector<Offset> offsets_;  // n_ an element that has any
   std::vector<std::string> names_;
   std::size_t first_slot_ = 0;
 };

@@ -62,6 +62,7 @@ struct Classical {
   static constexpr bool has_K = true;
   static constexpr bool has_D = false;
   static constexpr bool needs_rates = false;
+  static constexpr bool may_be_offset = true;
 
   struct Shared {
     Table<N> table;

@@ -42,6 +42,7 @@ struct Damping {
   static constexpr bool has_K = true;
   static constexpr bool has_D = true;
   static constexpr bool needs_rates = true;
+  static constexpr bool may_be_offset = true;
 
   struct Shared {
     int order_ = 0;

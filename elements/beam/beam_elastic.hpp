@@ -39,6 +39,7 @@ struct Elastic {
   static constexpr bool has_K = true;
   static constexpr bool has_D = false;
   static constexpr bool needs_rates = false;
+  static constexpr bool may_be_offset = true;
   static constexpr bool is_energy = std::is_same_v<Form, EnergyForm>;
 
   struct Shared {

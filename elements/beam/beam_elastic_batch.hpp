@@ -25,6 +25,10 @@ class BeamElasticBatch : public Batch {
                             std::span<const int> nodes, int stiffness, int stride,
                             std::string name) = 0;
 
+  // Nodes of the element that are fixed in those named, at H_node^-1 H_own (ElementBatch::set_frames); `reference` of
+  // add_element is of its own.
+  virtual void set_frames_of(Index element, std::span<const Pose<double>> frames) = 0;
+
   // Sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at xi in [-1, 1], section frame [N, N.m].
   virtual Vec6 resultants(const State& state, Index element, double xi) const = 0;
 

@@ -35,6 +35,10 @@ class ElasticBatch final : public ElementBatch<Elastic<MetricType, FormType, N>,
     return this->size() - 1;
   }
 
+  void set_frames_of(Index element, std::span<const Pose<double>> frames) override {
+    this->set_frames(element, frames);
+  }
+
   Vec6 resultants(const State& state, Index element, double xi) const override {
     typename Base::NodeStates x;
     this->gather(state, static_cast<std::size_t>(element), x);

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <unordered_map>
 
 #include "elements/beam/beam_classical.hpp"
 #include "elements/beam/beam_damping_batch.hpp"
 #include "elements/beam/beam_elastic_batch.hpp"
 #include "elements/beam/beam_place.hpp"
 #include "elements/node/batches.hpp"
+#include "libmbd/compile/fusion.hpp"
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/nodal_terms.hpp"
@@ -58,7 +60,8 @@ class Compiler {
           scene_.source,
           label("mbd", scene_.name) +
               ": there is nothing to do; give <static/>, <transient …/> or both, or <path/>");
-    for (const BeamScene& beam : scene_.beams) find_boundaries(beam);
+    find_boundaries();
+    fuse();
     for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
     for (const BodyScene& body : scene_.bodies) add_body(body);
     for (CompiledBeam& beam : beams_) add_beam(beam);
@@ -72,7 +75,8 @@ class Compiler {
     if (scene_.base_motion) add_base_motion();
     const Nodes nodes = nodes_of_scene();
     NodalTerms::compile(scene_, nodes);
-    joints_.emplace(scene_, *system_, length_, nodes.find);
+    joints_.emplace(scene_, *system_, length_, nodes.find,
+                    [this](std::size_t joint) { return fusion_->is_fused(joint); });
     joints_->add_all();
     add_springs(nodes.find);
 
@@ -91,6 +95,7 @@ class Compiler {
     add_channels(model);
     add_lines(model);
     model.makers = joints_->makers();
+    model.fused = joints_->fused();
     for (const Mat6& M : masses_) model.mass += M(0, 0);
     model.system = std::move(system_);
     return model;
@@ -100,7 +105,9 @@ class Compiler {
   // --- sections ---
 
   const Section& section_of(const BeamScene& beam) const {
-    if (const Section* const section = mbd::section_of(scene_, beam)) return *section;
+    if (sections_.empty())
+      for (const Section& s : scene_.sections) sections_.try_emplace(s.name, &s);
+    if (const auto it = sections_.find(beam.section); it != sections_.end()) return *it->second;
     std::vector<std::string_view> names;
     for (const Section& s : scene_.sections) names.push_back(s.name);
     throw Error(beam.source,
@@ -110,11 +117,48 @@ class Compiler {
 
   // --- beams ---
 
-  void find_boundaries(const BeamScene& beam) {
-    CompiledBeam compiled{&beam, {}, {}, {}, {}};
-    const int elements = rigid_of(beam.name) != nullptr ? 1 : beam.elements;
-    compiled.boundaries = element_ends(scene_, beam, elements);
-    beams_.push_back(std::move(compiled));
+  void find_boundaries() {
+    for (const RigidScene& rigid : scene_.rigids)
+      for (const std::string& name : rigid.of) rigids_.try_emplace(name, &rigid);
+    const ElementEnds ends(scene_);
+    for (const BeamScene& beam : scene_.beams) {
+      CompiledBeam compiled{&beam, {}, {}, {}, {}};
+      const int elements = rigid_of(beam.name) != nullptr ? 1 : beam.elements;
+      compiled.boundaries = ends.of(beam, elements);
+      beam_of_.try_emplace(beam.name, beams_.size());
+      beams_.push_back(std::move(compiled));
+    }
+  }
+
+  void fuse() {
+    std::vector<Fusion::Beam> beams;
+    for (const CompiledBeam& beam : beams_)
+      if (rigid_of(beam.scene->name) == nullptr) beams.push_back({beam.scene, beam.boundaries});
+    fusion_.emplace(scene_, beams);
+    group_nodes_.assign(static_cast<std::size_t>(fusion_->groups()), -1);
+  }
+
+  // A node at H for a member of that group, or one of its own for -1, and H in the node's frame.
+  struct Made {
+    int node;
+    Pose<double> frame{};
+  };
+  Made make_node(int group, const std::string& name, const Pose<double>& H) {
+    int* const shared = group < 0 ? nullptr : &group_nodes_[static_cast<std::size_t>(group)];
+    if (shared != nullptr && *shared >= 0) return {*shared, frame_in(*shared, H)};
+    masses_.push_back(Mat6::Zero());
+    const auto node = static_cast<int>(system_->add_node(name, H));
+    if (shared != nullptr) *shared = node;
+    return {node};
+  }
+
+  // H in the node's frame: the identity where they differ by round-off.
+  Pose<double> frame_in(int node, const Pose<double>& H) const {
+    constexpr double round_off = 1e-15;
+    Pose<double> frame = relative(reference(node), H);
+    if (frame.p.vec().norm() <= round_off) frame.p = Quaternion<double>::Identity();
+    if (frame.r.norm() <= round_off * (1.0 + H.r.norm())) frame.r.setZero();
+    return frame;
   }
 
   BeamElasticBatch& elastic_batch(const BeamScene& beam) {
@@ -182,29 +226,34 @@ class Compiler {
     const SpectralTable& table = batch.table();
     const auto order = static_cast<std::size_t>(beam.order);
     int count = 0;
-    const auto add_node = [&](double s) {
+    const auto add_node = [&](double s, int group) {
       const Pose<double> H = line.at(s);
       include(H.r);
-      masses_.push_back(Mat6::Zero());
-      return static_cast<int>(
-          system_->add_node(fmt::format("beam '{}' node {}", beam.name, ++count), H));
+      return make_node(group, fmt::format("beam '{}' node {}", beam.name, ++count), H);
     };
-
-    const auto add_boundary = [&](int node) {
-      compiled.boundary_nodes.push_back({node, true, reference(node), nullptr});
+    const auto group_at = [&](std::size_t boundary) {
+      return fusion_->group_of_boundary(beam.name, boundary);
     };
-    add_boundary(add_node(0.0));
+    const auto add_boundary = [&](const Made& made, std::size_t boundary) {
+      compiled.boundary_nodes.push_back({made.node, true, line.at(compiled.boundaries[boundary]),
+                                         nullptr, group_at(boundary) >= 0});
+    };
+    Made end = add_node(0.0, group_at(0));
+    add_boundary(end, 0);
     compiled.ends.resize(compiled.boundaries.size());
     for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
       const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
       const auto at = [&](double xi) { return s0 + 0.5 * (s1 - s0) * (1.0 + xi); };
-      std::vector<int> nodes{compiled.boundary_nodes.back().node};
-      std::vector<Pose<double>> poses{line.at(s0)};
+      std::vector<int> nodes{end.node};
+      std::vector<Pose<double>> poses{line.at(s0)}, frames{end.frame};
       std::vector<double> places{s0};
       for (std::size_t k = 1; k <= order; ++k) {
         places.push_back(k == order ? s1 : at(table.nodes.points[k]));
-        nodes.push_back(add_node(places[k]));
+        const Made made = add_node(places[k], k == order ? group_at(e + 1) : -1);
+        nodes.push_back(made.node);
         poses.push_back(line.at(places[k]));
+        frames.push_back(made.frame);
+        if (k == order) end = made;
       }
       const double J = 0.5 * (s1 - s0) * line.length;
       const std::vector<double> Js(order + 1, J);
@@ -223,7 +272,14 @@ class Compiler {
       const Index element = batch.add_element(Js, poses, nodes, stiffness, stride, name);
       const Index damped =
           damping ? damping->add_element(Js, poses, nodes, viscosity, stride, name) : -1;
-      add_boundary(nodes.back());
+      const auto is_none = [](const Pose<double>& frame) {
+        return frame.p.vec().isZero(0.0) && frame.r.isZero(0.0);
+      };
+      if (!std::all_of(frames.begin(), frames.end(), is_none)) {
+        batch.set_frames_of(element, frames);
+        if (damping) damping->set_frames_of(damped, frames);
+      }
+      add_boundary(end, e + 1);
       compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
       compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
       const std::vector<Mat6> masses = section.has_mass() && !section.is_uniform()
@@ -231,9 +287,10 @@ class Compiler {
                                            : std::vector<Mat6>();
       for (std::size_t k = 0; k <= order; ++k) {
         const double weight = table.nodes.weights[k] * J;
-        compiled.nodes.push_back({nodes[k], places[k], weight});
+        compiled.nodes.push_back({nodes[k], places[k], weight, frames[k]});
         if (!section.has_mass()) continue;
-        const Mat6 M = masses.empty() ? weight * section.mass(places[k]) : line.length * masses[k];
+        Mat6 M = masses.empty() ? weight * section.mass(places[k]) : line.length * masses[k];
+        if (!is_none(frames[k])) M = transformed_mass(M, frames[k]);
         masses_[static_cast<std::size_t>(nodes[k])] += M;
         if (alpha > 0.0) add_mass_damping(nodes[k], alpha * M);
       }
@@ -242,7 +299,10 @@ class Compiler {
 
   // --- what is rigid ---
 
-  const RigidScene* rigid_of(const std::string& name) const { return rigid_with(scene_, name); }
+  const RigidScene* rigid_of(const std::string& name) const {
+    const auto it = rigids_.find(name);
+    return it == rigids_.end() ? nullptr : it->second;
+  }
 
   void add_rigid(const RigidScene& rigid) {
     const auto frame = [&]() -> Pose<double> {
@@ -250,9 +310,9 @@ class Compiler {
         if (body.name == rigid.of.front()) return make_pose(body.orientation, body.at);
       return make_reference_line(*find_beam(rigid.of.front())->scene).at(0.0);
     };
-    masses_.push_back(Mat6::Zero());
-    rigid_nodes_[&rigid] =
-        static_cast<int>(system_->add_node(fmt::format("rigid '{}'", rigid.name), frame()));
+    rigid_nodes_[&rigid] = make_node(fusion_->group_of_rigid(rigid.name),
+                                     fmt::format("rigid '{}'", rigid.name), frame())
+                               .node;
   }
 
   // Its mass and its loads are integrated between the boundaries by the finest rule there is, exactly where they vary
@@ -319,9 +379,8 @@ class Compiler {
   }
 
   const CompiledBeam* find_beam(const std::string& name) const {
-    for (const CompiledBeam& b : beams_)
-      if (b.scene->name == name) return &b;
-    return nullptr;
+    const auto it = beam_of_.find(name);
+    return it == beam_of_.end() ? nullptr : &beams_[it->second];
   }
 
   static std::size_t boundary_at(const CompiledBeam& beam, double s) {
@@ -389,9 +448,9 @@ class Compiler {
 
   Pose<double> reference(int node) const { return system_->reference_pose(node); }
 
-  // The place in the frame of its node: the identity, but in something rigid.
+  // The place in the frame of its node: the identity, but in something rigid or fused.
   Pose<double> frame_of(const Attachment& at) const {
-    return at.rigid != nullptr ? relative(reference(at.node), at.pose) : Pose<double>{};
+    return at.is_offset() ? relative(reference(at.node), at.pose) : Pose<double>{};
   }
 
   // --- bodies ---
@@ -430,10 +489,10 @@ class Compiler {
       body_nodes_[body.name] = {node, false, pose, rigid};
       return;
     }
-    masses_.push_back(M);
-    const auto node =
-        static_cast<int>(system_->add_node(fmt::format("body '{}'", body.name), pose));
-    body_nodes_[body.name] = {node, false, pose, nullptr};
+    const int group = fusion_->group_of_body(body.name);
+    const auto [node, frame] = make_node(group, fmt::format("body '{}'", body.name), pose);
+    body_nodes_[body.name] = {node, false, pose, nullptr, group >= 0};
+    masses_[static_cast<std::size_t>(node)] += group >= 0 ? transformed_mass(M, frame) : M;
   }
 
   // What a body is attached to may itself be an attached body, before or after it in the scene.
@@ -458,8 +517,8 @@ class Compiler {
     include(at.pose * body.center);
     const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
     masses_[static_cast<std::size_t>(at.node)] +=
-        at.rigid != nullptr ? transformed_mass(M, frame_of(at)) : M;
-    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid};
+        at.is_offset() ? transformed_mass(M, frame_of(at)) : M;
+    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid, at.is_fused};
   }
 
   void add_point_mass(const PointMassScene& point) {
@@ -484,7 +543,7 @@ class Compiler {
       Vec6& V = state.V[static_cast<std::size_t>(at.node)];
       const Vec6 own =
           six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
-      const Vec6 of_node = at.rigid != nullptr ? Vec6(adjoint(frame_of(at)).matrix() * own) : own;
+      const Vec6 of_node = at.is_offset() ? Vec6(adjoint(frame_of(at)).matrix() * own) : own;
       if (at.rigid != nullptr && !V.isZero(0.0) && !V.isApprox(of_node, 1e-9))
         throw Error(body.source,
                     fmt::format("{}: velocity: {} moves otherwise by that of another of its "
@@ -605,7 +664,7 @@ class Compiler {
           throw Error(added.source,
                       label(added) + ": on the ground it does nothing; give a beam or a body");
         all[static_cast<std::size_t>(at.node)] +=
-            at.rigid != nullptr ? transformed_mass(*added.matrix, frame_of(at)) : *added.matrix;
+            at.is_offset() ? transformed_mass(*added.matrix, frame_of(at)) : *added.matrix;
         continue;
       }
       const double m = *added.density * *added.coefficient * 0.25 * std::numbers::pi *
@@ -616,7 +675,7 @@ class Compiler {
         Mat6 M = Mat6::Zero();
         M(1, 1) = M(2, 2) = here.weight * m;
         all[static_cast<std::size_t>(here.node)] +=
-            rigid_of(added.beam) != nullptr ? transformed_mass(M, here.frame) : M;
+            here.is_offset() ? transformed_mass(M, here.frame) : M;
       }
     }
     return all;
@@ -768,9 +827,14 @@ class Compiler {
         for (const BeamNode& node : beam.nodes) line.push_back({node.node, node.frame.r});
         continue;
       }
-      Model::Line line{beam.scene->name, {}};
-      for (const BeamNode& node : beam.nodes)
-        if (line.nodes.empty() || line.nodes.back() != node.node) line.nodes.push_back(node.node);
+      Model::Line line{beam.scene->name, {}, {}};
+      double last = -1.0;
+      for (const BeamNode& node : beam.nodes) {
+        if (node.s == last) continue;  // where two elements meet
+        last = node.s;
+        line.nodes.push_back(node.node);
+        line.frames.push_back(node.frame);
+      }
       model.lines.push_back(std::move(line));
     }
     for (const BodyScene& body : scene_.bodies)
@@ -875,17 +939,25 @@ class Compiler {
     const std::size_t e = element_at(beam, s);
     const ElementPlace element = within(beam, e, s);
     const auto order = static_cast<std::size_t>(beam.scene->order);
-    std::vector<std::size_t> nodes;
-    for (std::size_t k = 0; k <= order; ++k)
-      nodes.push_back(static_cast<std::size_t>(beam.nodes[e * (order + 1) + k].node));
+    struct Node {
+      std::size_t node;
+      Pose<double> frame;
+      Mat6 Ad;
+    };
+    std::vector<Node> nodes;
+    for (std::size_t k = 0; k <= order; ++k) {
+      const BeamNode& node = beam.nodes[e * (order + 1) + k];
+      nodes.push_back(
+          {static_cast<std::size_t>(node.node), node.frame, adjoint_inverse(node.frame).matrix()});
+    }
     const auto motion = [nodes, l = lagrange(element.batch->table().nodes.points, element.xi),
                          kinematics = beam.scene->kinematics,
                          metric = beam.scene->metric](const State& state, bool moving) {
       std::array<NodeState<double>, beam::max_order + 1> x;
       for (std::size_t k = 0; k < nodes.size(); ++k) {
-        const std::size_t n = nodes[k];
-        x[k].H = state.pose[n];
-        if (moving) x[k].V = state.V[n], x[k].Vdot = state.Vdot[n];
+        const auto& [n, frame, Ad] = nodes[k];
+        x[k].H = state.pose[n] * frame;
+        if (moving) x[k].V = Ad * state.V[n], x[k].Vdot = Ad * state.Vdot[n];
       }
       return beam::motion_within(kinematics, metric, std::span(x.data(), nodes.size()), l, moving);
     };
@@ -932,6 +1004,11 @@ class Compiler {
   std::vector<CompiledBeam> beams_;
   std::map<std::string, Attachment> body_nodes_;
   std::map<const RigidScene*, int> rigid_nodes_;
+  std::unordered_map<std::string_view, const RigidScene*> rigids_;  // by the names of their parts
+  std::unordered_map<std::string_view, std::size_t> beam_of_;       // in beams_, by name
+  mutable std::unordered_map<std::string_view, const Section*> sections_;
+  std::optional<Fusion> fusion_;
+  std::vector<int> group_nodes_;        // by group of the fusion; -1: not yet made
   std::vector<std::string> attaching_;  // each to the next
   std::optional<JointCompiler> joints_;
   std::optional<Springs> springs_;

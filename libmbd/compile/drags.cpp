@@ -82,9 +82,10 @@ void Drags::add_along(const DragScene& drag, std::span<const BeamNode> nodes) {
     const std::string name = fmt::format("drag on {}", system_.node_name(here.node));
     const double n = here.weight * across, t = here.weight * along;
     const drag::Frame frame{here.frame.R(), here.frame.r};
-    if (rigid && flowing)
+    const bool placed = here.is_offset() || rigid;
+    if (placed && flowing)
       add_one(rigid_line_in_flow_, {n, t, velocity, frame}, here.node, name);
-    else if (rigid)
+    else if (placed)
       add_one(rigid_line_, {n, t, {}, frame}, here.node, name);
     else if (flowing)
       add_one(line_in_flow_, {n, t, velocity, {}}, here.node, name);

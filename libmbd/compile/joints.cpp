@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 #include "joints/driven_rotation.hpp"
 #include "joints/driven_translation.hpp"
@@ -95,14 +96,23 @@ JointCompiler::Added JointCompiler::add(std::string_view type, const std::string
 }
 
 void JointCompiler::add_all() {
+  std::vector<std::string_view> names;
+  for (const JointScene& j : scene_.joints) names.push_back(j.name);
+  const std::unordered_set<std::string_view> known(names.begin(), names.end());
   for (const DriveScene& d : scene_.drives) {
-    std::vector<std::string_view> names;
-    for (const JointScene& j : scene_.joints) names.push_back(j.name);
-    if (std::find(names.begin(), names.end(), d.joint) == names.end())
+    if (!known.contains(d.joint))
       throw Error(d.source, fmt::format("drive: there is no joint \"{}\"{}", excerpt(d.joint),
                                         suggest(d.joint, names, "joints")));
   }
-  for (const JointScene& j : scene_.joints) add_joint(j);
+  for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
+    const JointScene& j = scene_.joints[i];
+    if (is_fused_(i)) {
+      fused_.push_back({j.source, label(j)});
+      readings_[j.name].what = label(j);
+    } else {
+      add_joint(j);
+    }
+  }
   for (const MotionScene& m : scene_.motions) add_motion(m);
 }
 

@@ -27,13 +27,20 @@ void check_axes(const std::optional<Vec3>& axis, const std::optional<Vec3>& seco
 
 class JointCompiler {
  public:
-  // `length`: size of the scene. All arguments must outlive the compiler.
-  JointCompiler(const Scene& scene, System& system, double length, FindPlace find)
-      : scene_(scene), system_(system), length_(length), find_(std::move(find)) {}
+  // `length`: size of the scene; `is_fused`: whether the joint of that index needs no constraint, because what it joins
+  // is one node. All arguments must outlive the compiler.
+  JointCompiler(const Scene& scene, System& system, double length, FindPlace find,
+                std::function<bool(std::size_t)> is_fused)
+      : scene_(scene),
+        system_(system),
+        length_(length),
+        find_(std::move(find)),
+        is_fused_(std::move(is_fused)) {}
 
   void add_all();
 
   const std::vector<Model::Maker>& makers() const { return makers_; }
+  const std::vector<Model::Maker>& fused() const { return fused_; }
 
   // Frames, nodes and followed angle of a joint for what acts along its free coordinate. Throws Error in the name
   // of `who` if there is no such joint, or it has no angle (`turns`) or displacement.
@@ -71,9 +78,10 @@ class JointCompiler {
   System& system_;
   double length_;
   FindPlace find_;
+  std::function<bool(std::size_t)> is_fused_;
   std::map<std::string, Reading> readings_;
   std::map<std::string, joint::Definition> definitions_;  // of joints
-  std::vector<Model::Maker> makers_;
+  std::vector<Model::Maker> makers_, fused_;
 };
 
 }  // namespace mbd

@@ -144,7 +144,7 @@ void Loads::add(const DistributedLoadScene& load) {
       if (row.fields && !(*row.fields)[i].varies())
         row.everywhere[i] = signal_at(row, i, load.from);
 
-  // Of the axes of a rigid beam's node: three laws at a time.
+  // Of the axes of a node that are not the section's: three laws at a time.
   std::optional<std::pair<Quaternion<double>, load::Signals>> last;
   const auto turned = [&](const BeamNode& here) {
     const bool varies = std::any_of(rows.begin() + 2, rows.end(), [](const Row& row) {
@@ -159,10 +159,11 @@ void Loads::add(const DistributedLoadScene& load) {
       const auto law = [&](std::size_t i) { return (*row.fields)[i].at(here.s); };
       const auto laws = turned_law({law(0), law(1), law(2)}, here.frame.R());
       for (std::size_t i = 0; i < 3; ++i)
-        result[3 * r + i] = signal(
-            laws[i], said(load.source, fmt::format("{} on {}: {}, component {} of its rigid "
-                                                   "body's axes at s = {:.6g}",
-                                                   who, load.beam, row.name, i + 1, here.s)));
+        result[3 * r + i] =
+            signal(laws[i], said(load.source, fmt::format("{} on {}: {}, component {} in the "
+                                                          "axes of {} at s = {:.6g}",
+                                                          who, load.beam, row.name, i + 1,
+                                                          system_.node_name(here.node), here.s)));
     }
     last = {here.frame.p, result};
     return result;
@@ -177,7 +178,9 @@ void Loads::add(const DistributedLoadScene& load) {
     }
     return result;
   };
-  const bool rigid = nodes.front().node == nodes.back().node;
+  const bool rigid = std::all_of(nodes.begin(), nodes.end(), [&](const BeamNode& here) {
+    return here.node == nodes.front().node;
+  });
   Sums dead, follower;
   const auto add_to = [](Sums& sums, const load::Signals& signals, const BeamNode& here) {
     Sum& sum = sums[signals];
@@ -191,8 +194,8 @@ void Loads::add(const DistributedLoadScene& load) {
       add_to(dead, at(0, here.s), here);
       add_to(follower, followers, here);
     } else {
-      add_dead(at(0, here.s), here.weight, Vec3::Zero(), here.node);
-      add_follower(followers, here.weight, Vec3::Zero(), here.node);
+      add_dead(at(0, here.s), here.weight, here.frame.r, here.node);
+      add_follower(followers, here.weight, here.frame.r, here.node);
     }
   }
   const int node = nodes.front().node;

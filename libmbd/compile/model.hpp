@@ -44,6 +44,12 @@ struct Model {
   struct Line {
     std::string name;
     std::vector<int> nodes;
+    std::vector<Pose<double>> frames;  // of the sections, in their nodes
+
+    std::size_t size() const { return nodes.size(); }
+    Pose<double> pose(std::span<const Pose<double>> of_nodes, std::size_t k) const {
+      return of_nodes[static_cast<std::size_t>(nodes[k])] * frames[k];
+    }
   };
   struct RigidPoint {
     int node;
@@ -60,6 +66,8 @@ struct Model {
     std::string label;  // `revolute "A"`
   };
   std::vector<Maker> makers;
+  std::vector<Maker>
+      fused;  // fixed joints without multipliers: what they join is one node (fusion.hpp)
   // Constraints that repeat others (solvers/constraints/redundancy.hpp); `initial` leaves as many rows idle.
   std::vector<RedundantRow> redundant;
 };

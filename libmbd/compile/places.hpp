@@ -18,15 +18,21 @@ struct Attachment {
   bool is_point = false;              // of a beam: joints act at the place itself
   Pose<double> pose{};                // reference pose of the place, inertial
   const RigidScene* rigid = nullptr;  // which the place is part of
+  bool is_fused = false;  // its node is that of something else it is fixed to (fusion.hpp)
+
+  // Whether the axes or the origin of its node may be others than the place's.
+  bool is_offset() const { return rigid != nullptr || is_fused; }
 };
 
-// A point of a beam that stands for a piece of it: a node as its element sees it, or of a rigid beam a point of
-// quadrature, which many have the node of.
+// A point of a beam that stands for a piece of it: a node as its element sees it (in something it is fused with at
+// `frame`), or of a rigid beam a point of quadrature, which many have the node of.
 struct BeamNode {
   int node;
   double s;              // fraction of the beam's reference length
   double weight;         // reference length it stands for in its element: w_a J [m]
   Pose<double> frame{};  // of the section, in the node's
+
+  bool is_offset() const { return !frame.p.vec().isZero(0.0) || !frame.r.isZero(0.0); }
 };
 
 // Finds the node of a place; throws Error in the name of `who`.
@@ -42,9 +48,9 @@ struct Nodes {
                                           std::string_view who)>
       along;
 
-  // The place in the frame of its node: the identity, but in something rigid.
+  // The place in the frame of its node: the identity, but in something rigid or fused.
   Pose<double> frame_of(const Attachment& at) const {
-    return at.rigid != nullptr ? relative(system.reference_pose(at.node), at.pose) : Pose<double>{};
+    return at.is_offset() ? relative(system.reference_pose(at.node), at.pose) : Pose<double>{};
   }
 
   // As find(), of what does nothing on the ground.

@@ -359,6 +359,13 @@ component along e3 (the first of equals); e2 = e3 x e1. Joints without an axis h
 ones. They move with b. Reactions are what the joint exerts on b: with the places exchanged, they
 change their sign. For an axis along i2, e1 = i1 x i2 = i3 and e2 = i1.
 
+What `<fixed>` joins is one node where that changes nothing but the cost: no multipliers, and elements, masses, loads and
+records that sit in it as the geometry says (`mbd check` counts them as fused, `mbd explain` names them). A fixed joint keeps
+its six multipliers where one of its places is the ground, where a record reads it (its reactions are these multipliers),
+where the things it joins are held together twice or have another joint, spring or bushing between them, where their initial
+velocities differ, and with `inertia="no_gyroscopic"`. Large frames are cheap, then, when few of their joints are recorded:
+forces and moments at the ends of beams need no multipliers.
+
 Usual supports of a beam `b`: clamped, `<fixed between="ground b.start" …/>`; a hinge about i2,
 `<revolute between="ground b.start" axis="0 1 0" …/>`; a roller along i1, `<point_on_line
 between="ground b.end" axis="1 0 0" …/>`, which leaves all rotations free.

@@ -47,12 +47,14 @@ ShapesPlot::Shape ShapesPlot::shape_of(const Sample& sample, std::string label) 
     return sample.state.pose[static_cast<std::size_t>(n)];
   };
   for (const Model::Line& line : sample.model.lines) {
-    std::vector<Vec3> points{pose(line.nodes.front()).r};
-    for (std::size_t i = 1; i < line.nodes.size(); ++i) {
-      const Pose<double>&A = pose(line.nodes[i - 1]), &B = pose(line.nodes[i]);
-      const double length = (sample.model.system->reference_pose(line.nodes[i]).r -
-                             sample.model.system->reference_pose(line.nodes[i - 1]).r)
-                                .norm();
+    const auto section = [&](std::size_t k) { return line.pose(sample.state.pose, k); };
+    const auto reference = [&](std::size_t k) {
+      return sample.model.system->reference_pose(line.nodes[k]) * line.frames[k];
+    };
+    std::vector<Vec3> points{section(0).r};
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const Pose<double> A = section(i - 1), B = section(i);
+      const double length = (reference(i).r - reference(i - 1).r).norm();
       const Vec3 a = length * (A.p * Vec3(Vec3::UnitX())), b = length * (B.p * Vec3(Vec3::UnitX()));
       for (int k = 1; k <= pieces; ++k) {
         const double s = static_cast<double>(k) / pieces, t = 1.0 - s;

@@ -246,7 +246,7 @@ Json settings(const CheckReport& report) {
 class Explainer {
  public:
   Explainer(const Scene& scene, const Model& model, Explanation& explanation)
-      : scene_(scene), system_(*model.system), result_(explanation) {}
+      : scene_(scene), system_(*model.system), fused_(model.fused), result_(explanation) {}
 
   void explain() {
     beams();
@@ -514,6 +514,12 @@ class Explainer {
       });
       if (!names.empty()) present(fmt::format("{} joints", kind.name), names);
     }
+    if (!fused_.empty()) {
+      Names names;
+      for (const Model::Maker& joint : fused_) names.push_back(joint.label);
+      absent(fmt::format("multipliers of {}", counted(std::ssize(fused_), "fixed joints")),
+             "fused: what they join is one node: " + joined(some(names)));
+    }
     if (const Names idle =
             from(scene_.joints, [this](const JointScene& j) { return is_within_rigid(j); });
         !idle.empty())
@@ -631,6 +637,7 @@ class Explainer {
 
   const Scene& scene_;
   const System& system_;
+  const std::vector<Model::Maker>& fused_;
   Explanation& result_;
 };
 
@@ -679,12 +686,18 @@ CheckReport check_model(const Scene& scene, const Model& model) {
   report.nodes = system.nodes();
   report.unknowns = system.unknowns();
   report.multipliers = system.multipliers();
+  report.fused = std::ssize(model.fused);
 
-  for (Index n = 1; n < system.nodes(); ++n) {
-    const Vec3& r = system.reference_pose(n).r;
-    report.low = n == 1 ? r : Vec3(report.low.cwiseMin(r));
-    report.high = n == 1 ? r : Vec3(report.high.cwiseMax(r));
-  }
+  bool any = false;
+  const auto include = [&](const Vec3& r) {
+    report.low = any ? Vec3(report.low.cwiseMin(r)) : r;
+    report.high = any ? Vec3(report.high.cwiseMax(r)) : r;
+    any = true;
+  };
+  const State reference = system.reference_state();
+  for (Index n = 1; n < system.nodes(); ++n) include(system.reference_pose(n).r);
+  for (const Model::Line& line : model.lines)
+    for (std::size_t k = 0; k < line.size(); ++k) include(line.pose(reference.pose, k).r);
   if (scene.transient) report.mass = model.mass;
 
   report.energy = system.energies(model.initial);
@@ -707,6 +720,10 @@ std::string to_text(const CheckReport& report) {
                 fmt::format("{}{} with the ground, {}, of which {}", elements,
                             counted(report.nodes, "nodes"), counted(report.unknowns, "unknowns"),
                             counted(report.multipliers, "multipliers")));
+  if (report.fused > 0)
+    text +=
+        entry("fused", fmt::format("{}: what {} is one node", counted(report.fused, "fixed joints"),
+                                   report.fused == 1 ? "it joins" : "they join"));
   const auto corner = [](const Vec3& x) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", x(0) + 0.0, x(1) + 0.0, x(2) + 0.0);
   };
@@ -761,7 +778,8 @@ std::string to_json(const CheckReport& report) {
   all["system"] = {{"elements", report.elements},
                    {"nodes", report.nodes},
                    {"unknowns", report.unknowns},
-                   {"multipliers", report.multipliers}};
+                   {"multipliers", report.multipliers},
+                   {"fused_joints", report.fused}};
   all["size"] = {{"low", {report.low(0), report.low(1), report.low(2)}},
                  {"high", {report.high(0), report.high(1), report.high(2)}},
                  {"mass", report.mass ? Json(*report.mass) : Json()}};

@@ -27,6 +27,7 @@ struct CheckReport {
   Index elements = 0;  // of beams, with those that boundaries at attachments add
   Index nodes = 0;     // with the ground, as in report.json
   Index unknowns = 0, multipliers = 0;
+  Index fused = 0;  // fixed joints without multipliers, because what they join is one node
 
   // Of the reference configuration: what a wrong unit shows in.
   Vec3 low = Vec3::Zero(),

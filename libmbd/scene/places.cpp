@@ -33,30 +33,38 @@ int stated_elements(const Scene& scene, const BeamScene& beam) {
   return beam.elements * static_cast<int>(parts_of(scene, beam).size() - 1);
 }
 
-std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int elements) {
+ElementEnds::ElementEnds(const Scene& scene) : scene_(scene) {
+  each_node_place(scene, [&](const Place& place) {
+    if (place.kind == Place::Kind::beam) places_[place.name].push_back(place.parameter);
+  });
+  each_kind_along(scene, [&](const auto& items) {
+    for (const auto& item : items) {
+      const Part part = part_of(item);
+      std::vector<double>& places = places_[item.beam];
+      places.push_back(part.from);
+      places.push_back(part.to);
+    }
+  });
+}
+
+std::vector<double> ElementEnds::of(const BeamScene& beam, int elements) const {
   std::vector<double> ends{0.0};
-  const std::vector<double> parts = parts_of(scene, beam);
+  const std::vector<double> parts = parts_of(scene_, beam);
   for (std::size_t i = 1; i < parts.size(); ++i)
     for (int e = 1; e <= elements; ++e)
       ends.push_back(e == elements ? parts[i]
                                    : parts[i - 1] + (parts[i] - parts[i - 1]) * e / elements);
-  const auto add = [&](double s) {
-    const auto same = [s](double end) { return std::abs(s - end) < same_parameter; };
-    if (s >= 0.0 && s <= 1.0 && std::none_of(ends.begin(), ends.end(), same)) ends.push_back(s);
-  };
-  each_node_place(scene, [&](const Place& place) {
-    if (place.kind == Place::Kind::beam && place.name == beam.name) add(place.parameter);
-  });
-  each_kind_along(scene, [&](const auto& items) {
-    for (const auto& item : items) {
-      if (item.beam != beam.name) continue;
-      const Part part = part_of(item);
-      add(part.from);
-      add(part.to);
+  if (const auto own = places_.find(beam.name); own != places_.end())
+    for (const double s : own->second) {
+      const auto same = [s](double end) { return std::abs(s - end) < same_parameter; };
+      if (s >= 0.0 && s <= 1.0 && std::none_of(ends.begin(), ends.end(), same)) ends.push_back(s);
     }
-  });
   std::sort(ends.begin(), ends.end());
   return ends;
+}
+
+std::vector<double> element_ends(const Scene& scene, const BeamScene& beam, int elements) {
+  return ElementEnds(scene).of(beam, elements);
 }
 
 }  // namespace mbd

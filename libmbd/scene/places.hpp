@@ -1,7 +1,9 @@
 // The places of a scene, and where they divide its beams.
 #pragma once
 
+#include <string_view>
 #include <type_traits>
+#include <unordered_map>
 #include <vector>
 
 #include "libmbd/scene/scene.hpp"
@@ -56,6 +58,17 @@ const Section* section_of(const Scene& scene, const BeamScene& beam);
 
 // How many elements the beam states, before its places add some.
 int stated_elements(const Scene& scene, const BeamScene& beam);
+
+// Where elements end, of many beams: the places of the scene, which must outlive it, are looked through once.
+class ElementEnds {
+ public:
+  explicit ElementEnds(const Scene& scene);
+  std::vector<double> of(const BeamScene& beam, int elements) const;  // as element_ends
+
+ private:
+  const Scene& scene_;
+  std::unordered_map<std::string_view, std::vector<double>> places_;  // by beam
+};
 
 // Where elements of the beam end, as fractions of its reference length from 0 to 1: its ends, those of the equal parts
 // of its mesh with `elements` for the number that it states, its places but those of records, and the ends of what lies

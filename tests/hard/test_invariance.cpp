@@ -236,11 +236,11 @@ State random_state(const System& system, double spacing, double force, std::uint
 
 double spacing_of(const Model& model) {
   double least = model.system->length_scale();
+  const State reference = model.system->reference_state();
   for (const Model::Line& line : model.lines)
-    for (std::size_t k = 1; k < line.nodes.size(); ++k)
-      least = std::min(least, (model.system->reference_pose(line.nodes[k]).r -
-                               model.system->reference_pose(line.nodes[k - 1]).r)
-                                  .norm());
+    for (std::size_t k = 1; k < line.size(); ++k)
+      least = std::min(
+          least, (line.pose(reference.pose, k).r - line.pose(reference.pose, k - 1).r).norm());
   return least;
 }
 

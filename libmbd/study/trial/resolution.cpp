@@ -31,15 +31,15 @@ double size(const Vec6& q, double length) { return linear(q).norm() / length + a
 
 // d log / d xi at the nodes of an element that begins at `first`, pose by node.
 Columns6 slopes(const SpectralTable& table, const std::vector<Pose<double>>& pose,
-                const std::vector<int>& nodes, std::size_t first) {
+                const Model::Line& line, std::size_t first) {
   const Index count = table.order + 1;
   Columns6 K = Columns6::Zero(6, count);
   for (Index j = 0; j < count; ++j)
     for (Index k = 0; k < count; ++k) {
       if (k == j) continue;
-      const auto a = static_cast<std::size_t>(nodes[first + static_cast<std::size_t>(j)]);
-      const auto b = static_cast<std::size_t>(nodes[first + static_cast<std::size_t>(k)]);
-      K.col(j) += table.d(j, k) * logarithm(pose[a], pose[b]);
+      const Pose<double> a = line.pose(pose, first + static_cast<std::size_t>(j)),
+                         b = line.pose(pose, first + static_cast<std::size_t>(k));
+      K.col(j) += table.d(j, k) * logarithm(a, b);
     }
   return K;
 }
@@ -77,11 +77,10 @@ void ResolutionMeter::set_up(const Model& model) {
     // Where elements end, as a fraction of the length of the line through the nodes: near enough to the
     // reference length to know which of them a place is.
     std::vector<double> along{0.0};
-    for (std::size_t k = 1; k < line.nodes.size(); ++k) {
-      const auto a = static_cast<std::size_t>(line.nodes[k - 1]);
-      const auto b = static_cast<std::size_t>(line.nodes[k]);
-      along.push_back(along.back() + (model.initial.pose[b].r - model.initial.pose[a].r).norm());
-    }
+    for (std::size_t k = 1; k < line.size(); ++k)
+      along.push_back(
+          along.back() +
+          (line.pose(model.initial.pose, k).r - line.pose(model.initial.pose, k - 1).r).norm());
     std::vector<double> places;
     each_node_place(scene_, [&](const Place& place) {
       if (place.kind == Place::Kind::beam && place.name == line.name)
@@ -102,20 +101,18 @@ void ResolutionMeter::look(const Model& model, const State& state) {
   if (beams_.empty()) set_up(model);
   for (std::size_t b = 0; b < beams_.size(); ++b) {
     BeamResolution& beam = beams_[b];
-    const std::vector<int>& nodes = model.lines[b].nodes;
+    const Model::Line& line = model.lines[b];
     const SpectralTable table = spectral_table(beam.order, Rule::gauss);
     const auto order = static_cast<std::size_t>(beam.order);
     Vec6 end = Vec6::Zero();  // strain at the end of the element before
     for (int e = 0; e < beam.elements; ++e) {
       const std::size_t first = static_cast<std::size_t>(e) * order;
-      const auto pose = [&](std::size_t k) -> const Pose<double>& {
-        return state.pose[static_cast<std::size_t>(nodes[first + k])];
-      };
+      const auto pose = [&](std::size_t k) { return line.pose(state.pose, first + k); };
       Columns6 q(6, beam.order + 1);
       for (std::size_t k = 0; k <= order; ++k)
         q.col(static_cast<Index>(k)) = logarithm(pose(0), pose(k));
-      const Columns6 before = slopes(table, model.initial.pose, nodes, first);
-      const Columns6 now = slopes(table, state.pose, nodes, first);
+      const Columns6 before = slopes(table, model.initial.pose, line, first);
+      const Columns6 now = slopes(table, state.pose, line, first);
       double length = 0.0;
       for (Index k = 0; k <= beam.order; ++k)
         length += table.nodes.weights[static_cast<std::size_t>(k)] * before.col(k).head<3>().norm();
