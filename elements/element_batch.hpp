@@ -89,6 +89,8 @@ class ElementBatch : public Base {
           if (!dU.empty() && node[a] > 0)
             u = Eigen::Map<const Vec6>(&dU[6 * static_cast<std::size_t>(node[a] - 1)]);
         }
+        if constexpr (may_be_offset)
+          if (const Offset* const offset = offsets_of(e)) move_increments(offset, U);
         E::linearized_resultants(shared_, data_[e], x.data(), U.data(), &S[e * points]);
       }
     }
@@ -105,6 +107,7 @@ class ElementBatch : public Base {
         gather(state, e, x);
         const double m = E::evaluate_mixed(shared_, data_[e], x.data(), &S[e * points], out);
         margin = m < margin ? m : margin;
+        carry<Want::tangent>(e, out);
         add_residual(out, e, r);
         hand_over(out, e, 1.0, {}, slots);
       }
@@ -301,6 +304,15 @@ class ElementBatch : public Base {
         own.Vdot = times<double>(offset[a].Ad, own.Vdot);
       }
     }
+  }
+
+  void move_increments(const Offset* offset,
+                       std::array<Vec6, static_cast<std::size_t>(max_nodes)>& U) const {
+    for (int a = 0; a < count(); ++a)
+      if (!offset[a].none) {
+        Vec6& u = U[static_cast<std::size_t>(a)];
+        u = times<double>(offset[a].Ad, u);
+      }
   }
 
   // Takes what the element made to the nodes of the batch.
