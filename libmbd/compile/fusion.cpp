@@ -12,9 +12,9 @@
 namespace mbd {
 namespace {
 
-// Points of a joint closer than this, relative to their distance from the origin and the length of the beams, are
-// surely one (joints.cpp is more lenient, and says what is open).
-constexpr double same_point = 1e-12;
+// The end of a beam is at its joint's point if no farther away than this, relative to the longer beam: less than what
+// joints.cpp allows, relative to the scene, which says what is open.
+constexpr double same_point = 3e-10;
 // Of velocities of one group, relative to them.
 constexpr double same_velocity = 1e-11;
 
@@ -138,8 +138,8 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
     if (A.member < 0 || B.member < 0) continue;
     const Vec3 point = j.at ? *j.at : (B.is_point || !A.is_point ? B : A).pose.r;
     const auto is_open = [&](const Found& end) {
-      const double size = point.norm() + A.size + B.size;
-      return end.is_point && !((end.pose.r - point).norm() <= same_point * size);
+      return end.is_point &&
+             !((end.pose.r - point).norm() <= same_point * std::max(A.size, B.size));
     };
     if (!is_fixed(j) || asked.contains(j.name) || A.member == B.member || is_open(A) ||
         is_open(B)) {

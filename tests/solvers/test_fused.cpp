@@ -427,7 +427,15 @@ TEST(Fused, KeptWhereMoreIsSaid) {
           .find("fixed \"pq\": position 1: the initial velocities open the joint at 0.01 m/s"),
       std::string::npos)
       << message(fmt::format(fmt::runtime(bodies), "1.01"));
-  // Beams whose ends do not meet.
+  // Beams whose ends do not meet, near the origin and where round-off is a thousandth of the gap.
+  EXPECT_NE(message(sections +
+                    R"(<beam name="a" section="s" from="1e6 0 0" to="1e6 0 1" normal="1 0 0"/>
+                       <beam name="b" section="t" from="1000000.0000001 0 1" to="1000001 0 1"
+                             normal="0 0 1"/>
+                       <fixed name="foot" between="ground a.start"/>
+                       <fixed name="ab" between="a.end b.start"/> <static/>)")
+                .find("fixed \"ab\": it is open"),
+            std::string::npos);
   EXPECT_NE(
       message(sections +
               R"(<beam name="a" section="s" from="0 0 0" to="0 0 1" normal="1 0 0"/>
