@@ -142,8 +142,10 @@ TEST(StaticStability, IsSaid) {
   EXPECT_EQ(below.negative_eigenvalues, 0);
   EXPECT_TRUE(below.notes.empty());
   EXPECT_EQ(above.negative_eigenvalues, 2);
-  ASSERT_EQ(above.notes.size(), 1U);
-  EXPECT_NE(above.notes[0].find("unstable, in 2 ways"), std::string::npos) << above.notes[0];
+  ASSERT_EQ(above.notes.size(), 2U);
+  EXPECT_NE(above.notes[0].find("negative eigenvalues 0 -> 2"), std::string::npos)
+      << above.notes[0];
+  EXPECT_NE(above.notes[1].find("unstable, in 2 ways"), std::string::npos) << above.notes[1];
   // A follower force has no potential.
   const RunReport follower =
       run(cantilever_with("<load at=\"b.end\" follower_force=\"-10 0 0\"/>", ""),
