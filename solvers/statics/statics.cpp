@@ -14,7 +14,8 @@ namespace {
 constexpr double smallest_increment = 1e-6;  // of the load
 constexpr int easy_iterations = 6;  // with as many or fewer the next load step is twice as large
 constexpr double smallest_passed = 1e-5;  // of the load: not cut further where stability changes
-constexpr double off_the_path = 0.5;      // of (1) and (2)
+constexpr double off_the_path = 0.5;      // of (1)
+constexpr double astray = 1.0;            // of (2)
 constexpr double smallest_motion = 1e-4;  // that (2) judges: of the scene's length, or [rad]
 constexpr double smallest_change = 0.1;   // of forces, or moments, that (1) judges, of their size
 constexpr double smallest_share = 1e-3;   // and of the size of both
@@ -144,7 +145,7 @@ bool is_near(const System& system, const State& last, const std::optional<State>
              const State& found) {
   if (!foretold) return true;
   const double off = motion(system, *foretold, found);
-  return off <= std::max(smallest_motion, off_the_path * motion(system, last, *foretold));
+  return off <= std::max(smallest_motion, astray * motion(system, last, *foretold));
 }
 
 // The rate of the path without load, where there is an equilibrium to start from and nothing is neutral, and the sign of
