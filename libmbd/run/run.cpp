@@ -240,6 +240,9 @@ class Run {
     options.newton.tolerance = scene_.statics->tolerance;
     options.newton.line_search = scene_.statics->line_search;
     options.has_potential = has_potential(scene_);
+    Scene symmetric = scene_;
+    for (BeamScene& beam : symmetric.beams) beam.form = Form::energy;
+    options.conservative = has_potential(symmetric);
     options.solver = scene_.statics->solver;
     options.accepted = [this](const State& step) {
       if (scene_.transient) return !interrupted(step);

@@ -15,6 +15,8 @@ constexpr double smallest_increment = 1e-6;  // of the load
 constexpr int easy_iterations = 6;  // with as many or fewer the next load step is twice as large
 constexpr double smallest_passed = 1e-5;  // of the load: not cut further where stability changes
 constexpr double off_the_path = 0.5;      // of (1)
+constexpr double astray = 1.0;            // of (2)
+constexpr double smallest_motion = 1e-4;  // that (2) judges: of the scene's length, or [rad]
 constexpr double smallest_change = 0.1;   // of forces, or moments, that (1) judges, of their size
 constexpr double smallest_share = 1e-3;   // and of the size of both
 constexpr double jump = 1e-2;  // of the scene's length, or [rad]: more than a smallest step moves
@@ -63,6 +65,7 @@ class LoadPath {
     system.linearized_resultants(state, {}, S_);
   }
   const Resultants& resultants() const { return S_; }
+  bool is_known() const { return rate_.size() > 0; }
 
   void foretell(double ahead, State& trial, Resultants& S) const {
     if (rate_.size() > 0) retract(trial, ahead * rate_);
@@ -135,6 +138,14 @@ double motion(const System& system, const State& a, const State& b) {
                         2.0 * g.p.vec().norm()});
   }
   return largest;
+}
+
+// (2) of statics.hpp; true where nothing was foretold.
+bool is_near(const System& system, const State& last, const std::optional<State>& foretold,
+             const State& found) {
+  if (!foretold) return true;
+  const double off = motion(system, *foretold, found);
+  return off <= std::max(smallest_motion, astray * motion(system, last, *foretold));
 }
 
 // The rate of the path without load, where there is an equilibrium to start from and nothing is neutral, and the sign of
@@ -217,6 +228,7 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     MixedIterate mixed;
     path.foretell(ahead, trial, mixed.resultants);
     trial.load_factor = next;
+    const std::optional<State> foretold = path.is_known() ? std::optional(trial) : std::nullopt;
     std::string failure;
     const long before = report.counters.iterations;
     NewtonOptions newton = options.newton;
@@ -242,15 +254,17 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
       if (neutral.count() > 0 && rate.size() > 0) neutral.take_out(weights, rate);
       there = path.next(trial, std::move(rate), mixed, ahead);
       if (neutral.count() == 0) negative_there = negative_at(trial, mixed.resultants);
-      leaves = (sign != 0 && mixed.sign != 0 && (mixed.sign != sign || mixed.sign_varied)) ||
+      const bool signs = options.conservative && sign != 0 && mixed.sign != 0;
+      leaves = (signs && (mixed.sign != sign || mixed.sign_varied)) ||
                (negative && negative_there && *negative != *negative_there) ||
-               (judges_rates && !path.leads_to(*there, ahead));
+               (judges_rates && !(path.leads_to(*there, ahead) &&
+                                  (searched || is_near(system, state, foretold, trial))));
     }
     if (leaves && increment < smallest_passed) {
       if (motion(system, state, trial) > jump) {
         found = false;
         increment = 0.0;
-      } else if (sign != mixed.sign || negative != negative_there) {
+      } else if ((options.conservative && sign != mixed.sign) || negative != negative_there) {
         report.passed.push_back(words_of_passing(system, solver, trial, mixed.resultants,
                                                  report.load_factor, negative, negative_there));
         increment = std::max(increment, whole);

@@ -3,11 +3,12 @@
 // A load step starts from where motion and resultants lead to second order, and is solved by mixed Newton
 // (equilibrium.hpp), in which steps may be large. So that what is found belongs to the path of equilibria from no load, and
 // not to whichever side the step happens to lead to, a step is taken only where
-//   the tangents of all iterates have a determinant of the same sign as the equilibrium before,
+//   the tangents of all iterates have a determinant of the same sign as the equilibrium before (conservative loads),
 //   as many eigenvalues are negative as before, where they are counted,
-//   and resultants change as their rates at both ends say:  |dS - h (S'_0 + S'_1)/2| < |dS|/2,            (1)
-// forces and moments each; it is halved otherwise. A step that cannot be halved further passes a point where stability
-// changes, if it moves little: it is taken, and said. If it moves much, the structure gives way.
+//   resultants change as their rates at both ends say:  |dS - h (S'_0 + S'_1)/2| < |dS|/2,              (1)
+//   forces and moments each, and the motion found is nearer to the one foretold than half of what was foretold. (2)
+// It is halved otherwise. A step that cannot be halved further passes a point where stability changes, if it moves
+// little: it is taken, and said. If it moves much, the structure gives way.
 #pragma once
 
 #include <functional>
@@ -24,9 +25,10 @@ struct StaticOptions {
   int steps = 1;  // first load increment is 1/steps; halved on failure, grown when easy
   NewtonOptions newton;
   StaticSolver solver = StaticSolver::newton;
-  // That forces have one: negative eigenvalues are counted then (stability.hpp); otherwise the sign of the determinant
-  // tells odd numbers of them.
-  bool has_potential = false;
+  bool has_potential = false;  // of all forces: negative eigenvalues are counted (stability.hpp)
+  // That loads have one: signs of the determinant are judged. Under dead moments and follower loads they change without
+  // a branch: the tangent of a ring closed by a moment is singular to round-off.
+  bool conservative = has_potential;
   // Shown each equilibrium found, in order of its load factor, the last at 1. False ends the solution
   // there.
   std::function<bool(const State&)> accepted = {};
