@@ -1,8 +1,7 @@
 // What tests look for in a certificate.
 #pragma once
 
-#include <fmt/format.h>
-
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -19,11 +18,11 @@ inline const Check* find(const Certificate& certificate, std::string_view name) 
 
 // All checks, a line each, for messages.
 inline std::string words(const Certificate& certificate) {
-  std::string text;
+  std::ostringstream text;
   for (const Check& check : certificate.checks)
-    text += fmt::format("{} {} {:.3g} (warn {:.1g}, fail {:.1g}) {}\n", name_of(check.verdict),
-                        check.name, check.value, check.warn, check.fail, check.where);
-  return text;
+    text << name_of(check.verdict) << ' ' << check.name << ' ' << check.value << " (warn "
+         << check.warn << ", fail " << check.fail << ") " << check.where << '\n';
+  return text.str();
 }
 
 }  // namespace mbd::test
