@@ -1,7 +1,7 @@
 // Mixed Newton of statics (solvers/statics/equilibrium.hpp): its tangent, its rate, that stretching and shear cost nothing
 // however stiff they are, and that load steps keep to their path however large they are.
 //
-// Mutation tried: the tangent at D E in place of S* fails all of MixedNewton. That signs of determinants are not judged fails
+// Mutations tried: the tangent at D E in place of S* fails all of MixedNewton; steps taken wherever they lead fail Column. That signs of determinants are not judged fails
 // none of Column, whose eigenvalues are counted.
 #include <gtest/gtest.h>
 
