@@ -6,7 +6,7 @@
 //   the tangents of all iterates have a determinant of the same sign as the equilibrium before (conservative loads),
 //   as many eigenvalues are negative as before, where they are counted,
 //   resultants change as their rates at both ends say:  |dS - h (S'_0 + S'_1)/2| < |dS|/2,              (1)
-//   forces and moments each, and the motion found is nearer to the one foretold than half of what was foretold. (2)
+//   forces and moments each, and the motion found is nearer to the one foretold than the last equilibrium. (2)
 // It is halved otherwise. A step that cannot be halved further passes a point where stability changes, if it moves
 // little: it is taken, and said. If it moves much, the structure gives way.
 #pragma once

@@ -1,13 +1,8 @@
 // Mixed Newton of statics (solvers/statics/equilibrium.hpp): its tangent, its rate, that stretching and shear cost nothing
 // however stiff they are, and that load steps keep to their path however large they are.
 //
-// Mutations tried, each fails at least the test named:
-//   geometric stiffness at D E in place of S* (System::linearize in place of linearize_mixed)     CostsNothing, Rate
-//   S* = D (E + B dU) at the configuration after the increment                                    CostsNothing, Rate
-//   linearized_resultants without the part of node j (or, classical, without a0 k)                IsTheDerivative
-//   W of evaluate_mixed without w J                                                               TangentIsThatOfTheSaddle
-//   classical: nodal forces of D E in the tangent (set_forces left out)                           TangentIsThatOfTheSaddle
-//   a step taken whatever the signs of its determinants                                           Column
+// Mutations tried: the tangent at D E in place of S* fails all of MixedNewton; steps taken wherever they lead fail Column. That signs of determinants are not judged fails
+// none of Column, whose eigenvalues are counted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
