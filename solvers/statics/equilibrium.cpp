@@ -96,10 +96,12 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
   std::vector<Vec6> next;
   mixed->sign = 0;
   mixed->sign_varied = false;
+  mixed->out_of_range.clear();
   if (S.empty()) system.linearized_resultants(state, {}, S);
   const auto linearize = [&](VecX& r) {
     if (options.line_search) system.linearized_resultants(state, {}, S);
-    system.linearize_mixed(state, S, r, solver);
+    if (!system.linearize_mixed(state, S, r, solver) && mixed->out_of_range.empty())
+      mixed->out_of_range = system.out_of_range(state);
   };
   NeutralMotions free;
   bool looked = false;

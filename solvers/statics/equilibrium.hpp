@@ -22,6 +22,7 @@ struct MixedIterate {
   State linearized;
   int sign = 0;
   bool sign_varied = false;
+  std::string out_of_range = {};  // an element that one of the iterates left the range of
 };
 
 // Newton's method on the saddle point of Hellinger and Reissner, whose unknowns are motion U and resultants S,

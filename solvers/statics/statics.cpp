@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/newton/increments.hpp"
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/statics/stability.hpp"
 
@@ -236,6 +237,11 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     NeutralMotions neutral;
     bool searched = false, found = equilibrium(system, solver, newton, trial, report.counters,
                                                failure, &neutral, &mixed);
+    // Beyond the range of its metric an element is wound the other way round.
+    if (found && !mixed.out_of_range.empty()) {
+      found = false;
+      failure = range_failure(mixed.out_of_range);
+    }
     if (!found && options.newton.line_search && options.solver == StaticSolver::newton) {
       newton.line_search = true;
       trial = state;

@@ -74,7 +74,8 @@ std::size_t places_until(const Findings& truth, double until) {
 }
 
 void set_scale(Quantity& quantity, const Findings& truth) {
-  const Scale scale = scale_of(quantity, truth, places_until(truth, quantity.until), zero);
+  const Scale scale =
+      scale_of(quantity, truth, places_until(truth, quantity.until), zero, Measure::value);
   quantity.scale = scale.value;
   quantity.is_zero = scale.is_zero;
 }

@@ -521,7 +521,7 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
     return result;
   }
   for (const Components& vector : vectors_of(better, quantities)) {
-    const Scale scale = scale_of(vector, better, better.rows.size(), accuracy);
+    const Scale scale = scale_of(vector, better, better.rows.size(), accuracy, Measure::change);
     if (scale.is_zero) result.as_zero.push_back(vector.name);
     double sum = 0.0;
     std::optional<double> from;

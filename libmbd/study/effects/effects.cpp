@@ -132,7 +132,8 @@ class Study {
     if (components.empty())
       throw Error(fmt::format("{}: it records nothing to compare; give <record …/>", scene_.name));
     for (Components& c : components) {
-      const Scale scale = scale_of(c, whole.findings, whole.findings.at.size(), zero);
+      const Scale scale =
+          scale_of(c, whole.findings, whole.findings.at.size(), zero, Measure::value);
       result_.quantities.push_back({std::move(c), scale.value, scale.is_zero, 0.0});
     }
     if (scene_.transient) {

@@ -95,11 +95,11 @@ double distance(const Components& vector, const Findings& a, std::size_t i, cons
   return std::sqrt(sum);
 }
 
-Scale scale_of(const Components& vector, const Findings& findings, std::size_t places,
-               double zero) {
+Scale scale_of(const Components& vector, const Findings& findings, std::size_t places, double zero,
+               Measure measure) {
   double own = 0.0, of_unit = vector.unit == "J" ? findings.energy : 0.0;
   std::vector<double> zero_of(findings.columns.size(), 0.0), row;
-  if (places > 1)
+  if (places > 1 && measure == Measure::change)
     for (std::size_t c = 0; c < zero_of.size(); ++c)
       if (findings.units[c] == vector.unit && depends_on_origin(findings.columns[c]))
         zero_of[c] = findings.rows.front()[c];

@@ -3,7 +3,7 @@
 //
 // Four things that a difference of numbers would get wrong: what is zero beside others of its unit is measured by
 // those (the load that symmetry makes vanish), and total energies by the kinetic and strain energies too; what depends
-// on where the origin is (positions, potentials, moments of momentum) has the size of its changes; rotation
+// on where the origin is (positions, potentials, moments of momentum) may be measured by its changes; rotation
 // vectors stand for the rotation, and of the vectors for one rotation the nearest is compared; on a branch of a path
 // signs do not count: the two sides of a symmetric bifurcation are mirror images, and round-off chooses.
 #pragma once
@@ -42,11 +42,15 @@ struct Scale {
   bool is_zero = false;  // it is that of others of its unit
 };
 
-// Of a vector the largest length in the first `places` rows; of what depends on where the origin is, its largest change
-// from the first of them (of a single row, its length). Where that is not above `zero` times the largest number
-// that any column of its unit has there, that number (or change); of energies it is at least Findings::energy, of angles, if all
-// of them are round-off, one radian. 1 if all are zero.
-Scale scale_of(const Components& vector, const Findings& findings, std::size_t places, double zero);
+// By the largest change from the first row of what depends on where the origin is (positions, potentials, moments of
+// momentum), so that a scene may stand anywhere; or by its value, as all else.
+enum class Measure { change, value };
+
+// Of a vector the largest length in the first `places` rows (of a single row never a change). Where that is not above `zero`
+// times the largest number that any column of its unit has there, that number; of energies it is at least Findings::energy, of
+// angles, if all of them are round-off, one radian. 1 if all are zero.
+Scale scale_of(const Components& vector, const Findings& findings, std::size_t places, double zero,
+               Measure measure);
 
 // Whether any number changes from place to place, by more than round-off. Of a motion where none does, runs agree that
 // may all have missed what should move it.

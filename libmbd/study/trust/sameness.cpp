@@ -120,7 +120,7 @@ Twins::Twins(const Scene& scene, const TrialOptions& options) : scene_(with_prob
   const Findings& a = base_.findings;
   add_components(quantities_, a, {}, "the run");
   for (const Components& q : quantities_) {
-    const double size = scale_of(q, a, a.at.size(), zero_beside).value;
+    const double size = scale_of(q, a, a.at.size(), zero_beside, Measure::value).value;
     // Of a total energy that is conserved, the number is arbitrary and its changes are errors.
     scales_.push_back(q.unit == "J" ? std::max(size, a.energy) : size);
   }

@@ -400,7 +400,7 @@ class TortureSession {
         if (!runs[k].complete) continue;
         double error = 0.0;
         for (const Components& c : positions) {
-          const double scale = scale_of(c, truth, truth.at.size(), 1e-6).value;
+          const double scale = scale_of(c, truth, truth.at.size(), 1e-6, Measure::value).value;
           for (std::size_t i = 0; i < std::min(truth.at.size(), runs[k].findings.at.size()); ++i) {
             const double e = distance(c, truth, i, runs[k].findings, i) / scale;
             if (!(e <= error)) {
