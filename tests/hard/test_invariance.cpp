@@ -349,6 +349,19 @@ TEST(InvarianceSlow, NewtonFindsItsFloorFarAway) {
                 "Newton's floor without the farthest position (in the engine): 13 times"});
 }
 
+// An orientation is turned by that much and stays a rotation. Mutation: entries changed as those of an inertia are, symmetric.
+TEST(Invariance, PerturbedOrientationsStayRotations) {
+  const Scene scene = read_model_text(R"(<mbd name="m">
+      <body name="b" at="1 0 0" orientation="0.3 0.4 0.5" mass="2" inertia="2 2 3 0.1 0.2 0.3"/>
+      <gravity acceleration="0 0 -9.81"/><transient duration="1" step="0.01"/></mbd>)");
+  const Scene other = perturbed(scene, 1e-3, 1);
+  const Mat3 &before = scene.bodies[0].orientation, &after = other.bodies[0].orientation;
+  EXPECT_LT((after.transpose() * after - Mat3::Identity()).norm(), 1e-14);
+  EXPECT_LT((after - before).norm(), 3e-3);
+  EXPECT_NE(other.bodies[0].inertia, scene.bodies[0].inertia);
+  EXPECT_TRUE(compile(other).system);
+}
+
 // The comparison sees what it should: masses and loads changed in the fourth digit.
 TEST(InvarianceSlow, ADifferenceInTheFourthDigitIsSeen) {
   int seen = 0, all = 0;

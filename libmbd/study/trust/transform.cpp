@@ -279,6 +279,7 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
         for (double& component : x) scale(component, about);
       },
       [&](Mat3& M, const About& about) {
+        if (!varies(about)) return;  // a rotation
         for (Index i = 0; i < 3; ++i)
           for (Index k = i; k < 3; ++k) {
             scale(M(i, k), about);
