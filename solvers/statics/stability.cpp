@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "solvers/newton/increments.hpp"
 
@@ -54,30 +56,45 @@ bool add_springs(const System& system, std::span<const Slot> slots, double s) {
   return left == 0;
 }
 
-// Whether the motion strains a beam: however soft that is beside its stretching, it answers then.
+// Whether the beams that hang together move otherwise than as one rigid body: however soft they are beside their stretching,
+// they answer then. Each node is compared with the first of them, not
+// with its neighbour, since of a fine mesh neighbours hardly differ in any motion.
 bool strains_beams(const System& system, const State& state, const VecX& x) {
-  // Of the motion, between two nodes of an element. Rigid ones, found from a matrix of that condition, have up to 2e-3;
-  // bending has 1 over the number of nodes and more.
-  constexpr double none = 0.01;
+  // Of the motion. Rigid ones, found from a matrix of that condition, have up to 2e-3; bending is of the order of 1.
+  constexpr double none = 0.03;
   const double L = system.length_scale();
   const auto size_of = [L](const Vec6& u) {
     return std::max(u.head<3>().norm() / L, u.tail<3>().norm());
   };
-  const auto motion_of = [&x](int node) -> Vec6 { return x.segment<6>(6 * Index{node}); };
-  const int nodes = static_cast<int>(system.nodes()) - 1;
+  const auto motion_of = [&x](std::size_t node) -> Vec6 {
+    return x.segment<6>(6 * static_cast<Index>(node));
+  };
+  const auto nodes = static_cast<std::size_t>(system.nodes()) - 1;
   double most = 0.0;
-  for (int n = 0; n < nodes; ++n) most = std::max(most, size_of(motion_of(n)));
+  for (std::size_t n = 0; n < nodes; ++n) most = std::max(most, size_of(motion_of(n)));
+  std::vector<std::size_t> first_of(
+      nodes);  // by node: one nearer to the first that it hangs together with
+  std::iota(first_of.begin(), first_of.end(), std::size_t{0});
+  const auto find = [&first_of](std::size_t n) {
+    while (first_of[n] != n) n = first_of[n] = first_of[first_of[n]];
+    return n;
+  };
   const auto first = system.first_contributions();
   const auto& contributions = system.graph().contributions;
   for (std::size_t b = 0; b < system.batches().size(); ++b) {
     if (!system.batches()[b]->type().starts_with("beam")) continue;
     for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
       const auto [P, Q] = contributions[i];
-      if (P < 0 || P >= Q || Q >= nodes) continue;
-      const Pose<double> g = relative(state.pose[static_cast<std::size_t>(P) + 1],
-                                      state.pose[static_cast<std::size_t>(Q) + 1]);
-      if (size_of(motion_of(Q) - adjoint_inverse(g) * motion_of(P)) > none * most) return true;
+      if (P < 0 || P >= Q || Q >= static_cast<int>(nodes)) continue;
+      const std::size_t p = find(static_cast<std::size_t>(P)),
+                        q = find(static_cast<std::size_t>(Q));
+      first_of[std::max(p, q)] = std::min(p, q);
     }
+  }
+  for (std::size_t n = 0; n < nodes; ++n) {
+    const std::size_t whole = find(n);
+    const Pose<double> g = relative(state.pose[whole + 1], state.pose[n + 1]);
+    if (size_of(motion_of(n) - adjoint_inverse(g) * motion_of(whole)) > none * most) return true;
   }
   return false;
 }
