@@ -23,7 +23,7 @@ Table rows_of(Scene scene, int samples) {
 
 TEST(Trial, FindsWhatARunFinds) {
   const Scene scene = model_scene("pendulum");
-  const Trial trial = run_trial(scene, {.samples = 50, .repeats = 2});
+  const Trial trial = run_trial(scene, {.samples = 50, .repeats = 2, .repeat_within = 1e9});
   ASSERT_TRUE(trial.complete) << trial.failure;
   EXPECT_EQ(trial.repeats, 2);
   const Table rows = rows_of(scene, 50);
