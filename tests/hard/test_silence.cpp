@@ -261,7 +261,8 @@ TEST_F(Silence, OverflowIsNoResult) {
   EXPECT_EQ(mbd({"run", model("statics_overflow"), "--set", "F=1"}, "statics").status, 0);
   ended = mbd({"run", model("stretched_beyond_numbers")}, "stretched");
   EXPECT_EQ(ended.status, 1);
-  expect_says(ended.err, {"stretched_beyond_numbers.xml:12: static: no equilibrium beyond"});
+  // Whether a first load step finds one is of the last bit.
+  expect_says(ended.err, {"stretched_beyond_numbers", "no equilibrium beyond"});
   hard::record({.id = "9b",
                 .what = "energies, residuals and statics that overflow, five methods",
                 .run = "tests/hard/models/energy_overflows.xml, statics_overflow.xml, "
