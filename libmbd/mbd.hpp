@@ -5,7 +5,8 @@
 //
 //   mbd::Model model = mbd::compile(scene);
 //   mbd::State state = model.initial;
-//   mbd::GeneralizedAlpha integrator(*model.system, mbd::make_klu_solver(), {.step = 1e-3});
+//   mbd::GeneralizedAlpha integrator(*model.system, mbd::make_block_solver(mbd::PivotOrder::nodes_first),
+//                                {.step = 1e-3});
 //   integrator.start(state);
 //   while (state.t < 1.0 && integrator.step(state).converged) { … }
 #pragma once
@@ -34,10 +35,19 @@
 #include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "libmbd/study/accuracy/accuracy_report.hpp"
 #include "libmbd/study/accuracy/choose.hpp"
+#include "libmbd/study/modes/modes.hpp"
 #include "libmbd/study/trust/certify.hpp"
+#include "libmbd/view/drawing.hpp"
+#include "libmbd/view/motion.hpp"
+#include "libmbd/view/page.hpp"
+#include "libmbd/view/run_file.hpp"
+#include "libmbd/view/vtk.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/mechanism.hpp"
+#include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
+#include "solvers/modes/eigenmodes.hpp"
+#include "solvers/modes/steady_rotation.hpp"
 #include "solvers/newton/report.hpp"
 #include "solvers/statics/statics.hpp"
 #include "solvers/time/generalized_alpha.hpp"

@@ -61,7 +61,8 @@ const std::vector<Room>& rooms() {
                                          "elements/pair/", solvers, "libmbd/compile/"});
     const auto results = with(compile, {"libmbd/results/"});
     const auto pictures = with(results, {"libmbd/pictures/"});
-    const auto run = with(pictures, {"libmbd/run/"});
+    const auto view = with(results, {"libmbd/view/"});
+    const auto run = with(pictures, {"libmbd/view/", "libmbd/run/"});
     const auto trial = with(run, {"libmbd/study/trial/"});
     const auto accuracy = with(trial, {"libmbd/study/accuracy/"});
     const auto library = with(accuracy, {study});
@@ -78,15 +79,19 @@ const std::vector<Room>& rooms() {
         {"solvers/constraints/", constraints},
         {"solvers/statics/", constraints},
         {"solvers/time/", constraints},
+        {"solvers/modes/", with(constraints, {"solvers/statics/"})},
         {"libmbd/scene/", scene},
         {"libmbd/language/", language},
         {"libmbd/compile/", compile},
         {"libmbd/results/", results},
         {"libmbd/pictures/", pictures},
+        {"libmbd/view/", view},
         {"libmbd/run/", run},
         {"libmbd/study/trial/", trial},
         {"libmbd/study/accuracy/", accuracy},
         {"libmbd/study/effects/", accuracy},
+        {"libmbd/study/modes/", trial},
+        {"libmbd/study/sweep/", run},
         {"libmbd/study/trust/", trial},
         {"tools/", library},
         {"tests/", library},
@@ -111,9 +116,12 @@ const std::vector<ThirdParty>& third_parties() {
   static const std::vector<ThirdParty> table{
       {"tinyxml2.h", {"libmbd/language/"}, true, true},
       {"udunits2.h", {"libmbd/language/"}, true, true},
+      {"hdf5.h", {"libmbd/view/"}, true, true},
+      {"zlib.h", {"libmbd/view/"}, true, false},
       {"klu.h", {"solvers/linear/"}, true, true},
       {"suitesparse/klu.h", {"solvers/linear/"}, true, true},
       {"dmumps_c.h", {"solvers/linear/"}, true, true},
+      {"Spectra/", {"solvers/modes/"}, true, true},
       {"kinsol/", {"solvers/statics/"}, true, true},
       {"ida/", {"solvers/time/"}, true, true},
       {"nvector/", {"solvers/newton/sundials.hpp"}, false, true},
@@ -124,13 +132,18 @@ const std::vector<ThirdParty>& third_parties() {
        false},
       {"CLI/", {"tools/"}, false, false},
       {"nlohmann/",
-       {"libmbd/results/", "libmbd/pictures/", "libmbd/run/", "libmbd/study/", "tools/", "tests/"},
+       {"libmbd/results/", "libmbd/pictures/", "libmbd/view/", "libmbd/run/", "libmbd/study/",
+        "tools/", "tests/"},
        true,
        false},
+      {"png.h", {"tools/mbd/"}, true, true},
+      {"webp/encode.h", {"tools/mbd/"}, true, true},
+      {"webp/mux.h", {"tools/mbd/"}, true, true},
       {"fmt/", everywhere, true, false},
       {"gtest/", {"tests/"}, false, false},
       {"gmock/", {"tests/"}, false, false},
       {"benchmark/", {"tools/"}, false, false},
+      {"pybind11/", {"tools/python/"}, false, false},
       // under the GPL
       {"umfpack.h", {}, true, false},
       {"suitesparse/umfpack.h", {}, true, false},
@@ -143,9 +156,20 @@ const std::vector<ThirdParty>& third_parties() {
   return table;
 }
 
-const std::set<std::string_view> top_level{
-    "libmbd", "joints",         "elements",  "solvers",           "models",  "tests",  "tools",
-    "build",  "CMakeLists.txt", "README.md", "CMakePresets.json", "LICENSE", "results"};
+const std::set<std::string_view> top_level{"libmbd",
+                                           "joints",
+                                           "elements",
+                                           "solvers",
+                                           "models",
+                                           "tests",
+                                           "tools",
+                                           "build",
+                                           "CMakeLists.txt",
+                                           "README.md",
+                                           "CMakePresets.json",
+                                           "LICENSE",
+                                           "results",
+                                           "pyproject.toml"};
 
 // What only exists on a developer's machine. In pieces, so that this file does not contain it.
 const std::vector<std::string> outside_paths{

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
+#include <tuple>
 #include <unordered_map>
 
 #include "elements/beam/beam_classical.hpp"
@@ -94,6 +96,8 @@ class Compiler {
     if (scene_.path) add_path_channel(model);
     add_channels(model);
     add_lines(model);
+    add_places(model);
+    model.joints = joints_->frames();
     model.makers = joints_->makers();
     model.fused = joints_->fused();
     for (const Mat6& M : masses_) model.mass += M(0, 0);
@@ -384,10 +388,7 @@ class Compiler {
   }
 
   static std::size_t boundary_at(const CompiledBeam& beam, double s) {
-    std::size_t best = 0;
-    for (std::size_t i = 0; i < beam.boundaries.size(); ++i)
-      if (std::abs(beam.boundaries[i] - s) < std::abs(beam.boundaries[best] - s)) best = i;
-    return best;
+    return nearest_boundary(beam.boundaries, s);
   }
 
   // Whether elements meet, or end, at s.
@@ -827,19 +828,52 @@ class Compiler {
         for (const BeamNode& node : beam.nodes) line.push_back({node.node, node.frame.r});
         continue;
       }
-      Model::Line line{beam.scene->name, {}, {}};
+      Model::Line line{beam.scene->name, {}, {}, {}};
       double last = -1.0;
       for (const BeamNode& node : beam.nodes) {
         if (node.s == last) continue;  // where two elements meet
         last = node.s;
         line.nodes.push_back(node.node);
         line.frames.push_back(node.frame);
+        line.s.push_back(node.s);
       }
+      if (scene_.motion_output) add_resultants(beam, line);
       model.lines.push_back(std::move(line));
     }
     for (const BodyScene& body : scene_.bodies)
       if (const Attachment& at = body_nodes_.at(body.name); !body.attached_to)
         model.bodies.push_back({at.node, frame_of(at).r});
+  }
+
+  static void add_resultants(const CompiledBeam& beam, Model::Line& line) {
+    std::vector<ElementPlace> points;
+    for (std::size_t e = 0; e + 1 < beam.boundaries.size(); ++e) {
+      const double s0 = beam.boundaries[e], s1 = beam.boundaries[e + 1];
+      for (const double xi : beam.ends[e].back().batch->table().rule.points) {
+        points.push_back(beam.ends[e].back());
+        points.back().xi = xi;
+        line.stations.push_back(s0 + 0.5 * (s1 - s0) * (1.0 + xi));
+      }
+    }
+    line.resultants = [points = std::move(points)](const State& state, std::span<Vec6> out) {
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const ElementPlace& p = points[i];
+        out[i] = p.batch->resultants(state, p.element, p.xi);
+        if (p.damping != nullptr && !state.V.empty())
+          out[i] += p.damping->resultants(state, p.damping_element, p.xi);
+      }
+    };
+  }
+
+  void add_places(Model& model) const {
+    std::set<std::tuple<Place::Kind, std::string, double>> seen;
+    const auto add = [&](const Place& place) {
+      if (!seen.emplace(place.kind, place.name, place.parameter).second) return;
+      const Attachment at = find(place, scene_.source, {});
+      model.places.push_back({place, at.node, frame_of(at)});
+    };
+    for (const BodyScene& body : scene_.bodies) add({Place::Kind::body, body.name, 0.0});
+    each_node_place(scene_, add);
   }
 
   void add_path_channel(Model& model) const {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unordered_set>
 #include <utility>
 
@@ -23,23 +22,14 @@ std::string key(std::string_view beam, std::size_t boundary) {
   return key('.', beam) + '@' + std::to_string(boundary);
 }
 
-std::size_t nearest(std::span<const double> boundaries, double s) {
+}  // namespace
+
+std::size_t nearest_boundary(std::span<const double> boundaries, double s) {
   const auto above = std::lower_bound(boundaries.begin(), boundaries.end(), s);
   auto i = static_cast<std::size_t>(above - boundaries.begin());
   if (i == boundaries.size()) return i - 1;
   if (i > 0 && std::abs(boundaries[i - 1] - s) <= std::abs(boundaries[i] - s)) --i;
   return i;
-}
-
-}  // namespace
-
-int Fusion::root(int member) {
-  while (parent_[static_cast<std::size_t>(member)] != member) {
-    int& up = parent_[static_cast<std::size_t>(member)];
-    up = parent_[static_cast<std::size_t>(up)];
-    member = up;
-  }
-  return member;
 }
 
 Fusion::Found Fusion::find(const Place& place) { return find(place, 0); }
@@ -56,7 +46,7 @@ Fusion::Found Fusion::find(const Place& place, int depth) {
     const auto [it, is_new] = members_.try_emplace(std::move(name), static_cast<int>(all_.size()));
     if (is_new) {
       all_.push_back(make());
-      parent_.push_back(it->second);
+      joined_.add();
     }
     return it->second;
   };
@@ -101,7 +91,7 @@ Fusion::Found Fusion::find(const Place& place, int depth) {
   const auto it = beams_.find(place.name);
   if (it == beams_.end()) return {};
   const Beam& beam = *it->second;
-  const std::size_t i = nearest(beam.boundaries, place.parameter);
+  const std::size_t i = nearest_boundary(beam.boundaries, place.parameter);
   const ReferenceLine& line = line_of(*beam.beam);
   const Pose<double> pose = line.at(beam.boundaries[i]);
   return {member(key(place.name, i), [&] { return Member{pose}; }), pose, true, line.length};
@@ -146,12 +136,9 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
       together.emplace_back(A.member, B.member);
       continue;
     }
-    const int P = root(A.member), Q = root(B.member);
     of_joint[i] = A.member;
-    if (P == Q)
-      refused.push_back(A.member);
-    else
-      parent_[static_cast<std::size_t>(std::max(P, Q))] = std::min(P, Q);
+    if (joined_.root(A.member) == joined_.root(B.member)) refused.push_back(A.member);
+    joined_.join(A.member, B.member);
   }
   const auto acts = [&](const auto& items) {
     for (const auto& item : items) {
@@ -162,12 +149,12 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
   acts(scene.springs);
   acts(scene.bushings);
   for (const auto& [a, b] : together)
-    if (root(a) == root(b)) refused.push_back(a);
+    if (joined_.root(a) == joined_.root(b)) refused.push_back(a);
 
   const auto count = static_cast<int>(all_.size());
   for (int m = 0; m < count; ++m) {
     const Member &one = all_[static_cast<std::size_t>(m)],
-                 &first = all_[static_cast<std::size_t>(root(m))];
+                 &first = all_[static_cast<std::size_t>(joined_.root(m))];
     const Vec3 turning = first.angular_velocity.cross(one.pose.r - first.pose.r);
     const Vec3 velocity = first.velocity + turning;
     const double speed = std::max({first.velocity.norm(), one.velocity.norm(), turning.norm()});
@@ -178,17 +165,17 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
   }
 
   std::vector<char> apart(all_.size(), 0), has_joint(all_.size(), 0);
-  for (const int m : refused) apart[static_cast<std::size_t>(root(m))] = 1;
+  for (const int m : refused) apart[static_cast<std::size_t>(joined_.root(m))] = 1;
   for (std::size_t i = 0; i < of_joint.size(); ++i) {
     if (of_joint[i] < 0) continue;
-    const auto r = static_cast<std::size_t>(root(of_joint[i]));
+    const auto r = static_cast<std::size_t>(joined_.root(of_joint[i]));
     if (apart[r] != 0) continue;
     fused_[i] = 1;
     has_joint[r] = 1;
   }
   group_.assign(all_.size(), -1);
   for (int m = 0; m < count; ++m) {
-    const int r = root(m);
+    const int r = joined_.root(m);
     if (has_joint[static_cast<std::size_t>(r)] == 0) continue;
     int& group = group_[static_cast<std::size_t>(r)];  // the root comes first
     if (group < 0) group = groups_++;

@@ -14,11 +14,15 @@
 #include <unordered_map>
 #include <vector>
 
+#include "libmbd/core/disjoint_sets.hpp"
 #include "libmbd/core/se3.hpp"
 #include "libmbd/scene/reference_line.hpp"
 #include "libmbd/scene/scene.hpp"
 
 namespace mbd {
+
+// Which of the boundaries, rising, is the nearest to s; of two the first.
+std::size_t nearest_boundary(std::span<const double> boundaries, double s);
 
 class Fusion {
  public:
@@ -54,7 +58,6 @@ class Fusion {
 
   Found find(const Place& place);
   Found find(const Place& place, int depth);
-  int root(int member);
   void index(std::span<const Beam> beams);
 
   const Scene& scene_;
@@ -65,7 +68,8 @@ class Fusion {
   std::unordered_map<std::string, int> members_;  // by kind and name
   std::unordered_map<std::string_view, ReferenceLine> lines_;
   std::vector<Member> all_;
-  std::vector<int> parent_, group_;
+  DisjointSets joined_;  // members
+  std::vector<int> group_;
   std::vector<char> fused_;
   int groups_ = 0;
 };

@@ -373,6 +373,17 @@ const joint::Definition& JointCompiler::coordinate(const std::string& joint, boo
 
 // --- output ---
 
+std::vector<Model::JointFrames> JointCompiler::frames() const {
+  std::vector<Model::JointFrames> all;
+  for (const JointScene& j : scene_.joints)
+    if (const auto it = definitions_.find(j.name); it != definitions_.end()) {
+      const joint::Definition& f = it->second;
+      const Reading& reading = readings_.at(j.name);
+      all.push_back({j.name, f.P, f.Q, f.a, f.b, reading.angle, reading.reaction});
+    }
+  return all;
+}
+
 schema::JointReading JointCompiler::reading(const RecordScene& record,
                                             const schema::Quantity& quantity) const {
   using Of = schema::Quantity::Of;

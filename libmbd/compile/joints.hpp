@@ -41,6 +41,8 @@ class JointCompiler {
 
   const std::vector<Model::Maker>& makers() const { return makers_; }
   const std::vector<Model::Maker>& fused() const { return fused_; }
+  // In the order of the scene.
+  std::vector<Model::JointFrames> frames() const;
 
   // Frames, nodes and followed angle of a joint for what acts along its free coordinate. Throws Error in the name
   // of `who` if there is no such joint, or it has no angle (`turns`) or displacement.

@@ -45,6 +45,11 @@ struct Model {
     std::string name;
     std::vector<int> nodes;
     std::vector<Pose<double>> frames;  // of the sections, in their nodes
+    std::vector<double> s;             // of each node: fraction of the reference length
+    // Quadrature points, fractions of the reference length, and the resultants there of elastic and viscous forces
+    // [N1 Q2 Q3 M1 M2 M3], section axes [N, N.m]. None without <motion_output>.
+    std::vector<double> stations = {};
+    std::function<void(const State&, std::span<Vec6>)> resultants = {};
 
     std::size_t size() const { return nodes.size(); }
     Pose<double> pose(std::span<const Pose<double>> of_nodes, std::size_t k) const {
@@ -55,6 +60,22 @@ struct Model {
     int node;
     Vec3 point;  // node frame [m]
   };
+  // Where a place of the scene is, of those with a node.
+  struct PlaceFrame {
+    Place place;
+    int node;
+    Pose<double> frame;  // of the place, in its node
+  };
+  // A joint that the system has: its frames coincide where it is closed (joints/joint.hpp).
+  struct JointFrames {
+    std::string name;
+    int node_a, node_b;
+    Pose<double> a, b;                           // in these nodes
+    std::function<double(const State&)> angle;   // [rad]; none: it has none
+    std::function<Vec6(const State&)> reaction;  // on b, joint axes [N, N.m]
+  };
+  std::vector<PlaceFrame> places;
+  std::vector<JointFrames> joints;
   std::vector<Line> lines;
   std::vector<std::vector<RigidPoint>> rigid_lines;
   std::vector<RigidPoint> bodies;

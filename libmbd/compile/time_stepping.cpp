@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libmbd/core/parts.hpp"
+#include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/time/generalized_alpha.hpp"
 #include "solvers/time/ida.hpp"
@@ -42,10 +43,13 @@ Balance balance_of(const System& system, const TransientScene& transient) {
 
 std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient) {
   const double step = transient.step.value_or(0.0), max_step = transient.max_step.value_or(0.0);
+  const auto solver = [&transient] {
+    return make_linear_solver(transient.linear_solver, PivotOrder::nodes_first);
+  };
   switch (transient.method) {
     case TimeMethod::generalized_alpha:
       return std::make_unique<GeneralizedAlpha>(
-          system, make_klu_solver(),
+          system, solver(),
           GeneralizedAlphaOptions{.step = step,
                                   .tolerances = error_tolerances(transient),
                                   .end = transient.duration,
@@ -54,7 +58,7 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
                                   .balance = balance_of(system, transient),
                                   .newton = newton_options(transient)});
     case TimeMethod::radau:
-      return std::make_unique<Radau>(system, make_klu_solver(), make_klu_pencil_solver(),
+      return std::make_unique<Radau>(system, solver(), make_pencil_solver(transient.linear_solver),
                                      RadauOptions{.step = step,
                                                   .tolerances = error_tolerances(transient),
                                                   .end = transient.duration,

@@ -35,6 +35,10 @@ enum class InertiaTerms { full, no_gyroscopic };
 // What finds an equilibrium: our Newton iterations, or KINSOL of SUNDIALS (solvers/statics/equilibrium.hpp).
 enum class StaticSolver { newton, kinsol };
 
+// What solves the linear systems of Newton's iterations: block LU on the graph of nodes and joints, with KLU where that has
+// no good pivots, or KLU alone (solvers/linear/block_solver.hpp).
+enum class LinearMethod { block, klu };
+
 // How a path of equilibria is followed, and which way of the load factor it starts (solvers/statics/path.hpp).
 enum class PathMethod { bordered, crisfield };
 enum class PathDirection { forward, backward, both };
@@ -68,6 +72,8 @@ template <>
 inline constexpr std::string_view words_of<InertiaTerms> = "full no_gyroscopic";
 template <>
 inline constexpr std::string_view words_of<StaticSolver> = "newton kinsol";
+template <>
+inline constexpr std::string_view words_of<LinearMethod> = "block klu";
 template <>
 inline constexpr std::string_view words_of<PathMethod> = "bordered crisfield";
 template <>

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,15 @@ struct Slot {
 
 enum class FactorStatus { ok, poor_pivot, singular };
 
+// What a solver says of itself and of its factorisations since the last analyze().
+struct LinearFacts {
+  std::string method;       // "block LU, nodes first"
+  long factorizations = 0;  // all of them
+  long fallbacks = 0;       // of these, done by KLU because blocks have no good pivots
+  long refinements = 0;     // of solutions
+  std::string reason = {};  // of the last fallback
+};
+
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
@@ -62,6 +72,8 @@ class LinearSolver {
   virtual int determinant_sign() const { return 0; }
 
   virtual Index nonzeros() const = 0;
+
+  virtual LinearFacts facts() const { return {}; }
 
   // A new, empty solver of the same kind; nullptr if there is no other.
   virtual std::unique_ptr<LinearSolver> another() const { return nullptr; }

@@ -1,7 +1,8 @@
 #include "libmbd/core/parts.hpp"
 
 #include <algorithm>
-#include <numeric>
+
+#include "libmbd/core/disjoint_sets.hpp"
 
 namespace mbd {
 
@@ -14,17 +15,8 @@ bool ConnectedParts::all_free() const {
 
 ConnectedParts find_parts(const System& system, const std::function<bool(const Batch&)>& ties) {
   const auto nodes = static_cast<int>(system.nodes());
-  std::vector<int> parent(static_cast<std::size_t>(nodes));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int n) {
-    while (parent[static_cast<std::size_t>(n)] != n) {
-      int& up = parent[static_cast<std::size_t>(n)];
-      up = parent[static_cast<std::size_t>(up)];
-      n = up;
-    }
-    return n;
-  };
-  std::vector<char> grounded(parent.size(), 0);
+  DisjointSets tied(nodes);
+  std::vector<char> grounded(static_cast<std::size_t>(nodes), 0);
   const auto first = system.first_contributions();
   const auto& contributions = system.graph().contributions;
   for (std::size_t b = 0; b < system.batches().size(); ++b) {
@@ -36,14 +28,13 @@ ConnectedParts find_parts(const System& system, const std::function<bool(const B
         grounded[static_cast<std::size_t>(std::max(p, q))] = 1;
         continue;
       }
-      const int P = root(p), Q = root(q);
-      parent[static_cast<std::size_t>(std::max(P, Q))] = std::min(P, Q);
+      tied.join(p, q);
     }
   }
   ConnectedParts parts;
-  parts.of_node.assign(parent.size(), -1);
+  parts.of_node.assign(grounded.size(), -1);
   for (int n = 1; n < nodes; ++n) {
-    const int r = root(n);  // the least of its part
+    const int r = tied.root(n);  // the least of its part
     int& part = parts.of_node[static_cast<std::size_t>(n)];
     if (r == n) {
       part = parts.count();

@@ -172,6 +172,7 @@ void System::linearized_resultants(const State& state, const VecX& dU, std::vect
 
 bool System::linearize_mixed(const State& state, std::span<const Vec6> S, VecX& r,
                              LinearSolver& solver) const {
+  if (S.empty()) return linearize(state, {}, r, solver);
   solver.set_zero();
   r.setZero(rows());
   bool in_range = true;

@@ -91,7 +91,7 @@ class System {
   bool linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
                         const std::array<std::span<const Slot>, 3>& P) const;
   // Resultants as iterates (Batch::linearized_resultants): their number; S = D (E + B dU), dU an increment of the
-  // unknowns or empty; and the tangent of statics with the geometric stiffness of S.
+  // unknowns or empty; and the tangent of statics with the geometric stiffness of S (empty: of D E).
   Index resultant_count() const;
   void linearized_resultants(const State& state, const VecX& dU, std::vector<Vec6>& S) const;
   bool linearize_mixed(const State& state, std::span<const Vec6> S, VecX& r,

@@ -490,6 +490,12 @@ void check(const Checked& item, const RecordScene& record, const Scene&) {
   }
 }
 
+void check(const Checked& item, const MotionOutputScene& motion, const Scene& scene) {
+  item.fail_if(motion.frames && !scene.transient,
+               "frames are at equal times, and there is no <transient>; leave it out: every row of "
+               "load steps is a frame");
+}
+
 void check(const Checked& item, const PlotScene& plot, const Scene&) {
   item.fail_if(plot.y.empty(), "y are missing; give one at least");
   item.fail_if(plot.x_range && !((*plot.x_range)[0] < (*plot.x_range)[1]),

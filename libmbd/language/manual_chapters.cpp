@@ -607,7 +607,7 @@ A path goes on until a `<stop>`, its `length` or its `points`.
           source="shooting of the rod equations"/>
 </mbd>
 )xml"},
-    {"Results", "record plot expect",
+    {"Results", "record motion_output plot expect",
      R"md(A run writes `history.csv` (the records, a row per time step), `history.svg` (the plots) and
 `report.json`. A column is called by its record, its quantity and, if that has three components,
 their number: `tip.displacement.3`. `mbd run` ends with exit status 2 when a number is not as
@@ -617,6 +617,48 @@ What acts at a place of a beam, or joins or holds it, has a node there, where el
 has none and changes nothing else: within an element it reads the motion that the element interpolates
 between its nodes, of order N + 1 in the length of elements (at their ends 2N), with the velocity and
 acceleration that belong to it, and the resultants of that element.
+
+With `<motion_output/>`, or `mbd run --motion`, the run keeps the motion of all nodes too, in
+`motion.bin`; `mbd view` makes a page of it, `view.html`, that shows it in a browser, and
+`mbd run --view` does both. A page needs no network and has 20 MB at most (`--size`): if its frames
+need more, evenly chosen ones are shown, and where fewer than 50 would fit, resultants, reactions and
+velocities are left out. Bodies are drawn as the sphere, cylinder or box that has their mass and
+inertias, beams with a round or rectangular section that has their radii of gyration: stiffness says
+no more of shapes. `mbd view MODEL` shows a model before a run, also one whose joints do not
+close, with its gaps.
+
+The first line of `motion.bin` is JSON, which says how many numbers the blocks of a frame have; frames
+of double precision follow (the least byte first): time [s] or load factor; positions [m] and unit
+quaternions (x, y, z, w) of the nodes; with a `<transient>` their velocities [m/s] and angular
+velocities [rad/s] in node axes; resultants [N, N.m] at the quadrature points of beams, section axes;
+and for each joint its angle [rad] and the force [N] and moment [N.m] on b in joint axes. In Python:
+
+```python
+file = open("results/tip_deflection/motion.bin", "rb"); head = json.loads(file.readline())
+frames = numpy.fromfile(file, "<f8"); frames = frames[:len(frames) // head["row"] * head["row"]].reshape(-1, head["row"])
+```
+
+`mbd run --hdf5` keeps the motion too, and writes the whole run to one HDF5 file, `run.h5`: the columns
+of the history with their units, labels and axes, the motion, parameters, model, report and
+commit. It is for whoever runs a model to ask for; models do not. It may be read while the run goes on,
+and after a kill: what is at most half a second older than the run is there, `report` is empty until
+the end, and datasets may differ in length by what is being written. Off, HDF5 is not even loaded. In Python, with h5py and pandas (files of runs that came to their end open without `swmr` too):
+
+```python
+run = h5py.File("results/tip_deflection/run.h5", swmr=True); n = min(map(len, run["history"].values()))
+history = pandas.DataFrame({name: column[:n] for name, column in run["history"].items()})
+```
+
+`run["motion"]` has `time` (or `load_factor`), `position`, `quaternion`, `velocity` and `angular_velocity` of the
+`nodes`, `force` and `moment` at the quadrature `points`, `joint_angle`, `joint_force` and `joint_moment` of
+the `joints`, in the axes above; `run["report"][:].tobytes()` is report.json.
+
+`mbd export DIR --vtk TO` writes the motion that a run has kept for ParaView: `NAME.pvd`, with at most 200
+frames unless `--frames` asks for more; `mbd export MODEL --vtk TO` the reference configuration. Centre lines
+are Lagrange curves of the order of the beams, through their nodes; quadrature points have resultants and,
+but for viscous sections, strains; outlines of sections and solids of bodies are those of the page;
+nodes, joints and recorded places have their axes as vectors, for glyphs, and joints their reactions (inertial
+axes). Stresses are not known: stiffness does not say where material is.
 )md",
      R"xml(<mbd name="tip_deflection">
   <parameter name="P" value="1"/>
@@ -631,6 +673,7 @@ acceleration that belong to it, and the resultants of that element.
   <transient duration="0.3" step="1e-3"/>
   <record name="tip" at="b.end" quantities="displacement"/>
   <record name="root" joint="clamp" quantities="reaction_force"/>
+  <motion_output frames="31"/>
   <plot title="Tip" y="tip.displacement.3" y_scale="1e3" y_label="deflection [mm]"/>
   <plot title="Root" x="tip.displacement.3" y="root.reaction_force.3"/>
   <expect quantity="tip.displacement.1" of="maximum" value="0" tolerance="1e-6"

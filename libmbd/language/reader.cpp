@@ -8,6 +8,7 @@
 #include <set>
 
 #include "libmbd/language/item.hpp"
+#include "libmbd/language/read_tree.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/text/spelling.hpp"
 
@@ -673,6 +674,11 @@ Scene read_model(const std::filesystem::path& file, const Overrides& overrides) 
 
 Scene read_model_text(std::string_view text, const std::string& file, const Overrides& overrides) {
   return Reader(file, overrides).read(xml::parse(text, file));
+}
+
+Scene read_model_tree(const xml::Element& root, const std::string& file,
+                      const Overrides& overrides) {
+  return Reader(file, overrides).read(root);
 }
 
 }  // namespace mbd

@@ -142,7 +142,7 @@ constexpr std::string_view order =
     "mbd parameter include defaults section station stiffness mass damping beam arc curve point "
     "body drive motion load distributed rigid point_mass spring bushing matrix law joint_spring "
     "joint_torque table drag added_mass base_motion gravity static path mark stop transient record "
-    "plot expect repeat";
+    "motion_output plot expect repeat";
 
 const std::vector<Element>& table() {
   static const std::vector<Element> all = [] {

@@ -30,29 +30,29 @@ struct AngleUnit {
   double in_rad;  // or rad/s
   bool is_rate = false;
 };
-constexpr double degree = std::numbers::pi / 180.0;  // as `deg` in expressions
-constexpr double turn = 2.0 * std::numbers::pi;
+constexpr double radians_per_degree = std::numbers::pi / 180.0;  // as `deg` in expressions
+constexpr double radians_per_turn = 2.0 * std::numbers::pi;
 constexpr std::array angle_units = {
-    AngleUnit{"deg", degree},
-    AngleUnit{"degree", degree},
-    AngleUnit{"degrees", degree},
-    AngleUnit{"arc_degree", degree},
-    AngleUnit{"arcdeg", degree},
-    AngleUnit{"°", degree},
-    AngleUnit{"arc_minute", degree / 60.0},
-    AngleUnit{"arcminute", degree / 60.0},
-    AngleUnit{"arcmin", degree / 60.0},
-    AngleUnit{"arc_second", degree / 3600.0},
-    AngleUnit{"arcsecond", degree / 3600.0},
-    AngleUnit{"arcsec", degree / 3600.0},
-    AngleUnit{"rev", turn},
-    AngleUnit{"revolution", turn},
-    AngleUnit{"turn", turn},
-    AngleUnit{"circle", turn},
-    AngleUnit{"cycle", turn},
-    AngleUnit{"rpm", turn / 60.0, true},
-    AngleUnit{"revolutions_per_minute", turn / 60.0, true},
-    AngleUnit{"rps", turn, true},
+    AngleUnit{"deg", radians_per_degree},
+    AngleUnit{"degree", radians_per_degree},
+    AngleUnit{"degrees", radians_per_degree},
+    AngleUnit{"arc_degree", radians_per_degree},
+    AngleUnit{"arcdeg", radians_per_degree},
+    AngleUnit{"°", radians_per_degree},
+    AngleUnit{"arc_minute", radians_per_degree / 60.0},
+    AngleUnit{"arcminute", radians_per_degree / 60.0},
+    AngleUnit{"arcmin", radians_per_degree / 60.0},
+    AngleUnit{"arc_second", radians_per_degree / 3600.0},
+    AngleUnit{"arcsecond", radians_per_degree / 3600.0},
+    AngleUnit{"arcsec", radians_per_degree / 3600.0},
+    AngleUnit{"rev", radians_per_turn},
+    AngleUnit{"revolution", radians_per_turn},
+    AngleUnit{"turn", radians_per_turn},
+    AngleUnit{"circle", radians_per_turn},
+    AngleUnit{"cycle", radians_per_turn},
+    AngleUnit{"rpm", radians_per_turn / 60.0, true},
+    AngleUnit{"revolutions_per_minute", radians_per_turn / 60.0, true},
+    AngleUnit{"rps", radians_per_turn, true},
 };
 
 // UDUNITS knows all other quantities by their dimensions.

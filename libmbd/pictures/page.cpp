@@ -29,7 +29,15 @@ thead th { border-bottom: 2px solid #111; vertical-align: bottom; }
 .n { text-align: right; white-space: nowrap; }
 .w { white-space: nowrap; }
 .quantities { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 28rem), 1fr)); }
-.quantities > * { min-width: 0; }
+.quantities > *, .halves > * { min-width: 0; }
+.halves { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 30rem), 1fr)); }
+.bars { display: grid; gap: .5rem 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 22rem), 1fr)); }
+.sort { all: unset; cursor: pointer; }
+.sort:focus-visible { outline: 2px solid #0b4a80; }
+[aria-sort] .sort::after { content: " \25B2"; }
+[aria-sort=descending] .sort::after { content: " \25BC"; }
+figure svg { touch-action: pan-x pan-y; }
+figure svg.near { cursor: grab; touch-action: none; }
 .advice { width: 100%; max-width: 44rem; }
 .advice tr.numbers > * { border-bottom: none; }
 .advice td.change { padding-top: 0; }
@@ -62,7 +70,8 @@ summary { cursor: pointer; padding: .3rem 0; }
   main { max-width: none; padding: 0; }
   p, li, dd { max-width: none; }
   .box { overflow: visible; }
-  .quantities { grid-template-columns: 1fr; }
+  .quantities, .halves { grid-template-columns: 1fr; }
+  [aria-sort] .sort::after { content: none; }
   .pictures { grid-template-columns: 1fr 1fr; }
   table { font-size: 8.5pt; }
   pre { font-size: 7.5pt; }
@@ -76,6 +85,68 @@ summary { cursor: pointer; padding: .3rem 0; }
   details::details-content { content-visibility: visible; block-size: auto; }
   summary { list-style: none; }
 }
+)";
+
+const std::string page_end = R"(</main>
+<script>
+(() => {
+  const value = cell => {
+    const text = cell ? cell.textContent.trim() : '', number = parseFloat(text.replace(/^[<>~ ]+/, ''));
+    return Number.isFinite(number) ? number : text;
+  };
+  const less = (a, b) => typeof a === typeof b ? (a < b ? -1 : a > b ? 1 : 0) : typeof a === 'number' ? -1 : 1;
+  for (const table of document.querySelectorAll('table.runs, table.orders')) {
+    const heads = [...table.tHead.rows[0].cells], body = table.tBodies[0];
+    heads.forEach((head, i) => {
+      const button = document.createElement('button');
+      button.type = 'button';
+      button.className = 'sort';
+      button.title = 'sort';
+      button.append(...head.childNodes);
+      head.append(button);
+      button.addEventListener('click', () => {
+        const down = head.getAttribute('aria-sort') === 'ascending';
+        for (const other of heads) other.removeAttribute('aria-sort');
+        head.setAttribute('aria-sort', down ? 'descending' : 'ascending');
+        const rows = [...body.rows].map(row => ({row, v: value(row.cells[i])}));
+        rows.sort((a, b) => typeof a.v !== typeof b.v ? less(a.v, b.v) : (down ? -1 : 1) * less(a.v, b.v));
+        body.append(...rows.map(r => r.row));
+      });
+    });
+  }
+  for (const svg of document.querySelectorAll('figure svg[viewBox]')) {
+    const whole = svg.viewBox.baseVal, all = [whole.x, whole.y, whole.width, whole.height];
+    let box = all.slice(), from = null;
+    const show = () => {
+      for (const k of [0, 1]) box[k] = Math.min(Math.max(box[k], all[k]), all[k] + all[k + 2] - box[k + 2]);
+      svg.setAttribute('viewBox', box.join(' '));
+      svg.classList.toggle('near', box[2] < all[2]);
+    };
+    const at = event => {
+      const r = svg.getBoundingClientRect();
+      return [box[0] + (event.clientX - r.left) / r.width * box[2], box[1] + (event.clientY - r.top) / r.height * box[3]];
+    };
+    svg.tabIndex = 0;
+    svg.addEventListener('dblclick', event => {
+      const p = at(event), f = box[2] < all[2] / 7 ? 8 : 0.5;
+      box = f > 1 ? all.slice() : [p[0] - f * (p[0] - box[0]), p[1] - f * (p[1] - box[1]), f * box[2], f * box[3]];
+      show();
+      event.preventDefault();
+    });
+    svg.addEventListener('pointerdown', event => { if (box[2] < all[2]) from = at(event), svg.setPointerCapture(event.pointerId); });
+    svg.addEventListener('pointermove', event => {
+      if (!from) return;
+      const p = at(event);
+      box[0] += from[0] - p[0], box[1] += from[1] - p[1];
+      show();
+    });
+    for (const end of ['pointerup', 'pointercancel']) svg.addEventListener(end, () => { from = null; });
+    svg.addEventListener('keydown', event => { if (event.key === 'Escape') box = all.slice(), show(); });
+  }
+})();
+</script>
+</body>
+</html>
 )";
 
 std::string page_begin(std::string_view title, std::string_view by) {

@@ -72,6 +72,14 @@ Json json(const Certificate& certificate) {
           {"checks", checks}};
 }
 
+Json json(const LinearFacts& facts) {
+  return {{"method", facts.method},
+          {"factorizations", facts.factorizations},
+          {"by_klu", facts.fallbacks},
+          {"why_klu", facts.reason.empty() ? Json() : Json(facts.reason)},
+          {"refinements", facts.refinements}};
+}
+
 Json json(const Counters& c) {
   Json all;
   for (const NamedCounter& n : named_counters) all[std::string(n.name)] = c.*n.counter;
@@ -97,6 +105,8 @@ Json settings(const TransientScene& transient) {
     all["rho_infinity"] = rho_infinity_of(transient);
     all["balance"] = name_of(transient.balance.value_or(Balance::acceleration));
   }
+  all["linear_solver"] =
+      name_of(transient.method == TimeMethod::ida ? LinearMethod::klu : transient.linear_solver);
   if (transient.inertia != InertiaTerms::full) all["inertia"] = "no_gyroscopic";
   if (takes_newton_tolerance(transient)) {
     const NewtonOptions newton = newton_options(transient);
@@ -115,6 +125,7 @@ Json settings(const RunReport& report) {
     const bool newton = report.statics->solver == StaticSolver::newton;
     all["static"] = {{"solver", newton ? "newton" : "kinsol"},
                      {"line_search", !newton || report.statics->line_search},
+                     {"linear_solver", name_of(report.statics->linear_solver)},
                      {"steps", report.statics->steps},
                      {"tolerance", report.statics->tolerance}};
   }
@@ -191,6 +202,8 @@ std::string to_json(const RunReport& report) {
     solver["static"] = json(report.static_counters);
     solver["static"]["most_iterations_in_a_step"] = report.most_static_iterations;
     solver["static"]["load_steps_by_line_search"] = report.searched_steps;
+    if (!report.static_linear.method.empty())
+      solver["static"]["linear_solver"] = json(report.static_linear);
   }
   if (report.path) {
     solver["path"] = json(report.static_counters);
@@ -199,6 +212,8 @@ std::string to_json(const RunReport& report) {
   if (report.transient) {
     solver["transient"] = json(report.transient_counters);
     solver["transient"]["most_iterations_in_a_step"] = report.most_iterations;
+    if (!report.transient_linear.method.empty())
+      solver["transient"]["linear_solver"] = json(report.transient_linear);
     if (const std::optional<RoundOff>& floor = report.round_off)
       solver["transient"]["round_off_of_the_last_step"] = {
           {"velocity", floor->velocity},

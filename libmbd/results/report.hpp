@@ -106,8 +106,9 @@ struct RunReport {
   Index nodes = 0, unknowns = 0, multipliers = 0;
   std::vector<BatchReport> batches;
   Counters static_counters, transient_counters;
-  StepSizes step_sizes;               // of a transient
-  LawFacts laws;                      // of time, in a transient
+  LinearFacts static_linear, transient_linear;  // of their linear solvers
+  StepSizes step_sizes;                         // of a transient
+  LawFacts laws;                                // of time, in a transient
   std::optional<RoundOff> round_off;  // of its last step; nothing where the method does not know it
   int searched_steps = 0;             // load steps that the line search saved
   int most_static_iterations = 0, most_iterations = 0;  // in one load step, one time step

@@ -61,7 +61,7 @@ std::string steps(const Counters& c, std::string_view one, std::string_view many
 }
 
 void solver(std::string& text, std::string_view name, const std::string& steps, const Counters& c,
-            int most) {
+            int most, const LinearFacts& linear = {}) {
   std::string words = steps + "; " + plural(c.iterations, "iteration");
   if (c.iterations > c.steps * most)  // of a path: others locate its special points
     words += fmt::format("\t(at\tmost\t{}\ta\tstep)", most);
@@ -69,6 +69,7 @@ void solver(std::string& text, std::string_view name, const std::string& steps, 
     words += fmt::format("\t({:.3g}\ta\tstep, at\tmost\t{})",
                          static_cast<double>(c.iterations) / static_cast<double>(c.steps), most);
   words += "; " + plural(c.tangents, "tangent") + ", " + plural(c.factorizations, "factorisation");
+  if (linear.fallbacks > 0) words += fmt::format(",\t{}\tof\tthem\tby\tKLU", linear.fallbacks);
   item(text, name, words);
 }
 
@@ -307,6 +308,10 @@ void files(std::string& text, const RunReport& report) {
       what = "deformed shapes";
     else if (name == "history.svg" || name == "path.svg")
       what = "its plots, for a browser";
+    else if (name == "motion.bin")
+      what = "the motion of all nodes, for mbd view";
+    else if (name == "view.html")
+      what = "the motion as a page, for a browser";
     else if (name == "report.json")
       what = "settings, counts, costs and checks of this run";
     item(text, "  " + name, what);
@@ -326,7 +331,7 @@ std::string summary(const RunReport& report) {
   }
   if (report.statics)
     solver(text, "static", steps(report.static_counters, "load step", "load steps"),
-           report.static_counters, report.most_static_iterations);
+           report.static_counters, report.most_static_iterations, report.static_linear);
   if (report.path) {
     solver(text, "path", steps(report.static_counters, "step", "steps"), report.static_counters,
            report.most_static_iterations);
@@ -335,7 +340,7 @@ std::string summary(const RunReport& report) {
   if (report.transient) {
     solver(text, "transient",
            method(*report.transient) + "; " + steps(report.transient_counters, "step", "steps"),
-           report.transient_counters, report.most_iterations);
+           report.transient_counters, report.most_iterations, report.transient_linear);
     step_sizes(text, report);
     laws(text, report.laws);
   }

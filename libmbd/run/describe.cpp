@@ -18,6 +18,7 @@
 #include "libmbd/scene/places.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/mechanism.hpp"
+#include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
 
 namespace mbd {
@@ -815,6 +816,17 @@ Explanation explain_model(const Scene& scene, const Model& model) {
   const std::unique_ptr<LinearSolver> solver = make_klu_solver();
   solver->analyze(system.graph());
   result.nonzeros = solver->nonzeros();
+  const auto add_solver = [&](const char* analysis, LinearMethod method, PivotOrder order) {
+    result.linear_solvers.emplace_back(analysis,
+                                       describe_linear_solver(method, order, system.graph()));
+  };
+  if (scene.statics) add_solver("static", scene.statics->linear_solver, PivotOrder::merged);
+  if (scene.path) add_solver("path", LinearMethod::klu, PivotOrder::merged);
+  if (scene.transient)
+    add_solver("transient",
+               scene.transient->method == TimeMethod::ida ? LinearMethod::klu
+                                                          : scene.transient->linear_solver,
+               PivotOrder::nodes_first);
   result.state_bytes = bytes_of(model.initial);
   Explainer(scene, model, result).explain();
   return result;
@@ -851,6 +863,8 @@ std::string to_text(const Explanation& e) {
                   "Nonzeros of a term are numbers that it adds to the matrix; several terms may "
                   "add to the same place.",
                   2);
+  for (const auto& [analysis, linear_solver] : e.linear_solvers)
+    text += wrapped("  ", fmt::format("Linear systems of <{}>: {}.", analysis, linear_solver), 2);
   text += "\nSimulated, and where it is stated\n";
   for (const Effect& effect : e.effects)
     text += wrapped("  ", effect.what + ": " + joined(some(effect.from), "; "), 6);
@@ -882,6 +896,9 @@ std::string to_json(const Explanation& e) {
                    {"nonzeros", e.nonzeros},
                    {"bytes_of_terms", e.batch_bytes},
                    {"bytes_of_a_state", e.state_bytes}};
+  Json& linear_solvers = all["linear_solvers"] = Json::object();
+  for (const auto& [analysis, linear_solver] : e.linear_solvers)
+    linear_solvers[analysis] = linear_solver;
   all["simulated"] = effects;
   all["absent"] = absent;
   return dump(all);

@@ -89,6 +89,8 @@ struct Explanation {
   Index nonzeros = 0;           // of the matrix
   std::size_t batch_bytes = 0;  // of all terms
   std::size_t state_bytes = 0;  // of one State
+  // Of each analysis, what solves its linear systems: {"transient", "block LU, nodes first: …"}.
+  std::vector<std::pair<std::string, std::string>> linear_solvers;
   std::vector<Effect> effects;
   std::vector<Absence> absent;
 };

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 
 #include "libmbd/compile/redundancy.hpp"
+#include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/parts.hpp"
 #include "libmbd/pictures/plot.hpp"
@@ -20,9 +22,12 @@
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/text/text.hpp"
+#include "libmbd/view/drawing.hpp"
+#include "libmbd/view/motion.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/mechanism.hpp"
 #include "solvers/constraints/redundancy.hpp"
+#include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/statics/path.hpp"
 #include "solvers/statics/stability.hpp"
@@ -116,6 +121,22 @@ void check_directory(const std::filesystem::path& directory) {
   remove();
 }
 
+// Times of frames of motion inside a transient: equal parts of it.
+class FrameTimes {
+ public:
+  FrameTimes(int count, double end) : count_(count), end_(end) {}
+  // [s]; infinity after the last before the end.
+  double next() const {
+    return k_ + 1 < count_ ? end_ * static_cast<double>(k_) / static_cast<double>(count_ - 1)
+                           : std::numeric_limits<double>::infinity();
+  }
+  void advance() { ++k_; }
+
+ private:
+  int count_, k_ = 1;
+  double end_;
+};
+
 // One run under way: the model, who watches it, and the report that grows.
 class Run {
  public:
@@ -132,6 +153,12 @@ class Run {
 
     model_ = compile(scene);  // which checks the scene first
     if (scene.transient) rows_.emplace(scene);
+    for (Observer* const observer : options.observers)
+      if (auto* const of_motion = dynamic_cast<MotionObserver*>(observer))
+        motion_observers_.push_back(of_motion);
+    keeps_motion_ = scene.motion_output && (options.output || !motion_observers_.empty());
+    if (keeps_motion_ && scene.motion_output->frames)
+      frames_.emplace(*scene.motion_output->frames, rows_->end());
     columns_ = columns(model_);
     row_.resize(columns_.size());
     expectations_ = std::make_unique<Expectations>(scene, model_);
@@ -156,6 +183,7 @@ class Run {
                       first_of(report_.redundant), system.reaction_length()));
     for (const RecordScene& record : scene.records)
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
+    if (keeps_motion_) shares_reactions_ = shares_reactions_ || !report_.redundant.empty();
     audit_.emplace(scene_, system, options.certify);
     for (const auto& batch : system.batches())
       report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
@@ -217,13 +245,18 @@ class Run {
     const std::string name = scene_.path ? "path" : "history";
     // Of an earlier run, perhaps of another kind.
     std::error_code code;
-    for (const char* old :
-         {"report.json", "history.csv", "history.svg", "path.csv", "path.svg", "shapes.svg"})
+    for (const char* old : {"report.json", "history.csv", "history.svg", "path.csv", "path.svg",
+                            "shapes.svg", "motion.bin", "run.h5", "view.html"})
       if (old != name + ".csv") std::filesystem::remove(directory / old, code);
     history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_);
     observers_.push_back(history_.get());
     observers_.push_back(plot_.get());
     report_.results = {directory / (name + ".csv"), directory / (name + ".svg")};
+    if (scene_.motion_output) {
+      motion_ = std::make_unique<MotionWriter>(directory / "motion.bin", drawing(scene_, model_),
+                                               motion_blocks(model_));
+      report_.results.push_back(directory / "motion.bin");
+    }
     if (scene_.path) {
       shapes_ =
           std::make_unique<ShapesPlot>(directory / "shapes.svg", scene_.name + ": deformed shapes");
@@ -235,15 +268,7 @@ class Run {
 
   void find_equilibrium(State& state) {
     in_statics_ = true;
-    StaticOptions options;
-    options.steps = scene_.statics->steps;
-    options.newton.tolerance = scene_.statics->tolerance;
-    options.newton.line_search = scene_.statics->line_search;
-    options.has_potential = has_potential(scene_);
-    Scene symmetric = scene_;
-    for (BeamScene& beam : symmetric.beams) beam.form = Form::energy;
-    options.conservative = has_potential(symmetric);
-    options.solver = scene_.statics->solver;
+    StaticOptions options = static_options(scene_, *scene_.statics);
     options.accepted = [this](const State& step) {
       if (scene_.transient) return !interrupted(step);
       report_.equilibrium += watch_.lap();
@@ -252,8 +277,10 @@ class Run {
       report_.output += watch_.lap();
       return going;
     };
-    const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+    const std::unique_ptr<LinearSolver> solver =
+        make_linear_solver(scene_.statics->linear_solver, PivotOrder::merged);
     const StaticReport result = solve_statics(*model_.system, *solver, options, state);
+    report_.static_linear = solver->facts();
     report_.static_counters = result.counters;
     report_.most_static_iterations = result.most_iterations;
     report_.searched_steps = result.searched;
@@ -371,6 +398,7 @@ class Run {
     const bool rows_inside = steps == 0 || rows_->inside_steps();
     stepper->on_substep([&](const DenseStep& step) {
       audit_->piece(step);
+      if (frames_) write_frames_inside(step, inside, going);
       if (!rows_inside) return;
       // What lies at the end of the step is left to the state there, after a restart if there is one; what
       // lies at the end of a piece, to the beginning of the next.
@@ -388,7 +416,7 @@ class Run {
     if (!step.converged) fail_to_start(step.failure);
     judge_laws(stepper->laws());
     report_.integration += watch_.lap();
-    going = accept(state, true);
+    going = accept(state, true) && write_frame(state);
     report_.output += watch_.lap();
     bool at_end = false;
     for (long n = 1; going && !at_end; ++n) {
@@ -416,6 +444,10 @@ class Run {
         going = accept(state, monitored);
       else if (monitored)
         going = monitor_finite(state);
+      if (frames_ && going && (at_end || frames_->next() <= t + rows_->slack())) {
+        while (frames_->next() <= t + rows_->slack()) frames_->advance();
+        going = write_frame(state);
+      }
       if (options_.progress)
         options_.progress({state.t, transient.duration, n, steps, step.iterations});
       report_.output += watch_.lap();
@@ -424,6 +456,7 @@ class Run {
     if (!report_.complete() && report_.rows > 0) monitor(state);
     report_.integration += watch_.lap();
     report_.transient_counters = stepper->counters();
+    report_.transient_linear = stepper->linear_facts();
     report_.step_sizes = stepper->sizes();
     if (report_.rows > 0) judge_round_off(*stepper);
   }
@@ -466,17 +499,51 @@ class Run {
           report_.transient->method == TimeMethod::radau ? "" : ", or method=\"radau\""));
   }
 
+  // Frames of motion at times of their own that lie inside a step.
+  void write_frames_inside(const DenseStep& step, State& inside, bool& going) {
+    const double before = step.end() - rows_->slack();
+    if (!going || !(frames_->next() < before)) return;
+    report_.integration += watch_.lap();
+    for (; going && frames_->next() < before; frames_->advance()) {
+      step.at(std::clamp(frames_->next(), step.begin(), step.end()), inside);
+      going = write_frame(inside);
+    }
+    report_.output += watch_.lap();
+  }
+
+  // False ends the run.
+  bool write_frame(const State& state) {
+    if (!frames_ || !keeps_motion_) return true;
+    if (shares_reactions_) share(state);
+    try {
+      keep_frame(shares_reactions_ ? shared_ : state);
+    } catch (const Error& error) {
+      report_.failure = error.what();
+      return false;
+    }
+    return true;
+  }
+
+  void keep_frame(const State& state) {
+    frame_.resize(motion_blocks(model_).size());
+    motion_row(model_, state, frame_);
+    if (motion_) motion_->write(frame_);
+    for (MotionObserver* const observer : motion_observers_) observer->frame(frame_);
+  }
+
+  // Reactions that constraints share between them: those of least norm.
+  void share(const State& state) {
+    shared_ = state;
+    shared_.lambda = minimum_norm(*model_.system, state);
+  }
+
   // Shows a state to the observers. False ends the run.
   bool accept(const State& state, bool monitored) {
     return write_row(state) && (!monitored || monitor_finite(state));
   }
 
   bool write_row(const State& state) {
-    // Reactions that constraints share between them: those of least norm.
-    if (shares_reactions_) {
-      shared_ = state;
-      shared_.lambda = minimum_norm(*model_.system, state);
-    }
+    if (shares_reactions_) share(state);
     if (const Index bad = sample_row(model_, shares_reactions_ ? shared_ : state, row_); bad >= 0) {
       const std::string name = columns_[static_cast<std::size_t>(bad)].name;
       std::string failure =
@@ -490,6 +557,7 @@ class Run {
     if (report_.rows == 0) begin();
     try {
       for (Observer* const observer : observers_) observer->accepted({model_, state, row_});
+      if (keeps_motion_ && !frames_) keep_frame(shares_reactions_ ? shared_ : state);
     } catch (const Error& error) {
       report_.failure = error.what();
       return false;
@@ -589,11 +657,17 @@ class Run {
     }
     report_.output += watch_.lap();
     if (!options_.output) return;
-    try {
-      write_file(*options_.output / "report.json", to_json(report_));
-    } catch (const Error& error) {
-      if (report_.complete()) report_.failure = error.what();
-    }
+    const auto attempt = [this](const auto& what) {
+      try {
+        what();
+      } catch (const Error& error) {
+        if (report_.complete()) report_.failure = error.what();
+      }
+    };
+    attempt([this] {
+      if (motion_) motion_->close();
+    });
+    attempt([this] { write_file(*options_.output / "report.json", to_json(report_)); });
     std::erase_if(report_.results, [](const auto& file) { return !std::filesystem::exists(file); });
   }
 
@@ -617,6 +691,11 @@ class Run {
   std::unique_ptr<HistoryWriter> history_;
   std::unique_ptr<HistoryPlot> plot_;
   std::unique_ptr<ShapesPlot> shapes_;
+  std::unique_ptr<MotionWriter> motion_;
+  std::vector<MotionObserver*> motion_observers_;
+  std::vector<double> frame_;  // a motion_row()
+  bool keeps_motion_ = false;
+  std::optional<FrameTimes> frames_;  // of motion, at times of their own
   std::vector<Observer*> observers_;
 };
 

@@ -26,8 +26,8 @@ struct RunOptions {
   std::vector<std::string> notes = {};               // that the report begins with
   std::optional<ChosenAccuracy> accuracy = {};       // for the report
   bool certify = false;  // the dear checks of the certificate too (certificate.hpp)
-  // Of a transient that comes to its end, a second run in other steps, of 0.5 to 0.8 times its cost, which estimates its error
-  // (time_error.hpp).
+  // Of a transient that comes to its end, a second run in other steps, of 0.5 to 0.8 times its cost, which estimates its
+  // error (time_error.hpp).
   bool estimate_error = true;
   std::function<void(const Progress&)> progress = {};  // after each time step
   const std::atomic<bool>* interrupted = nullptr;  // looked at after each step: true ends the run

@@ -18,6 +18,7 @@ struct StaticScene {
   double tolerance = 1e-12;
   StaticSolver solver = StaticSolver::newton;
   bool line_search = true;  // KINSOL has its own
+  LinearMethod linear_solver = LinearMethod::block;
 
   static constexpr field::ItemKind item{
       "static", "Static equilibrium at t = 0, before the transient if there is one."};
@@ -32,6 +33,9 @@ struct StaticScene {
     f(Field(
         &S::line_search, "line_search", "", preset,
         "of Newton's iterations: increments that do not bring equilibrium nearer are shortened"));
+    f(Field(&S::linear_solver, "linear_solver", "", preset,
+            "block LU along the graph of nodes and joints, with KLU where that has no good pivots; "
+            "or KLU alone"));
   }
 };
 
@@ -111,6 +115,7 @@ struct TransientScene {
   std::optional<double> output = {};
   bool output_steps = false;
   InertiaTerms inertia = InertiaTerms::full;
+  LinearMethod linear_solver = LinearMethod::block;  // ida has klu
 
   static constexpr field::ItemKind item{
       "transient",
@@ -158,6 +163,9 @@ struct TransientScene {
     f(Field(&S::inertia, "inertia", "", preset,
             "its terms: all, or without the gyroscopic moment w x J w about the mass centre of "
             "what moves with a node"));
+    f(Field(&S::linear_solver, "linear_solver", "", preset,
+            "block LU along the graph of nodes and joints, with KLU where that has no good pivots; "
+            "or KLU alone, which ida always has"));
   }
 };
 
@@ -183,6 +191,26 @@ struct RecordScene {
             "name of a joint or a motion (one of at, joint, spring)"));
     f(Field(&S::spring, "spring", "", optional, "name of a spring, a bushing or a joint_spring"));
     f(Field(&S::quantities, "quantities", "", required, "what to write, separated by blanks"));
+  }
+};
+
+// The motion of all nodes is kept, in motion.bin beside history.csv (libmbd/view/motion.hpp).
+struct MotionOutputScene {
+  Source source;
+  std::optional<int> frames = {};
+
+  static constexpr field::ItemKind item{
+      "motion_output",
+      "Keeps the motion of every node, resultants along beams and reactions of joints in "
+      "motion.bin, for `mbd view`. Without it nothing is kept, and `mbd run --motion` does the "
+      "same for any model."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = MotionOutputScene;
+    f(Field(&S::frames, "frames", "", optional,
+            "of a <transient>: so many frames at equal times, the first at the start and the last "
+            "at the end (default: one with each row of history.csv)",
+            Range{2.0, 1e6}));
   }
 };
 

@@ -47,6 +47,7 @@ struct Scene {
   std::optional<TransientScene> transient;
   std::optional<PathScene> path;  // instead of both
   std::vector<RecordScene> records;
+  std::optional<MotionOutputScene> motion_output;
   std::vector<PlotScene> plots;
   std::vector<ExpectScene> expects;
 };
@@ -78,6 +79,7 @@ void each_kind(SomeScene& scene, const F& f) {
   f(scene.path);
   f(scene.transient);
   f(scene.records);
+  f(scene.motion_output);
   f(scene.plots);
   f(scene.expects);
 }

@@ -6,10 +6,10 @@
 #include <Eigen/SparseQR>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string_view>
 
 #include "joints/any_joint_batch.hpp"
+#include "libmbd/core/disjoint_sets.hpp"
 
 namespace mbd {
 namespace {
@@ -68,31 +68,23 @@ class ConstraintRows : public LinearSolver {
 // have a loop. The ground takes part in every loop through it, and joins nothing.
 std::vector<Index> rows_in_loops(const System& system) {
   const auto nodes = static_cast<int>(system.nodes()) - 1;
-  std::vector<int> parent(static_cast<std::size_t>(nodes));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int n) {
-    while (parent[static_cast<std::size_t>(n)] != n) n = parent[static_cast<std::size_t>(n)];
-    return n;
-  };
+  DisjointSets tied(nodes);
   const std::size_t count = system.constraints().size();
   std::vector<std::vector<int>> nodes_of(count);
   for (const auto& c : system.graph().contributions)
     if (c.row >= nodes && c.column >= 0 && c.column < nodes)
       nodes_of[static_cast<std::size_t>(c.row - nodes)].push_back(c.column);
   for (const auto& ends : nodes_of)
-    for (std::size_t i = 1; i < ends.size(); ++i) {
-      const int p = root(ends[0]), q = root(ends[i]);
-      parent[static_cast<std::size_t>(std::max(p, q))] = std::min(p, q);
-    }
+    for (std::size_t i = 1; i < ends.size(); ++i) tied.join(ends[0], ends[i]);
   // A tree of n nodes has n - 1 constraints inside and one to the ground at most.
   std::vector<int> inside(static_cast<std::size_t>(nodes), 1), grounded(inside.size(), 0);
-  for (int n = 0; n < nodes; ++n) --inside[static_cast<std::size_t>(root(n))];
+  for (int n = 0; n < nodes; ++n) --inside[static_cast<std::size_t>(tied.root(n))];
   for (const auto& ends : nodes_of)
     if (!ends.empty())
-      ++(ends.size() > 1 ? inside : grounded)[static_cast<std::size_t>(root(ends[0]))];
+      ++(ends.size() > 1 ? inside : grounded)[static_cast<std::size_t>(tied.root(ends[0]))];
   std::vector<std::size_t> looped;
   for (std::size_t c = 0; c < count; ++c) {
-    const auto part = nodes_of[c].empty() ? -1 : root(nodes_of[c][0]);
+    const auto part = nodes_of[c].empty() ? -1 : tied.root(nodes_of[c][0]);
     if (part >= 0 && inside[static_cast<std::size_t>(part)] <= 0 &&
         grounded[static_cast<std::size_t>(part)] <= 1)
       continue;

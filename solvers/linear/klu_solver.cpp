@@ -9,92 +9,11 @@
 #include <memory>
 #include <stdexcept>
 
+#include "solvers/linear/block_columns.hpp"
 #include "solvers/linear/pencil_solver.hpp"
 
 namespace mbd {
 namespace {
-
-// Compressed columns over a graph of blocks. All columns of a block column have the same row pattern, so a
-// block lies in them as a dense block with the column's count as leading dimension: contributions are added in
-// place.
-class BlockColumns {
- public:
-  void analyze(const BlockGraph& graph) {
-    const std::size_t blocks = graph.blocks.size();
-    std::vector<int> first(blocks + 1, 0);
-    for (std::size_t b = 0; b < blocks; ++b) first[b + 1] = first[b] + graph.blocks[b].size;
-    n = first.back();
-
-    std::vector<std::vector<int>> rows(blocks);  // row blocks of each block column
-    largest_ = 1;
-    for (const auto& [row, column] : graph.contributions) {
-      if (row >= 0 && column >= 0) rows[static_cast<std::size_t>(column)].push_back(row);
-    }
-    for (const auto& block : graph.blocks) largest_ = std::max(largest_, block.size);
-
-    Ap.assign(1, 0);
-    Ai.clear();
-    between_nodes.clear();
-    std::vector<Index> start(blocks), height(blocks, 0);
-    for (std::size_t c = 0; c < blocks; ++c) {
-      auto& list = rows[c];
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-      for (const int r : list) height[c] += graph.blocks[static_cast<std::size_t>(r)].size;
-      start[c] = static_cast<Index>(Ai.size());
-      for (int k = 0; k < graph.blocks[c].size; ++k) {
-        for (const int r : list) {
-          const auto R = static_cast<std::size_t>(r);
-          const bool nodes = graph.blocks[c].kind == BlockGraph::Kind::node &&
-                             graph.blocks[R].kind == BlockGraph::Kind::node;
-          for (int i = first[R]; i < first[R + 1]; ++i) {
-            Ai.push_back(i);
-            between_nodes.push_back(nodes ? 1 : 0);
-          }
-        }
-        Ap.push_back(static_cast<int>(Ai.size()));
-      }
-    }
-    places_.clear();
-    places_.reserve(graph.contributions.size());
-    for (const auto& [row, column] : graph.contributions) {
-      if (row < 0 || column < 0) {
-        places_.push_back({-1, largest_});
-        continue;
-      }
-      const auto C = static_cast<std::size_t>(column);
-      Index offset = start[C];
-      for (const int r : rows[C]) {
-        if (r == row) break;
-        offset += graph.blocks[static_cast<std::size_t>(r)].size;
-      }
-      places_.push_back({offset, height[C]});
-    }
-  }
-
-  // Values, and the places of the contributions in them; `trash` takes what is added to the ground.
-  void allocate(std::vector<double>& values, std::vector<double>& trash,
-                std::vector<Slot>& slots) const {
-    values.assign(Ai.size(), 0.0);
-    trash.assign(static_cast<std::size_t>(largest_ * largest_), 0.0);
-    slots.clear();
-    slots.reserve(places_.size());
-    for (const Place& place : places_)
-      slots.push_back({place.offset < 0 ? trash.data() : values.data() + place.offset, place.ld});
-  }
-
-  int n = 0;
-  std::vector<int> Ap, Ai;
-  std::vector<char> between_nodes;  // by nonzero: in a block of two nodes
-
- private:
-  struct Place {
-    Index offset;  // -1: the ground
-    Index ld;
-  };
-  std::vector<Place> places_;
-  int largest_ = 1;
-};
 
 klu_common common_settings() {
   klu_common common;
@@ -117,10 +36,12 @@ class KluSolver : public LinearSolver {
 
   void analyze(const BlockGraph& graph) override {
     release();
+    factorizations_ = 0;
     columns_.analyze(graph);
+    scalars_ = columns_.scalars();
     n_ = columns_.n;
     columns_.allocate(Ax_, trash_, slots_);
-    symbolic_ = klu_analyze(n_, columns_.Ap.data(), columns_.Ai.data(), &common_);
+    symbolic_ = klu_analyze(n_, scalars_.Ap.data(), scalars_.Ai.data(), &common_);
     if (symbolic_ == nullptr && n_ > 0) singular_row_ = -1;
   }
 
@@ -130,18 +51,19 @@ class KluSolver : public LinearSolver {
 
   // A refactorisation keeps the pivots of the last full one; where they have become poor it is done anew.
   FactorStatus factor() override {
+    ++factorizations_;
     singular_row_ = -1;
     if (n_ == 0) return FactorStatus::ok;
     if (symbolic_ == nullptr) return FactorStatus::singular;
     if (numeric_ != nullptr) {
-      if (klu_refactor(columns_.Ap.data(), columns_.Ai.data(), Ax_.data(), symbolic_, numeric_,
+      if (klu_refactor(scalars_.Ap.data(), scalars_.Ai.data(), Ax_.data(), symbolic_, numeric_,
                        &common_) == 1 &&
           common_.status == KLU_OK && pivots_hold()) {
         return FactorStatus::ok;
       }
       klu_free_numeric(&numeric_, &common_);
     }
-    numeric_ = klu_factor(columns_.Ap.data(), columns_.Ai.data(), Ax_.data(), symbolic_, &common_);
+    numeric_ = klu_factor(scalars_.Ap.data(), scalars_.Ai.data(), Ax_.data(), symbolic_, &common_);
     if (numeric_ == nullptr || common_.status != KLU_OK) {
       singular_row_ =
           common_.singular_col >= 0 && common_.singular_col < n_ ? common_.singular_col : -1;
@@ -165,7 +87,7 @@ class KluSolver : public LinearSolver {
     if (n_ == 0) return 1.0;
     if (numeric_ == nullptr) return 0.0;
     auto* Ax = const_cast<double*>(Ax_.data());  // KLU's interface is not const-correct
-    if (klu_condest(const_cast<int*>(columns_.Ap.data()), Ax, symbolic_, numeric_, &common_) != 1)
+    if (klu_condest(const_cast<int*>(scalars_.Ap.data()), Ax, symbolic_, numeric_, &common_) != 1)
       return 0.0;
     return common_.condest > 0.0 ? 1.0 / common_.condest : 0.0;
   }
@@ -180,7 +102,11 @@ class KluSolver : public LinearSolver {
     return negative ? -1 : 1;
   }
 
-  Index nonzeros() const override { return static_cast<Index>(columns_.Ai.size()); }
+  Index nonzeros() const override { return static_cast<Index>(scalars_.Ai.size()); }
+
+  LinearFacts facts() const override {
+    return {.method = "KLU", .factorizations = factorizations_};
+  }
 
   std::unique_ptr<LinearSolver> another() const override { return make_klu_solver(); }
 
@@ -216,8 +142,10 @@ class KluSolver : public LinearSolver {
   klu_symbolic* symbolic_ = nullptr;
   klu_numeric* numeric_ = nullptr;
   int n_ = 0;
+  long factorizations_ = 0;
   Index singular_row_ = -1;
   BlockColumns columns_;
+  BlockColumns::Scalars scalars_;
   std::vector<double> Ax_;
   std::vector<double> trash_;  // what is added to the ground
   std::vector<Slot> slots_;
@@ -233,47 +161,39 @@ class KluPencilSolver final : public PencilSolver {
 
   void analyze(const BlockGraph& graph) override {
     release();
-    columns_.analyze(graph);
-    for (std::size_t power = 0; power < 3; ++power)
-      columns_.allocate(P_[power], trash_[power], slots_[power]);
-    real_.assign(columns_.Ai.size(), 0.0);
-    complex_.assign(columns_.Ai.size(), 0.0);
-    symbolic_ = klu_analyze(columns_.n, columns_.Ap.data(), columns_.Ai.data(), &common_);
+    factorizations_ = 0;
+    blocks_.analyze(graph);
+    scalars_ = blocks_.columns.scalars();
+    real_.assign(scalars_.Ai.size(), 0.0);
+    complex_.assign(scalars_.Ai.size(), 0.0);
+    symbolic_ = klu_analyze(blocks_.columns.n, scalars_.Ap.data(), scalars_.Ai.data(), &common_);
   }
 
-  std::span<const Slot> slots(int power) const override {
-    return slots_[static_cast<std::size_t>(power)];
-  }
-  void set_zero() override {
-    for (auto& P : P_) std::fill(P.begin(), P.end(), 0.0);
-  }
-
+  std::span<const Slot> slots(int power) const override { return blocks_.slots(power); }
+  void set_zero() override { blocks_.set_zero(); }
   void multiply(int power, std::span<const double> x, std::span<double> y) const override {
-    const auto& P = P_[static_cast<std::size_t>(power)];
-    for (std::size_t c = 0; c < x.size(); ++c)
-      for (int k = columns_.Ap[c]; k < columns_.Ap[c + 1]; ++k) {
-        const auto K = static_cast<std::size_t>(k);
-        y[static_cast<std::size_t>(columns_.Ai[K])] += P[K] * x[c];
-      }
+    blocks_.multiply(power, x, y);
   }
 
   FactorStatus factor(double s, double x, std::complex<double> z) override {
+    ++factorizations_;
     singular_row_ = -1;
-    if (columns_.n == 0) return FactorStatus::ok;
+    if (blocks_.columns.n == 0) return FactorStatus::ok;
     if (symbolic_ == nullptr) return FactorStatus::singular;
+    const auto& P = blocks_.P;
     const std::complex<double> z1 = s * z, z2 = s * z * z;
     const double x1 = s * x, x2 = s * x * x;
     for (std::size_t i = 0; i < real_.size(); ++i) {
-      if (columns_.between_nodes[i] != 0) {
-        real_[i] = s * P_[0][i] + x1 * P_[1][i] + x2 * P_[2][i];
-        complex_[i] = s * P_[0][i] + z1 * P_[1][i] + z2 * P_[2][i];
+      if (scalars_.between_nodes[i] != 0) {
+        real_[i] = s * P[0][i] + x1 * P[1][i] + x2 * P[2][i];
+        complex_[i] = s * P[0][i] + z1 * P[1][i] + z2 * P[2][i];
       } else {
-        real_[i] = P_[0][i];
-        complex_[i] = P_[0][i];
+        real_[i] = P[0][i];
+        complex_[i] = P[0][i];
       }
     }
-    int* const Ap = columns_.Ap.data();
-    int* const Ai = columns_.Ai.data();
+    int* const Ap = scalars_.Ap.data();
+    int* const Ai = scalars_.Ai.data();
     double* const C = reinterpret_cast<double*>(complex_.data());  // pairs, as the standard says
     if (numeric_real_ != nullptr && numeric_complex_ != nullptr) {
       if (klu_refactor(Ap, Ai, real_.data(), symbolic_, numeric_real_, &common_) == 1 &&
@@ -287,7 +207,7 @@ class KluPencilSolver final : public PencilSolver {
     if (numeric_real_ != nullptr && common_.status == KLU_OK)
       numeric_complex_ = klu_z_factor(Ap, Ai, C, symbolic_, &common_);
     if (numeric_complex_ == nullptr || common_.status != KLU_OK) {
-      singular_row_ = common_.singular_col >= 0 && common_.singular_col < columns_.n
+      singular_row_ = common_.singular_col >= 0 && common_.singular_col < blocks_.columns.n
                           ? common_.singular_col
                           : -1;
       free_numeric();
@@ -300,27 +220,31 @@ class KluPencilSolver final : public PencilSolver {
   Index singular_row() const override { return singular_row_; }
 
   void solve(std::span<double> b) const override {
-    if (columns_.n == 0) return;
+    if (blocks_.columns.n == 0) return;
     if (numeric_real_ == nullptr ||
-        klu_solve(symbolic_, numeric_real_, columns_.n, 1, b.data(), &common_) != 1)
+        klu_solve(symbolic_, numeric_real_, blocks_.columns.n, 1, b.data(), &common_) != 1)
       std::fill(b.begin(), b.end(), std::numeric_limits<double>::quiet_NaN());
   }
   void solve(std::span<std::complex<double>> b) const override {
-    if (columns_.n == 0) return;
+    if (blocks_.columns.n == 0) return;
     if (numeric_complex_ == nullptr ||
-        klu_z_solve(symbolic_, numeric_complex_, columns_.n, 1, reinterpret_cast<double*>(b.data()),
-                    &common_) != 1)
+        klu_z_solve(symbolic_, numeric_complex_, blocks_.columns.n, 1,
+                    reinterpret_cast<double*>(b.data()), &common_) != 1)
       std::fill(b.begin(), b.end(), std::numeric_limits<double>::quiet_NaN());
   }
 
   double reciprocal_condition() const override {
-    if (columns_.n == 0) return 1.0;
+    if (blocks_.columns.n == 0) return 1.0;
     if (numeric_real_ == nullptr) return 0.0;
     // KLU's interface is not const-correct.
-    if (klu_condest(const_cast<int*>(columns_.Ap.data()), const_cast<double*>(real_.data()),
+    if (klu_condest(const_cast<int*>(scalars_.Ap.data()), const_cast<double*>(real_.data()),
                     symbolic_, numeric_real_, &common_) != 1)
       return 0.0;
     return common_.condest > 0.0 ? 1.0 / common_.condest : 0.0;
+  }
+
+  LinearFacts facts() const override {
+    return {.method = "KLU", .factorizations = factorizations_};
   }
 
  private:
@@ -334,7 +258,7 @@ class KluPencilSolver final : public PencilSolver {
   }
 
   void sizes_of_pivots(std::vector<double>& sizes) const {
-    const auto n = static_cast<std::size_t>(columns_.n);
+    const auto n = static_cast<std::size_t>(blocks_.columns.n);
     const auto* R = static_cast<const double*>(numeric_real_->Udiag);
     const auto* C = static_cast<const double*>(numeric_complex_->Udiag);
     sizes.resize(2 * n);
@@ -355,10 +279,10 @@ class KluPencilSolver final : public PencilSolver {
   klu_symbolic* symbolic_ = nullptr;
   klu_numeric* numeric_real_ = nullptr;
   klu_numeric* numeric_complex_ = nullptr;
+  long factorizations_ = 0;
   Index singular_row_ = -1;
-  BlockColumns columns_;
-  std::array<std::vector<double>, 3> P_, trash_;
-  std::array<std::vector<Slot>, 3> slots_;
+  PencilBlocks blocks_;
+  BlockColumns::Scalars scalars_;
   std::vector<double> real_;
   std::vector<std::complex<double>> complex_;
   std::vector<double> pivots_, now_;

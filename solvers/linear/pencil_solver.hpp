@@ -36,6 +36,8 @@ class PencilSolver {
 
   // Estimate of 1/(|E(x)| |E(x)^-1|) for the real x.
   virtual double reciprocal_condition() const = 0;
+
+  virtual LinearFacts facts() const { return {}; }
 };
 
 std::unique_ptr<PencilSolver> make_klu_pencil_solver();

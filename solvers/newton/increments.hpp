@@ -42,6 +42,12 @@ class IncrementNorm {
   double force_floor_ = 0.0;     // [N]
 };
 
+// Whether Newton's iterations end with an increment e, after `previous`, both in units of the tolerance. Convergence is
+// quadratic: what is left after e < 1 is far below the tolerance. At the floor of round-off increments stop falling.
+inline bool has_converged(double e, double previous) {
+  return e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3);
+}
+
 // Largest entry of the node-node blocks of what has been added to slots, in units of force per motion: moments
 // and turns count by the scene's length [N/m, or kg of a mass matrix]; not after factor().
 double largest_stiffness(const System& system, std::span<const Slot> slots);

@@ -17,6 +17,7 @@ constexpr double small_increment = 1e-4;  // of the scene's length, or [rad]: no
 constexpr int searching = 3;              // times as many iterations with a line search
 constexpr double smallest_share = 1.0 / 256.0;
 constexpr double nearly_singular = 1e-14;  // reciprocal condition: worth a look for neutral motions
+constexpr double most_followed = 1e3;      // [rad] of an increment; what turns more is astray
 constexpr double driven = 1e-9;  // of forces times the scene's length: what drives a motion
 
 // Of loads, reactions and what is left over, as energy of a motion of unit size: force times the scene's length.
@@ -43,13 +44,6 @@ double motion(const System& system, const VecX& x) {
   return std::isfinite(sum) ? largest : std::numeric_limits<double>::infinity();
 }
 
-double rotation(const System& system, const VecX& x) {
-  double largest = 0.0;
-  for (Index n = 0; n < 6 * (system.nodes() - 1); n += 6)
-    largest = std::max(largest, x.segment<3>(n + 3).norm());
-  return largest;
-}
-
 // The share of the increment x that is taken, with the trial state and its residual; 0 if none helps.
 double search(const System& system, const LinearSolver& solver, const State& state, const VecX& x,
               Counters& counters, State& trial, double first) {
@@ -58,7 +52,7 @@ double search(const System& system, const LinearSolver& solver, const State& sta
   double share = first;
   while (share >= smallest_share) {
     trial = state;
-    retract(trial, x, share);
+    retract(system, trial, x, share);
     ++counters.residuals;
     double remaining = std::numeric_limits<double>::infinity(), curvature = remaining;
     if (system.residual(trial, r) && r.allFinite()) {
@@ -77,14 +71,39 @@ double search(const System& system, const LinearSolver& solver, const State& sta
 
 }  // namespace
 
-void retract(State& state, const VecX& increment, double scale) {
+void retract(const System& system, State& state, const VecX& increment, double scale) {
+  constexpr double sure = 1.0;  // [rad] of a node: less than half a turn between two of them
   const auto nodes = static_cast<Index>(state.pose.size());
-  for (Index n = 1; n < nodes; ++n) {
-    Pose<double>& H = state.pose[static_cast<std::size_t>(n)];
-    H = H * exp_se3<double>(scale * increment.segment<6>(6 * (n - 1)));
-    renormalize(H);
+  int pieces = 1;
+  if (!state.angles.empty()) {
+    const double turn = std::abs(scale) * largest_rotation_in(system, increment);
+    if (turn > sure && turn < most_followed) pieces = static_cast<int>(std::ceil(turn / sure));
+  }
+  for (int piece = 0; piece < pieces; ++piece) {
+    for (Index n = 1; n < nodes; ++n) {
+      Pose<double>& H = state.pose[static_cast<std::size_t>(n)];
+      H = H * exp_se3<double>(scale / pieces * increment.segment<6>(6 * (n - 1)));
+      renormalize(H);
+    }
+    system.follow_angles(state);
   }
   state.lambda += scale * increment.segment(6 * (nodes - 1), state.lambda.size());
+}
+
+double largest_rotation_in(const System& system, const VecX& increment) {
+  double largest = 0.0;
+  for (Index n = 0; n < 6 * (system.nodes() - 1); n += 6)
+    largest = std::max(largest, increment.segment<3>(n + 3).norm());
+  return largest;
+}
+
+std::vector<Vec6> rates_of_resultants(const System& system, const State& state,
+                                      const VecX& direction) {
+  std::vector<Vec6> here, rate;
+  system.linearized_resultants(state, {}, here);
+  system.linearized_resultants(state, direction, rate);
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= here[i];
+  return rate;
 }
 
 bool newton_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
@@ -164,7 +183,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
           fmt::format("the residual is not finite at {}", system.name_of(worst_row(system, r)));
       return false;
     }
-    const double turn = rotation(system, x);
+    const double turn = largest_rotation_in(system, x);
     double share = turn > largest_rotation ? largest_rotation / turn : 1.0;
     const int sign = free.count() > 0 ? 0 : solver.determinant_sign();
     mixed->sign_varied |= k > 0 && sign != mixed->sign;
@@ -185,13 +204,10 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         for (std::size_t i = 0; i < S.size(); ++i) S[i] += share * (next[i] - S[i]);
       }
       if (share == 1.0 && e < 1e3) mixed->linearized = state;
-      retract(state, x, share);
+      retract(system, state, x, share);
     }
     norm.observe(state.lambda);
-    // Quadratic convergence: what is left after an increment e < 1 is far below the tolerance. At the
-    // floor of round-off increments stop falling.
-    if (share == 1.0 &&
-        (e < 1.0 || (previous > 0.0 && e < 1e3 && e > 0.5 * previous && previous < 1e3))) {
+    if (share == 1.0 && has_converged(e, previous)) {
       if (const std::string element = system.out_of_range(state); !element.empty()) {
         failure = range_failure(element);
         return false;

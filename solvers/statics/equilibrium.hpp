@@ -10,8 +10,16 @@
 
 namespace mbd {
 
-// Moves a state by `scale` times an increment of the unknowns [U of each node; multipliers].
-void retract(State& state, const VecX& increment, double scale = 1.0);
+// Moves a state by `scale` times an increment of the unknowns [U of each node; multipliers]. Angles of joints are
+// followed on the way, so that an increment of more than half a turn loses none.
+void retract(const System& system, State& state, const VecX& increment, double scale = 1.0);
+
+// Largest rotation of an increment of the unknowns [rad].
+double largest_rotation_in(const System& system, const VecX& increment);
+
+// How resultants change along a direction of the unknowns, D B dU, in order of System::linearized_resultants.
+std::vector<Vec6> rates_of_resultants(const System& system, const State& state,
+                                      const VecX& direction);
 
 // Resultants at the quadrature points of beams as iterates beside a state (NOTATION.md 5), in order of
 // System::linearized_resultants.

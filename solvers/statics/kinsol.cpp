@@ -118,8 +118,8 @@ class Kinsol {
   void move_to(N_Vector y) {
     state_.pose = start_.pose;
     state_.lambda = start_.lambda;
-    const auto x = map(y);
-    retract(state_, x);
+    state_.angles = start_.angles;
+    retract(system_, state_, map(y));
   }
 
   int residual(N_Vector y, N_Vector f) {

@@ -146,10 +146,7 @@ class Follower {
   // r and the matrix of (1) at a state; of a corrector with its resultants.
   bool factor_bordered(const State& state, const VecX& normal, VecX& r,
                        std::span<const Vec6> resultants = {}) {
-    if (resultants.empty())
-      system_.linearize(state, {}, r, *bordered_);
-    else
-      system_.linearize_mixed(state, resultants, r, *bordered_);
+    system_.linearize_mixed(state, resultants, r, *bordered_);
     system_.load_rate(state, rate_);
     count_tangent();
     const std::span<const Slot> slots = bordered_->slots();
@@ -238,20 +235,9 @@ class Follower {
     return count;
   }
 
-  double rotation(const VecX& x) const {
-    double largest = 0.0;
-    for (Index n = 0; n < 6 * (system_.nodes() - 1); n += 6)
-      largest = std::max(largest, x.segment<3>(n + 3).norm());
-    return largest;
-  }
-
   // How resultants change along the tangent of a point.
   std::vector<Vec6> rate_of_resultants(const Point& point) const {
-    std::vector<Vec6> here, rate;
-    system_.linearized_resultants(point.state, {}, here);
-    system_.linearized_resultants(point.state, point.tangent.head(n_), rate);
-    for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= here[i];
-    return rate;
+    return rates_of_resultants(system_, point.state, point.tangent.head(n_));
   }
 
   // The point at h from another, by mixed Newton (equilibrium.hpp). Empty if the corrector does not converge quickly.
@@ -261,7 +247,7 @@ class Follower {
     point.arc = from.arc + sign_of_branch_ * std::abs(h);
     VecX ahead = h * from.tangent;
     if (from.bend.size() > 0) ahead += (0.5 * h * h) * from.bend;
-    retract(point.state, ahead);
+    retract(system_, point.state, ahead);
     point.state.load_factor += ahead(n_);
     point.resultants = rate_of_resultants(from);
     std::vector<Vec6>& resultants = point.resultants;
@@ -290,9 +276,9 @@ class Follower {
       }
       if (k == 0) norm.set_floor(point.state, stiffness_);
       if (deflated_.size() > 0) x -= dot(deflated_, x) * deflated_;
-      if (!x.allFinite() || rotation(x) > largest_rotation) return std::nullopt;
+      if (!x.allFinite() || largest_rotation_in(system_, x) > largest_rotation) return std::nullopt;
       system_.linearized_resultants(point.state, x.head(n_), resultants);
-      retract(point.state, x);
+      retract(system_, point.state, x);
       point.state.load_factor += x(n_);
       norm.observe(point.state.lambda);
       const double e = norm({x.data(), static_cast<std::size_t>(n_)}, 1.0);

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <vector>
 
+#include "libmbd/core/parts.hpp"
 #include "solvers/newton/increments.hpp"
 
 namespace mbd {
@@ -21,20 +20,11 @@ VecX motion_weights(const System& system) {
 }
 
 StabilityCount::StabilityCount(const System& system)
-    : system_(system), solver_(make_inertia_solver()) {
+    : system_(system), solver_(make_block_inertia_solver()) {
   solver_->analyze(system.graph());
 }
 
 namespace {
-
-// The tangent, with the geometric stiffness of resultants if there are any.
-void linearize(const System& system, LinearSolver& solver, const State& state,
-               std::span<const Vec6> resultants, VecX& r) {
-  if (resultants.empty())
-    system.linearize(state, {}, r, solver);
-  else
-    system.linearize_mixed(state, resultants, r, solver);
-}
 
 // s W of stability.hpp on the diagonal of what has been added to slots; false if a node has no place for it.
 bool add_springs(const System& system, std::span<const Slot> slots, double s) {
@@ -56,49 +46,6 @@ bool add_springs(const System& system, std::span<const Slot> slots, double s) {
   return left == 0;
 }
 
-// Whether the beams that hang together move otherwise than as one rigid body: however soft they are beside their stretching,
-// they answer then. Each node is compared with the first of them, not
-// with its neighbour, since of a fine mesh neighbours hardly differ in any motion.
-bool strains_beams(const System& system, const State& state, const VecX& x) {
-  // Of the motion. Rigid ones, found from a matrix of that condition, have up to 2e-3; bending is of the order of 1.
-  constexpr double none = 0.03;
-  const double L = system.length_scale();
-  const auto size_of = [L](const Vec6& u) {
-    return std::max(u.head<3>().norm() / L, u.tail<3>().norm());
-  };
-  const auto motion_of = [&x](std::size_t node) -> Vec6 {
-    return x.segment<6>(6 * static_cast<Index>(node));
-  };
-  const auto nodes = static_cast<std::size_t>(system.nodes()) - 1;
-  double most = 0.0;
-  for (std::size_t n = 0; n < nodes; ++n) most = std::max(most, size_of(motion_of(n)));
-  std::vector<std::size_t> first_of(
-      nodes);  // by node: one nearer to the first that it hangs together with
-  std::iota(first_of.begin(), first_of.end(), std::size_t{0});
-  const auto find = [&first_of](std::size_t n) {
-    while (first_of[n] != n) n = first_of[n] = first_of[first_of[n]];
-    return n;
-  };
-  const auto first = system.first_contributions();
-  const auto& contributions = system.graph().contributions;
-  for (std::size_t b = 0; b < system.batches().size(); ++b) {
-    if (!system.batches()[b]->type().starts_with("beam")) continue;
-    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
-      const auto [P, Q] = contributions[i];
-      if (P < 0 || P >= Q || Q >= static_cast<int>(nodes)) continue;
-      const std::size_t p = find(static_cast<std::size_t>(P)),
-                        q = find(static_cast<std::size_t>(Q));
-      first_of[std::max(p, q)] = std::min(p, q);
-    }
-  }
-  for (std::size_t n = 0; n < nodes; ++n) {
-    const std::size_t whole = find(n);
-    const Pose<double> g = relative(state.pose[whole + 1], state.pose[n + 1]);
-    if (size_of(motion_of(n) - adjoint_inverse(g) * motion_of(whole)) > none * most) return true;
-  }
-  return false;
-}
-
 double spring_of(const System& system, const LinearSolver& solver) {
   const double L = system.length_scale();
   return neutral_share * largest_stiffness(system, solver) * L * L *
@@ -112,13 +59,38 @@ void NeutralMotions::take_out(const VecX& weights, Eigen::Ref<VecX> x) const {
     x -= shapes.col(k) * shapes.col(k).dot(weights.cwiseProduct(x));
 }
 
+// Each node is compared with the first of them, not with its neighbour, since of a fine mesh neighbours hardly differ in
+// any motion.
+bool strains_beams(const System& system, const State& state, const VecX& x) {
+  // Of the motion. Rigid ones, found from a matrix of that condition, have up to 2e-3; bending is of the order of 1.
+  constexpr double none = 0.03;
+  const double L = system.length_scale();
+  const auto size_of = [L](const Vec6& u) {
+    return std::max(u.head<3>().norm() / L, u.tail<3>().norm());
+  };
+  const auto motion_of = [&x](int node) -> Vec6 { return x.segment<6>(6 * Index{node - 1}); };
+  const auto pose_of = [&state](int node) { return state.pose[static_cast<std::size_t>(node)]; };
+  const auto nodes = static_cast<int>(system.nodes());
+  double most = 0.0;
+  for (int n = 1; n < nodes; ++n) most = std::max(most, size_of(motion_of(n)));
+  const ConnectedParts parts =
+      find_parts(system, [](const Batch& batch) { return batch.type().starts_with("beam"); });
+  for (int n = 1; n < nodes; ++n) {
+    const auto part = static_cast<std::size_t>(parts.of_node[static_cast<std::size_t>(n)]);
+    const int first = parts.first[part];
+    const Pose<double> g = relative(pose_of(first), pose_of(n));
+    if (size_of(motion_of(n) - adjoint_inverse(g) * motion_of(first)) > none * most) return true;
+  }
+  return false;
+}
+
 NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state,
                                     std::span<const Vec6> resultants) {
   constexpr Index most = 64;
   constexpr int iterations = 4;
   NeutralMotions none, found;
   VecX r;
-  linearize(system, solver, state, resultants, r);
+  system.linearize_mixed(state, resultants, r, solver);
   const double s = spring_of(system, solver);
   if (!(s > 0.0) || !add_springs(system, solver.slots(), s)) return none;
   if (solver.factor() != FactorStatus::ok) return none;
@@ -153,7 +125,7 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
 
 std::optional<Index> StabilityCount::operator()(const State& equilibrium, bool neutral,
                                                 std::span<const Vec6> resultants) {
-  linearize(system_, *solver_, equilibrium, resultants, r_);
+  system_.linearize_mixed(equilibrium, resultants, r_, *solver_);
   if (neutral) add_springs(system_, solver_->slots(), spring_of(system_, *solver_));
   if (solver_->factor() != FactorStatus::ok) return std::nullopt;
   const std::optional<Index> negative = solver_->negative_eigenvalues();
@@ -168,7 +140,7 @@ std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& so
   constexpr int most_iterations = 60;
   constexpr double converged = 1e-13;  // of the eigenvalue, relative; twice in a row
   VecX r;
-  linearize(system, solver, state, resultants, r);
+  system.linearize_mixed(state, resultants, r, solver);
   if (solver.factor() != FactorStatus::ok) return std::nullopt;
   const VecX w = motion_weights(system);
   CriticalMode mode;

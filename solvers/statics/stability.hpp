@@ -66,6 +66,10 @@ struct NeutralMotions {
 };
 inline constexpr double neutral_share = 1e-12;
 
+// Whether the beams that hang together move otherwise than as one rigid body in an increment of the unknowns: however soft
+// they are beside their stretching, they answer then.
+bool strains_beams(const System& system, const State& state, const VecX& x);
+
 // Leaves in `solver`, which has been analysed for the system, the factors of that matrix. Empty if there are no neutral
 // motions, or more than can be told.
 // `resultants` as above.

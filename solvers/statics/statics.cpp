@@ -57,6 +57,19 @@ std::string reason(const System& system, LinearSolver& solver, const State& star
       name_of_motion(system, mode->shape));
 }
 
+// Of a load step, so that what prescribed motions turn is less than half a turn: beyond that another turn would do as well.
+double most_ahead(const System& system, const State& state) {
+  constexpr double most_turned = 2.0;  // [rad]
+  VecX rate;
+  system.load_rate(state, rate);
+  double turned = 0.0;
+  for (const ConstraintInfo& c : system.constraints())
+    for (Index i = 0; i < c.rows; ++i)
+      if (!c.is_position[static_cast<std::size_t>(i)])
+        turned = std::max(turned, std::abs(rate(6 * system.nodes() + c.first_row + i)));
+  return turned > most_turned ? most_turned / turned : 1.0;
+}
+
 using Resultants = std::vector<Vec6>;
 
 // Where the equilibria over the load lead, and whether one belongs to them.
@@ -69,8 +82,8 @@ class LoadPath {
   bool is_known() const { return rate_.size() > 0; }
 
   void foretell(double ahead, State& trial, Resultants& S) const {
-    if (rate_.size() > 0) retract(trial, ahead * rate_);
-    if (bend_.size() > 0) retract(trial, 0.5 * ahead * ahead * bend_);
+    if (rate_.size() > 0) retract(*system_, trial, ahead * rate_);
+    if (bend_.size() > 0) retract(*system_, trial, 0.5 * ahead * ahead * bend_);
     S = S_;
     for (std::size_t i = 0; i < S_rate_.size(); ++i) S[i] += ahead * S_rate_[i];
     for (std::size_t i = 0; i < S_bend_.size(); ++i) S[i] += 0.5 * ahead * ahead * S_bend_[i];
@@ -88,13 +101,10 @@ class LoadPath {
     if (rate_.size() > 0) next.bend_ = (next.rate_ - rate_) / ahead;
     // Where the tangent was taken: elsewhere rates strain what is stiff.
     const State& at = mixed.linearized.pose.empty() ? state : mixed.linearized;
-    Resultants there;
-    system_->linearized_resultants(at, {}, there);
-    system_->linearized_resultants(at, next.rate_, next.S_rate_);
-    for (std::size_t i = 0; i < there.size(); ++i) next.S_rate_[i] -= there[i];
+    next.S_rate_ = rates_of_resultants(*system_, at, next.rate_);
     if (S_rate_.empty()) return next;
     next.S_bend_ = next.S_rate_;
-    for (std::size_t i = 0; i < there.size(); ++i)
+    for (std::size_t i = 0; i < next.S_bend_.size(); ++i)
       next.S_bend_[i] = (next.S_rate_[i] - S_rate_[i]) / ahead;
     return next;
   }
@@ -167,10 +177,7 @@ void begin(const System& system, LinearSolver& solver, const StaticOptions& opti
     return;
   sign = mixed.sign;
   VecX rate = motion_per_load(system, solver, unloaded);
-  double turn = 0.0;
-  for (Index n = 0; n < 6 * (system.nodes() - 1) && rate.size() > 0; n += 6)
-    turn = std::max(turn, rate.segment<3>(n + 3).norm());
-  if (turn / std::max(1, options.steps) < most)
+  if (rate.size() == 0 || largest_rotation_in(system, rate) / std::max(1, options.steps) < most)
     path = path.next(unloaded, std::move(rate), mixed, 1.0);
 }
 
@@ -221,7 +228,7 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
   bool judges_rates = true;
   double whole = 0.0;  // the increment before it was cut where the path was left; 0: it was not
   while (report.load_factor < 1.0) {
-    increment = std::min(increment, 1.0 - report.load_factor);
+    increment = std::min({increment, 1.0 - report.load_factor, most_ahead(system, state)});
     double next = report.load_factor + increment;
     if (next > 1.0 - 1e-9) next = 1.0;
     const double ahead = next - report.load_factor;

@@ -89,6 +89,7 @@ class GeneralizedAlpha final : public OneStep {
   const LinearSolver& linear_solver() const { return *solver_; }
 
   std::optional<RoundOff> round_off() override;
+  LinearFacts linear_facts() const override { return solver_->facts(); }
 
  private:
   void begin_at(State& state) override;

@@ -69,6 +69,7 @@ class Radau final : public OneStep {
         std::unique_ptr<PencilSolver> pencil, const RadauOptions& options);
 
   std::optional<RoundOff> round_off() override;
+  LinearFacts linear_facts() const override { return pencil_->facts(); }
 
  private:
   static constexpr std::size_t stages = 3;

@@ -60,6 +60,9 @@ class Stepper {
   // Of the last accepted step; nothing before the first, after a restart, and of steppers that do not know it.
   virtual std::optional<RoundOff> round_off() { return std::nullopt; }
 
+  // Of the solver of its steps.
+  virtual LinearFacts linear_facts() const { return {}; }
+
   // Shown each accepted piece of a step, before what happens at its end (a restart at a jump).
   void on_substep(std::function<void(const DenseStep&)> observer) {
     observer_ = std::move(observer);

@@ -1,4 +1,4 @@
-// The terminal sessions of README.md are true: its commands are run, in order, in one new directory, and
+// The terminal sessions of README.md and of the pages it leads to are true: their commands are run, in order, in one new directory, and
 // print what it says they print.
 //
 //   ```console       lines "$ command" are run by bash; what follows is the expected output, standard
@@ -12,6 +12,8 @@
 // The program is first in the PATH as `mbd`; the models are a directory `models`.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <optional>
 #include <sstream>
 #include <vector>
@@ -316,12 +318,96 @@ TEST(ReadmeHarness, SaysWhichLineIsFalse) {
 
 // ---- README -----------------------------------------------------------------------------------
 
-TEST(Readme, ItsSessionsAreTrue) {
-  const std::string text = test::read_text(fs::path(MBD_SOURCE_DIR) / "README.md");
-  ASSERT_FALSE(text.empty());
-  const Document readme("README.md", text);
-  EXPECT_EQ(joined(readme.differences()), "");
-  EXPECT_EQ(readme.commands() > 0, text.find("```console") != std::string::npos);
+const fs::path root = MBD_SOURCE_DIR;
+
+void expect_true(const std::string& page) {
+  const std::string text = test::read_text(root / page);
+  ASSERT_FALSE(text.empty()) << page;
+  const Document document(page, text);
+  EXPECT_EQ(joined(document.differences()), "");
+  EXPECT_EQ(document.commands() > 0, text.find("```console") != std::string::npos);
+}
+
+TEST(Readme, ItsSessionsAreTrue) { expect_true("README.md"); }
+TEST(Readme, SessionsOfTheGuideAreTrue) { expect_true("models/GUIDE.md"); }
+TEST(Readme, SessionsOfStudiesAreTrue) { expect_true("models/STUDIES.md"); }
+TEST(Readme, SessionsOfTheEngineAreTrue) { expect_true("libmbd/ENGINE.md"); }
+
+// A heading as GitHub's link to it.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char c : heading) {
+    if (c == ' ')
+      anchor += '-';
+    else if (std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_')
+      anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return anchor;
+}
+
+// Links and pictures of a page that lead nowhere, in Markdown and in src="…".
+std::vector<std::string> dead_links(const fs::path& page, const std::string& text) {
+  std::vector<std::string> dead, targets;
+  for (const std::string_view mark : {"](", "src=\""})
+    for (std::size_t at = 0; (at = text.find(mark, at)) != std::string::npos; ++at) {
+      const std::size_t begin = at + mark.size();
+      targets.push_back(text.substr(begin, text.find_first_of(")\"", begin) - begin));
+    }
+  for (const std::string& target : targets) {
+    if (target.starts_with("http")) continue;
+    const std::size_t hash = target.find('#');
+    const fs::path file = hash == 0 ? page : page.parent_path() / target.substr(0, hash);
+    bool is_there = fs::exists(file);
+    if (is_there && hash != std::string::npos) {
+      is_there = false;
+      std::istringstream lines(hash == 0 ? text : test::read_text(file));
+      for (std::string line; std::getline(lines, line);)
+        if (line.starts_with('#'))
+          is_there = is_there ||
+                     anchor_of(line.substr(std::min(line.find_first_not_of("# "), line.size()))) ==
+                         target.substr(hash + 1);
+    }
+    if (!is_there) dead.push_back(target);
+  }
+  return dead;
+}
+
+TEST(Readme, LinksLeadSomewhere) {
+  const fs::path here = root / "README.md";
+  EXPECT_EQ(
+      dead_links(here,
+                 "[a](LICENSE) [b](#x-y) <img src=\"no.png\"> [c](none.md) [d](#z)\n## X, y\n"),
+      (std::vector<std::string>{"none.md", "#z", "no.png"}));
+  for (const char* page : {"README.md", "models/GUIDE.md", "models/STUDIES.md", "libmbd/ENGINE.md"})
+    EXPECT_EQ(joined(dead_links(root / page, test::read_text(root / page))), "") << page;
+}
+
+// At most 1,500 words; a mechanism that moves, of less than 1 MB, and how to run it within the first screen (40 lines);
+// and every page of the table of contents.
+TEST(Readme, IsAFrontPage) {
+  const std::string text = test::read_text(root / "README.md");
+  std::istringstream words(text);
+  int count = 0;
+  for (std::string word; words >> word;) ++count;
+  EXPECT_LE(count, 1500);
+  std::istringstream lines(text);
+  std::string screen;
+  int number = 0;
+  for (std::string line; number < 40 && std::getline(lines, line); ++number) screen += line + "\n";
+  EXPECT_NE(screen.find("tools/quickstart"), std::string::npos);
+  EXPECT_NE(screen.find("Not: "), std::string::npos);
+  const std::size_t at = screen.find("src=\"");
+  ASSERT_NE(at, std::string::npos);
+  const std::string picture = screen.substr(at + 5, screen.find('"', at + 5) - at - 5),
+                    bytes = test::read_text(root / picture);
+  EXPECT_LT(bytes.size(), 1'000'000U);
+  int frames = 0;
+  for (std::size_t i = 0; (i = bytes.find("ANMF", i)) != std::string::npos; ++i) ++frames;
+  EXPECT_GE(frames, 50) << picture;
+  for (const char* page :
+       {"models/GUIDE.md", "models/MANUAL.md", "models/STUDIES.md", "models/README.md",
+        "libmbd/ENGINE.md", "libmbd/NOTATION.md", "tests/README.md"})
+    EXPECT_NE(text.find("](" + std::string(page) + ")"), std::string::npos) << page;
 }
 
 }  // namespace

@@ -215,7 +215,7 @@ TEST_P(Within, RatesConvergeToThoseOfAFineMesh) {
 INSTANTIATE_TEST_SUITE_P(Of, Within, testing::ValuesIn(kinds()),
                          [](const auto& kind) { return kind.param.name; });
 
-// README's first model: 30 unknowns with and without the record.
+// The guide's first model: 30 unknowns with and without the record.
 TEST(RecordsOf, AnElementLeaveItWhole) {
   const auto unknowns = [](const std::string& place) {
     return compile(cantilever("", 3, 1, place)).system->unknowns();

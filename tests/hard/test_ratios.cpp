@@ -124,7 +124,7 @@ TEST(Stiffness, RatiosDoNotLock) {
                 .shown = fmt::format("Gauss-Lobatto rule: {:.0e} (in the test)", locked)});
 }
 
-// EA/EI = 12e12. Load steps become many: stretching hides bending from Newton's iterations (README, statics).
+// EA/EI = 12e12. Load steps become many: stretching hides bending from Newton's iterations (models/GUIDE.md, statics).
 TEST(StiffnessSlow, OfASlendernessOfAMillion) {
   const double ratio = 12e12;
   const std::array<double, 2> exact = PlaneRod{ratio, ratio / 2.4, 1.0, 0.0, 5.0}.tip();

@@ -261,8 +261,11 @@ TEST_F(Silence, OverflowIsNoResult) {
   EXPECT_EQ(mbd({"run", model("statics_overflow"), "--set", "F=1"}, "statics").status, 0);
   ended = mbd({"run", model("stretched_beyond_numbers")}, "stretched");
   EXPECT_EQ(ended.status, 1);
-  // Whether a first load step finds one is of the last bit.
-  expect_says(ended.err, {"stretched_beyond_numbers", "no equilibrium beyond"});
+  // Whether a first load step finds one, and a later one whose energy overflows, is of the last bit.
+  EXPECT_NE(ended.err.find("stretched_beyond_numbers"), std::string::npos) << ended.err;
+  EXPECT_TRUE(ended.err.find("no equilibrium beyond") != std::string::npos ||
+              ended.err.find("the energy is not finite at load factor 0.") != std::string::npos)
+      << ended.err;
   hard::record({.id = "9b",
                 .what = "energies, residuals and statics that overflow, five methods",
                 .run = "tests/hard/models/energy_overflows.xml, statics_overflow.xml, "

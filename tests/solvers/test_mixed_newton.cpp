@@ -88,8 +88,8 @@ Bent bent(const Law& law, const Mat6& D, Rng& rng) {
   }
   return b;
 }
-State moved(State state, const VecX& x, double by) {
-  retract(state, x, by);
+State moved(const System& system, State state, const VecX& x, double by) {
+  retract(system, state, x, by);
   return state;
 }
 VecX random_increment(const System& system, Rng& rng) {
@@ -131,7 +131,7 @@ TEST(LinearizedResultants, AreTheDerivative) {
     const double h = 5e-3, weights[] = {3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0};
     for (int k = 1; k <= 3; ++k)
       for (const double sign : {1.0, -1.0}) {
-        b.system().linearized_resultants(moved(b.state, x, sign * k * h), {}, at);
+        b.system().linearized_resultants(moved(b.system(), b.state, x, sign * k * h), {}, at);
         rate += sign * weights[k - 1] / h * flat(at);
       }
     worst.add((flat(ahead) - flat(here) - rate).norm() / rate.norm(), law.name);
@@ -173,7 +173,8 @@ TEST(MixedTangent, IsThatOfTheSaddle) {
     };
     const auto product = [&](double along_x, double along_y) {  // S.E, first y and then x
       Resultants DE;
-      b.system().linearized_resultants(moved(moved(b.state, x, along_x), y, along_y), {}, DE);
+      b.system().linearized_resultants(
+          moved(b.system(), moved(b.system(), b.state, x, along_x), y, along_y), {}, DE);
       return weighted(S_other, DE);
     };
     const auto mixed_difference = [&](double h) {

@@ -1,10 +1,11 @@
-// The systems of an implicit Runge-Kutta step by KLU against dense LU, real and complex.
+// The systems of an implicit Runge-Kutta step by block LU and by KLU against dense LU, real and complex.
 #include "solvers/linear/pencil_solver.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
+#include "solvers/linear/block_solver.hpp"
 #include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/random.hpp"
@@ -21,11 +22,12 @@ using Eigen::VectorXcd;
 // Random blocks at the places of a mechanism's graph, with diagonal blocks of multipliers among them.
 struct Pencil {
   BlockGraph graph;
-  std::unique_ptr<PencilSolver> solver = make_klu_pencil_solver();
+  std::unique_ptr<PencilSolver> solver;
   DenseSolver dense[3];
   std::vector<char> is_node;  // by unknown
 
-  explicit Pencil(const std::string& model, bool with_own_blocks) {
+  Pencil(const std::string& model, bool with_own_blocks, LinearMethod method)
+      : solver(make_pencil_solver(method)) {
     const Model m = compile(model_scene(model));
     graph = m.system->graph();
     const int blocks = static_cast<int>(graph.blocks.size());
@@ -82,14 +84,19 @@ struct Pencil {
   }
 };
 
-TEST(PencilSolver, IsDenseLU) {
+class PencilSolvers : public testing::TestWithParam<LinearMethod> {};
+INSTANTIATE_TEST_SUITE_P(All, PencilSolvers,
+                         testing::Values(LinearMethod::block, LinearMethod::klu),
+                         [](const auto& test) { return std::string(name_of(test.param)); });
+
+TEST_P(PencilSolvers, IsDenseLU) {
   Rng rng(8);
   // Without blocks of their own some of the multipliers of every_joint would be undetermined by chance.
   for (const auto& [model, own] : {std::pair{"four_bar", false},
                                    {"four_bar", true},
                                    {"every_joint", true},
                                    {"dzhanibekov", false}}) {
-    Pencil p(model, own);
+    Pencil p(model, own, GetParam());
     const Index n = p.dense[0].matrix().rows();
     Worst real("real", 1e-12), complex("complex", 1e-12), products("products", 1e-15);
     for (int pass = 0; pass < 4; ++pass) {  // from the second on, pivots are kept
@@ -120,10 +127,10 @@ TEST(PencilSolver, IsDenseLU) {
 }
 
 // The pencil of a mechanism at work, with the powers as Radau takes them.
-TEST(PencilSolver, OfAMechanism) {
+TEST_P(PencilSolvers, OfAMechanism) {
   const Model model = compile(model_scene("four_bar"));
   const System& system = *model.system;
-  const auto solver = make_klu_pencil_solver();
+  const auto solver = make_pencil_solver(GetParam());
   solver->analyze(system.graph());
   solver->set_zero();
   State state = model.initial;
@@ -153,11 +160,11 @@ TEST(PencilSolver, OfAMechanism) {
 }
 
 // A zero row and column: said which, and nothing solved with.
-TEST(PencilSolver, NamesWhatIsSingular) {
+TEST_P(PencilSolvers, NamesWhatIsSingular) {
   BlockGraph graph;
   graph.blocks = {{6, BlockGraph::Kind::node}, {6, BlockGraph::Kind::node}};
   graph.contributions = {{0, 0}, {1, 1}};
-  const auto solver = make_klu_pencil_solver();
+  const auto solver = make_pencil_solver(GetParam());
   solver->analyze(graph);
   solver->set_zero();
   const auto slots = solver->slots(0);

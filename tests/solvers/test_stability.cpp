@@ -89,13 +89,19 @@ void fill(LinearSolver& solver, const BlockMatrix& m) {
   }
 }
 
+using MakeInertia = std::unique_ptr<InertiaSolver> (*)();
+class InertiaSolvers : public testing::TestWithParam<MakeInertia> {};
+INSTANTIATE_TEST_SUITE_P(All, InertiaSolvers,
+                         testing::Values(&make_inertia_solver, &make_block_inertia_solver),
+                         [](const auto& test) { return test.index == 0 ? "mumps" : "blocks"; });
+
 // Against the eigenvalues of the dense matrix, by another algorithm.
-TEST(InertiaSolver, CountsNegativeEigenvalues) {
+TEST_P(InertiaSolvers, CountsNegativeEigenvalues) {
   std::mt19937 random(7);
   for (const int nodes : {1, 2, 3, 8, 25})
     for (const double shift : {-20.0, -2.0, 0.0, 3.0, 30.0}) {
       const BlockMatrix m = random_saddle(random, nodes, shift);
-      const std::unique_ptr<InertiaSolver> solver = make_inertia_solver();
+      const std::unique_ptr<InertiaSolver> solver = GetParam()();
       fill(*solver, m);
       ASSERT_EQ(solver->factor(), FactorStatus::ok);
       const Eigen::VectorXd values = dense::eigenvalues(m.dense);
@@ -109,22 +115,22 @@ TEST(InertiaSolver, CountsNegativeEigenvalues) {
     }
 }
 
-TEST(InertiaSolver, SeesThatAMatrixIsNotSymmetric) {
+TEST_P(InertiaSolvers, SeesThatAMatrixIsNotSymmetric) {
   std::mt19937 random(3);
   BlockMatrix m = random_saddle(random, 4, 10.0);
   m.dense(0, 7) += 0.5;
-  const std::unique_ptr<InertiaSolver> solver = make_inertia_solver();
+  const std::unique_ptr<InertiaSolver> solver = GetParam()();
   fill(*solver, m);
   ASSERT_EQ(solver->factor(), FactorStatus::ok);
   EXPECT_NEAR(solver->asymmetry(), 0.5 / m.dense.topLeftCorner(24, 24).cwiseAbs().maxCoeff(),
               1e-12);
 }
 
-TEST(InertiaSolver, NotANumberIsNoCount) {
+TEST_P(InertiaSolvers, NotANumberIsNoCount) {
   std::mt19937 random(3);
   BlockMatrix m = random_saddle(random, 4, 10.0);
   m.dense(3, 3) = std::nan("");
-  const std::unique_ptr<InertiaSolver> solver = make_inertia_solver();
+  const std::unique_ptr<InertiaSolver> solver = GetParam()();
   fill(*solver, m);
   EXPECT_NE(solver->factor(), FactorStatus::ok);
   EXPECT_FALSE(solver->negative_eigenvalues());
@@ -266,7 +272,7 @@ TEST(LoadRate, IsTheDerivativeOfTheResidual) {
   State state = model.initial;
   VecX x(model.system->unknowns());
   for (Index i = 0; i < x.size(); ++i) x(i) = 0.2 * normal(random);
-  retract(state, x);
+  retract(*model.system, state, x);
   state.load_factor = 0.6;
   VecX rate;
   model.system->load_rate(state, rate);

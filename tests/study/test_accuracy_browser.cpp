@@ -8,6 +8,8 @@
 #include <string>
 
 #include "libmbd/study/accuracy/accuracy_page.hpp"
+#include "libmbd/study/effects/effects.hpp"
+#include "libmbd/study/effects/effects_report.hpp"
 #include "tests/support/machine.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/support/synthetic_study.hpp"
@@ -116,6 +118,91 @@ TEST_F(AccuracyPageSlow, Prints) {
   const std::string pdf = read_text(file("page.pdf"));
   EXPECT_TRUE(pdf.starts_with("%PDF-"));
   EXPECT_GT(pdf.size(), 50000u);
+}
+
+// What an appended script says of a page, in its title, at 390 pixels.
+std::string asked(const std::string& page, const std::string& script) {
+  std::string text;
+  for (const char c : page) text += c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  return "<!DOCTYPE html><title>not asked</title><script>function ask(f) {"
+         "const d = f.contentDocument, w = f.contentWindow; document.title = 'said ' + (() => {" +
+         script +
+         "})() + ' end'; }</script><iframe onload='ask(this)' "
+         "style='border:0;width:390px;height:2000px' srcdoc=\"" +
+         text + "\"></iframe>";
+}
+
+// Heads sort their tables up and down, numbers by their size; a double click enlarges a picture about its point, Escape
+// undoes it. Tried, and killed: numbers as words (in the test); the picture about its corner.
+TEST_F(AccuracyPageSlow, SortsAndEnlarges) {
+  const auto said = [&](const std::string& script, const std::string& from = "",
+                        const std::string& to = "") {
+    std::string page = page_;
+    if (!from.empty()) page.replace(page.find(from), from.size(), to);
+    write_text(file("asked.html"), asked(page, script));
+    const Output dom = chromium("--window-size=800,1000 --dump-dom", file("asked.html"));
+    const std::size_t at = dom.text.find("<title>said ");
+    if (at == std::string::npos) return dom.text.substr(0, 500) + read_text(file("stderr"));
+    return dom.text.substr(at + 12, dom.text.find(" end", at) - at - 12);
+  };
+  // Whether there is something to sort; whether it goes up after one click, and down after two.
+  const std::string sorting = R"(
+    const table = d.querySelector('table.runs'), heads = [...table.tHead.rows[0].cells];
+    const i = heads.findIndex(h => h.textContent.includes('CPU'));
+    [...table.tBodies[0].rows].forEach((r, k) => { r.cells[i].textContent = [10, 9, 100, 2.5][k % 4] + ' s'; });
+    const values = () => [...table.tBodies[0].rows].map(r => parseFloat(r.cells[i].textContent)).filter(Number.isFinite);
+    const sorted = sign => values().every((v, k, all) => k === 0 || sign * all[k - 1] <= sign * v);
+    const before = values().length > 3 && new Set(values()).size > 2;
+    heads[i].querySelector('button').click();
+    const up = sorted(1) && !sorted(-1);
+    heads[i].querySelector('button').click();
+    return [before, up, sorted(-1), heads[i].getAttribute('aria-sort')].join();)";
+  EXPECT_EQ(said(sorting), "true,true,true,descending");
+  EXPECT_EQ(said(sorting, "Number.isFinite(number) ? number : text", "text"),
+            "true,false,false,descending");
+  EXPECT_EQ(said(R"(
+    const svg = d.querySelector('figure svg'), r = svg.getBoundingClientRect(), b = () => svg.viewBox.baseVal;
+    const x = Math.round(r.left + 0.75 * r.width), y = Math.round(r.top + 0.5 * r.height);
+    const u = (x - r.left) / r.width, v = (y - r.top) / r.height, whole = [b().width, b().height];
+    svg.dispatchEvent(new w.MouseEvent('dblclick', {clientX: x, clientY: y}));
+    const close = (p, q) => Math.abs(p - q) < 1e-3 * whole[0];
+    const near = close(b().width, whole[0] / 2) && close(b().x + u * b().width, u * whole[0]) &&
+      close(b().y + v * b().height, v * whole[1]);
+    svg.dispatchEvent(new w.KeyboardEvent('keydown', {key: 'Escape'}));
+    return [near, b().x === 0 && b().width === whole[0]].join();)"),
+            "true,true");
+}
+
+// One effect that costs fifteen times the whole model does not flatten the bars of the others: its own is cut, and its
+// number stands; at 390 pixels letters are 10 pixels high at least, and nothing is wider.
+TEST_F(AccuracyPageSlow, BarsOfEffectsAreReadable) {
+  EffectsStudy study;
+  study.model = "synthetic";
+  study.tolerance = 1e-2;
+  study.quantities.resize(1);
+  study.quantities[0].name = "tip.displacement";
+  const double ratios[] = {15.51, 0.9, 0.8, 0.75, 0.95, 0.7};
+  for (const double ratio : ratios) {
+    EffectRun& run = study.runs.emplace_back();
+    run.ablation.effect = "effect " + std::to_string(study.runs.size());
+    run.trial.complete = true;
+    run.changes.resize(1);
+    run.changes[0].rms = 0.1;
+    run.cpu.ratios = {ratio};
+  }
+  page_ = effects_page(study);
+  EXPECT_NE(page_.find(">-1451<"), std::string::npos);
+  write_text(file("asked.html"), asked(page_, R"(
+    const svgs = [...d.querySelectorAll('figure svg')], bars = [...svgs[svgs.length - 1].querySelectorAll('rect[stroke]')];
+    const widths = bars.map(b => b.getBoundingClientRect().width), letters = svgs.map(s => 11 * s.getScreenCTM().a);
+    return [svgs.length, bars.length, Math.min(...widths.slice(1)) > 5, widths[0] < 200,
+      bars.every(b => b.querySelector('title').textContent.startsWith('effect ')),
+      Math.min(...letters) >= 10, d.documentElement.scrollWidth <= 390].join();)"));
+  const Output dom = chromium("--window-size=800,1000 --dump-dom", file("asked.html"));
+  const std::size_t at = dom.text.find("<title>said ");
+  ASSERT_NE(at, std::string::npos) << dom.text.substr(0, 500);
+  EXPECT_EQ(dom.text.substr(at + 12, dom.text.find(" end", at) - at - 12),
+            "2,6,true,true,true,true,true");
 }
 
 }  // namespace

@@ -78,9 +78,7 @@ int study_model(const AccuracyArguments& arguments) {
   options.budget = arguments.budget;
   options.refinements = arguments.refinements;
   const std::filesystem::path output =
-      arguments.output.empty() ? std::filesystem::path("results") /
-                                     std::filesystem::path(arguments.model).stem() / "accuracy"
-                               : std::filesystem::path(arguments.output);
+      results_directory(arguments.output, arguments.model, "accuracy");
   make_directory(output);
   options.keep = output / "trials";
   options.fingerprint = fingerprint(scene, arguments.set);

@@ -167,6 +167,14 @@ void set_up(CLI::App& app) {
   app.require_subcommand(1);
 }
 
+std::filesystem::path results_directory(const std::string& given, const std::string& model,
+                                        std::string_view study) {
+  if (!given.empty()) return given;
+  const std::filesystem::path own =
+      std::filesystem::path("results") / std::filesystem::path(model).stem();
+  return study.empty() ? own : own / study;
+}
+
 void set_examples(CLI::App& command, std::string_view examples, std::string_view exit_status) {
   std::string text = "Examples:\n";
   for (std::size_t at = 0; at < examples.size();) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,10 @@ void set_up(CLI::App& app);
 // Sets what stands below the options in a command's help: examples, one a line, and exit statuses.
 void set_examples(CLI::App& command, std::string_view examples,
                   std::string_view exit_status = exit_status_text);
+
+// The directory of --out, or, where it is empty, results/, the name of the model file without .xml, and in it `study`.
+std::filesystem::path results_directory(const std::string& given, const std::string& model,
+                                        std::string_view study = {});
 
 // Parses the arguments and so runs the command they name. Returns the exit status: that of the command
 // (`status`); 1 if it threw, or if what it printed could not be written; 100 and more for wrong use, which is

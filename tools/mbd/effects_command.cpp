@@ -43,9 +43,7 @@ int study_model(const EffectsArguments& arguments) {
                             arguments.tolerance));
   const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   const std::filesystem::path output =
-      arguments.output.empty() ? std::filesystem::path("results") /
-                                     std::filesystem::path(arguments.model).stem() / "effects"
-                               : std::filesystem::path(arguments.output);
+      results_directory(arguments.output, arguments.model, "effects");
   make_directory(output);
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
   EffectsOptions options;

@@ -5,16 +5,22 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/mbd/accuracy_command.hpp"
+#include "tools/mbd/campbell_command.hpp"
 #include "tools/mbd/check_command.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/compare_command.hpp"
 #include "tools/mbd/completion_command.hpp"
 #include "tools/mbd/effects_command.hpp"
 #include "tools/mbd/explain_command.hpp"
+#include "tools/mbd/export_command.hpp"
+#include "tools/mbd/floquet_command.hpp"
+#include "tools/mbd/modes_command.hpp"
 #include "tools/mbd/plot_command.hpp"
 #include "tools/mbd/run_command.hpp"
 #include "tools/mbd/schema_command.hpp"
+#include "tools/mbd/sweep_command.hpp"
 #include "tools/mbd/torture_command.hpp"
+#include "tools/mbd/view_command.hpp"
 
 int main(int argc, char** argv) {
   mbd::secure_streams();
@@ -26,7 +32,13 @@ int main(int argc, char** argv) {
   mbd::add_explain_command(app, status);
   mbd::add_accuracy_command(app, status);
   mbd::add_effects_command(app, status);
+  mbd::add_modes_command(app, status);
+  mbd::add_campbell_command(app, status);
+  mbd::add_floquet_command(app, status);
+  mbd::add_sweep_command(app, status);
   mbd::add_torture_command(app, status);
+  mbd::add_view_command(app, status);
+  mbd::add_export_command(app, status);
   mbd::add_plot_command(app, status);
   mbd::add_compare_command(app, status);
   mbd::add_schema_command(app, status);
@@ -34,6 +46,7 @@ int main(int argc, char** argv) {
   mbd::set_examples(app,
                     "mbd check models/four_bar.xml\n"
                     "mbd run models/four_bar.xml\n"
+                    "mbd view models/four_bar.xml\n"
                     "mbd plot results/four_bar C\n"
                     "mbd accuracy models/shaft.xml\n"
                     "mbd torture models/shaft.xml\n"

@@ -17,30 +17,40 @@ const schema::Attribute& attribute(std::string_view name) {
 
 // The value of an option for the attribute of <transient> of the same name.
 double number(std::string_view name, const std::string& text, const Scene& scene) {
-  const auto fail = [&](const std::string& what) {
-    throw Error(fmt::format("--{} {}: {}", name, text, what));
-  };
-  Parameters parameters;
-  for (const auto& [parameter, value] : scene.parameters) parameters[parameter] = value;
-  const NumberAndUnit parts = split_unit(text);
-  double value = 0.0;
-  try {
-    value = Expression::parse(parts.number, parameters, Variables::none).value();
-    if (!parts.unit.empty()) value *= unit_factor(parts.unit, attribute(name).unit);
-  } catch (const Error& error) {
-    fail(error.what());
-  }
-  if (const std::string fault = schema::fault(attribute(name), value); !fault.empty()) fail(fault);
+  const double value = option_value(name, text, attribute(name).unit, scene);
+  if (const std::string fault = schema::fault(attribute(name), value); !fault.empty())
+    throw Error(fmt::format("--{} {}: {}", name, text, fault));
   return value;
 }
 
 }  // namespace
+
+double option_value(std::string_view name, const std::string& text, std::string_view unit,
+                    const Scene& scene) {
+  Parameters parameters;
+  for (const auto& [parameter, value] : scene.parameters) parameters[parameter] = value;
+  const NumberAndUnit parts = split_unit(text);
+  try {
+    const double value = Expression::parse(parts.number, parameters, Variables::none).value();
+    return parts.unit.empty() ? value : value * unit_factor(parts.unit, unit);
+  } catch (const Error& error) {
+    throw Error(fmt::format("--{} {}: {}", name, text, error.what()));
+  }
+}
 
 void add_set_option(CLI::App& command, std::vector<std::string>& set) {
   command
       .add_option("-s,--set", set, "give a parameter of the model another value; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
+}
+
+void add_without_option(CLI::App& command, std::vector<std::string>& without) {
+  command
+      .add_option("--without", without,
+                  "leave out an effect, as `mbd effects` calls it: gravity, rigid:bar1 (makes it "
+                  "rigid), shear, …; may be given more than once")
+      ->type_name("EFFECT");
 }
 
 Overrides to_overrides(const std::vector<std::string>& set) {
@@ -55,9 +65,6 @@ Overrides to_overrides(const std::vector<std::string>& set) {
 }
 
 void add_transient_options(CLI::App& command, TransientOptions& options) {
-  const auto not_empty = [](const std::string& text) {
-    return text.empty() ? std::string("is empty; give a value") : std::string();
-  };
   std::vector<std::string> methods;
   for (const std::string_view method : schema::words(attribute("method").choices))
     methods.emplace_back(method);
@@ -115,6 +122,10 @@ std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
     if (!transient.output_steps) transient.output = number("output", output, scene);
   }
   return notes;
+}
+
+std::string not_empty(const std::string& text) {
+  return text.empty() ? std::string("is empty; give a value") : std::string();
 }
 
 }  // namespace mbd

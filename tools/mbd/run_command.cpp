@@ -22,9 +22,11 @@
 #include "libmbd/study/effects/ablation.hpp"
 #include "libmbd/study/trust/certify.hpp"
 #include "libmbd/text/files.hpp"
+#include "libmbd/view/run_file.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
+#include "tools/mbd/view_command.hpp"
 
 namespace mbd {
 namespace {
@@ -42,6 +44,10 @@ struct RunArguments {
   bool no_estimate = false;
   double certify_within = 60.0;
   bool quiet = false;
+  bool motion = false;
+  bool hdf5 = false;
+  std::string frames;
+  bool view = false;
 };
 
 std::string clock_time(double seconds) {
@@ -156,6 +162,21 @@ void certify_run(const RunArguments& arguments, const Scene& scene,
   write_file(output / "report.json", to_json(report));
 }
 
+// What --motion, --frames, --hdf5 and --view ask for.
+void keep_motion(const RunArguments& arguments, Scene& scene) {
+  if (arguments.view) require_pages();
+  if (arguments.hdf5) require_run_file();
+  if (!arguments.motion && !arguments.view && !arguments.hdf5 && arguments.frames.empty()) return;
+  if (!scene.motion_output) scene.motion_output.emplace();
+  if (arguments.frames.empty()) return;
+  scene.motion_output->frames = frames_option(arguments.frames);
+  if (!scene.transient)
+    throw Error(
+        fmt::format("--frames {}: frames are at equal times, and the model has no "
+                    "<transient>; leave it out, every row of load steps is a frame",
+                    arguments.frames));
+}
+
 int run_model(const RunArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   if (!arguments.without.empty()) scene = without(scene, arguments.without);
@@ -165,12 +186,14 @@ int run_model(const RunArguments& arguments) {
     throw Error("--for " + arguments.accurate.front() +
                 ": says whose error --accuracy bounds; give --accuracy too");
   options.notes = apply(arguments.transient, scene);
+  keep_motion(arguments, scene);
   if (!arguments.accuracy.empty()) choose_settings(arguments, scene, options);
-  options.output = arguments.output.empty() ? std::filesystem::path("results") /
-                                                  std::filesystem::path(arguments.model).stem()
-                                            : std::filesystem::path(arguments.output);
+  options.output = results_directory(arguments.output, arguments.model);
   options.certify = arguments.certify;
   options.estimate_error = !arguments.no_estimate;
+  std::optional<RunFile> run_file;
+  if (arguments.hdf5)
+    options.observers.push_back(&run_file.emplace(*options.output / "run.h5", scene));
   RunReport report;
   {
     ProgressLine line;
@@ -182,6 +205,19 @@ int run_model(const RunArguments& arguments) {
   }
   if (arguments.certify && report.complete())
     certify_run(arguments, scene, *options.output, report);
+  if (run_file) {
+    try {
+      run_file->close(to_json(report));
+      report.results.push_back(*options.output / "run.h5");
+    } catch (const Error& error) {
+      if (report.complete()) report.failure = error.what();
+    }
+  }
+  if (arguments.view) {
+    const std::filesystem::path page = *options.output / "view.html";
+    write_view(*options.output, page, {});
+    report.results.push_back(page);
+  }
   if (!arguments.quiet) fmt::print("{}", summary(report));
   if (!report.complete()) {
     complain(fmt::format("mbd: {}: {}\n", scene.name, report.failure));
@@ -229,9 +265,6 @@ void add_run_command(CLI::App& app, int& status) {
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
   add_transient_options(*command, arguments->transient);
-  const auto not_empty = [](const std::string& text) {
-    return text.empty() ? std::string("is empty; give a value") : std::string();
-  };
   command
       ->add_option(
           "--accuracy", arguments->accuracy,
@@ -256,11 +289,7 @@ void add_run_command(CLI::App& app, int& status) {
           },
           "", "")
       ->type_name("SECONDS");
-  command
-      ->add_option("--without", arguments->without,
-                   "leave out an effect, as `mbd effects` calls it: gravity, rigid:bar1 (makes it "
-                   "rigid), shear, …; may be given more than once")
-      ->type_name("EFFECT");
+  add_without_option(*command, arguments->without);
   command->add_flag(
       "--certify", arguments->certify,
       "all checks of the certificate: also momenta, condition, round-off, and other runs of the "
@@ -279,6 +308,19 @@ void add_run_command(CLI::App& app, int& status) {
   command->add_flag("--no-estimate", arguments->no_estimate,
                     "without the second run, in longer steps, that estimates the error of steps in "
                     "time, and costs 0.5 to 0.8 of the run");
+  command->add_flag("--motion", arguments->motion,
+                    "keep the motion of all nodes in motion.bin, for `mbd view`: a frame with each "
+                    "row of history.csv, or what <motion_output> says");
+  command
+      ->add_option("--frames", arguments->frames,
+                   "--motion with N frames at equal times of a <transient>")
+      ->check(not_empty, "", "")
+      ->type_name("N");
+  command->add_flag("--hdf5", arguments->hdf5,
+                    "--motion, and the whole run in one HDF5 file, run.h5: history, motion, "
+                    "parameters, model and report, readable while the run goes on");
+  command->add_flag("--view", arguments->view,
+                    "--motion, and the page view.html that shows it in a browser");
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"
@@ -289,7 +331,9 @@ void add_run_command(CLI::App& app, int& status) {
                "mbd run models/pendulum.xml --method radau --tolerance 1e-10 --output steps\n"
                "mbd run models/shaft.xml --accuracy 1e-4\n"
                "mbd run models/four_bar.xml --accuracy 1e-3 --for C.displacement\n"
-               "mbd run models/four_bar.xml --certify");
+               "mbd run models/four_bar.xml --certify\n"
+               "mbd run models/four_bar.xml --view --frames 500\n"
+               "mbd run models/four_bar.xml --hdf5 --frames 401");
   command->callback([arguments, &status] { status = run_model(*arguments); });
 }
 

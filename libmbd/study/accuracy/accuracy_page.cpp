@@ -383,6 +383,8 @@ void Page::begin() {
 }
 
 void Page::advice() {
+  // Of one quantity the table has the picture beside it where there is room.
+  text_ += study_.quantities.size() == 1 ? "<div class=\"halves\">\n" : "<div>\n";
   text_ +=
       "<section>\n<h2 id=\"advice\">What to take for which accuracy</h2>\n<div "
       "class=\"quantities\">\n";
@@ -438,6 +440,7 @@ void Page::pictures() {
         "</section>\n",
         missing_text(study_));
   }
+  text_ += "</div>\n";
   const std::vector<plot::Panel> over = knob_panels(study_);
   if (!over.empty()) {
     text_ +=

@@ -1,9 +1,9 @@
 // A run that chooses its own settings for an accuracy of its recorded quantities.
 //
 // Error: of each quantity the rms over the places of Findings of the length of the difference of its vector, over the
-// largest length of it in the run (of what depends on where the origin is, its largest change); that of a run is its worst quantity's. What is not above `accuracy` times others of
-// its unit is zero within what is asked, and is measured by those; that, rotations and branches: norm.hpp. Of a path,
-// loads and recorded numbers at its special points count.
+// largest length of it in the run (of what depends on where the origin is, its largest change); that of a run is its
+// worst quantity's. What is not above `accuracy` times others of its unit is zero within what is asked, and is measured
+// by those; that, rotations and branches: norm.hpp. Of a path, loads and recorded numbers at its special points count.
 //
 // What is believed is a difference, never a formula: a run and one with all its knobs finer (a tenth of the
 // tolerance, one order more, and of one element two). The finer run's own error, by the rate at which earlier

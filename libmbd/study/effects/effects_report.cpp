@@ -283,7 +283,7 @@ std::string markdown_of(const EffectsStudy& study) {
 
 // --- pictures ---
 
-constexpr double width = 720.0, row = 30.0, letter = 13.0, left = 16.0, bars = 300.0;
+constexpr double both_wide = 720.0, row = 30.0, letter = 13.0, left = 16.0, bars = 300.0;
 
 struct Axis {
   double low, high;  // powers of ten
@@ -304,22 +304,43 @@ Axis axis_of(const EffectsStudy& study) {
           std::ceil(std::log10(most) + 0.01)};
 }
 
-// Two columns of bars, a line of text above each pair; black and grey, so that it can be printed.
-std::string svg_of(const EffectsStudy& study, bool with_title) {
-  const Axis axis = axis_of(study);
-  const double second = left + bars + 40.0, top = with_title ? 74.0 : 48.0;
-  const double height = top + (row + 12.0) * static_cast<double>(study.runs.size()) + 52.0;
-  double most_share = 0.1;
+// A time beyond this share of the whole model's has its bar cut: one that is many times what three quarters of the effects
+// stay below would flatten all others. Otherwise the largest.
+double largest_share(const EffectsStudy& study) {
+  constexpr double least = 0.1, times_of_most = 2.5;
+  constexpr std::size_t few = 4;
+  std::vector<double> shares;
   for (const EffectRun& run : study.runs)
-    if (run.complete()) most_share = std::max(most_share, std::abs(1.0 - run.cpu.median()));
+    if (run.complete() && !run.cpu.ratios.empty())
+      shares.push_back(std::abs(1.0 - run.cpu.median()));
+  if (shares.empty()) return least;
+  std::sort(shares.begin(), shares.end());
+  const double most = shares[(shares.size() - 1) * 3 / 4];
+  return std::max(
+      least, shares.size() < few ? shares.back() : std::min(shares.back(), times_of_most * most));
+}
+
+enum class Columns { both, changes, times };
+
+// Columns of bars, a line of text above each; black and grey, so that it can be printed.
+std::string svg_of(const EffectsStudy& study, bool with_title, Columns columns = Columns::both) {
+  const Axis axis = axis_of(study);
+  const bool changes = columns != Columns::times, times = columns != Columns::changes;
+  const double second = changes ? left + bars + 40.0 : left, top = with_title ? 74.0 : 48.0;
+  const double width = columns == Columns::both ? both_wide : left + bars + 60.0;
+  const double height = top + (row + 12.0) * static_cast<double>(study.runs.size()) + 52.0;
+  const double most_share = largest_share(study);
   const double zero = second + 0.5 * bars, unit = 0.5 * bars / most_share;
   std::string text = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"100%\" "
-      "role=\"img\" aria-label=\"{2}: what each effect changes and costs\" "
+      "role=\"img\" aria-label=\"{2}: what each effect {4}\" "
       "font-family=\"sans-serif\" "
       "font-size=\"{3:.0f}\" fill=\"#111\">\n<rect width=\"{0:.0f}\" height=\"{1:.0f}\" "
       "fill=\"#fff\"/>\n",
-      width, height, xml_escaped(study.model), letter);
+      width, height, xml_escaped(study.model), letter,
+      columns == Columns::both      ? "changes and costs"
+      : columns == Columns::changes ? "changes"
+                                    : "costs");
   const auto write = [&](double x, double y, std::string_view words, std::string_view more = "") {
     text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more,
                         xml_escaped(words));
@@ -332,45 +353,67 @@ std::string svg_of(const EffectsStudy& study, bool with_title) {
   };
   if (with_title)
     write(left, 24.0, study.model + ": what each effect changes and costs", "font-weight=\"bold\"");
-  write(left, top - 20.0, "largest change");
-  write(second, top - 20.0, "CPU time it takes, % of the whole model's");
   const double bottom = height - 50.0;
-  for (double p = axis.low; p <= axis.high + 0.5; p += axis.high - axis.low > 6.0 ? 2.0 : 1.0)
-    write(left + bars * (p - axis.low) / (axis.high - axis.low), bottom + 16.0,
-          fmt::format("1e{:.0f}", p),
-          p == axis.low ? "font-size=\"11\"" : "text-anchor=\"middle\" font-size=\"11\"");
-  const double tolerance = left + axis.at(study.tolerance);
-  line(tolerance, top - 10.0, bottom, "4 3");
-  line(zero, top - 10.0, bottom, "none");
+  if (changes) {
+    write(left, top - 20.0, "largest change");
+    for (double p = axis.low; p <= axis.high + 0.5; p += axis.high - axis.low > 6.0 ? 2.0 : 1.0)
+      write(left + bars * (p - axis.low) / (axis.high - axis.low), bottom + 16.0,
+            fmt::format("1e{:.0f}", p),
+            p == axis.low ? "font-size=\"11\"" : "text-anchor=\"middle\" font-size=\"11\"");
+    line(left + axis.at(study.tolerance), top - 10.0, bottom, "4 3");
+  }
+  if (times) {
+    write(second, top - 20.0, "CPU time it takes, % of the whole model's");
+    line(zero, top - 10.0, bottom, "none");
+  }
+  bool is_cut = false;
   double y = top;
   for (std::size_t i = 0; i < study.runs.size(); ++i, y += row + 12.0) {
     const EffectRun& run = study.runs[i];
     const bool out =
         std::count(study.cheapest.left_out.begin(), study.cheapest.left_out.end(), i) > 0;
-    write(left, y + 12.0, run.ablation.effect + (out ? " (left out of the cheapest model)" : ""));
+    write(left, y + 12.0, run.ablation.effect + (out ? " (left out of the cheapest model)" : ""),
+          "stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"");
     if (!run.complete()) {
       write(left, y + 30.0, "without it the model does not run", "fill=\"#555\"");
       continue;
     }
-    const auto bar = [&](double x, double size, bool filled) {
+    const auto bar = [&](double x, double size, bool filled, std::string_view number) {
       text += fmt::format(
           "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" fill=\"{}\" "
-          "stroke=\"#111\"/>\n",
-          x, y + 18.0, std::max(size, 0.5), filled ? "#777" : "#fff");
+          "stroke=\"#111\"><title>{}: {}</title></rect>\n",
+          x, y + 18.0, std::max(size, 0.5), filled ? "#777" : "#fff",
+          xml_escaped(run.ablation.effect), xml_escaped(number));
     };
-    bar(left, axis.at(run.worst()), run.worst() > study.tolerance);
-    write(left + axis.at(run.worst()) + 5.0, y + 30.0, worst_text(study, run), "font-size=\"11\"");
-    if (run.cpu.ratios.empty()) continue;
-    const double share = 1.0 - run.cpu.median();
-    bar(zero + std::min(0.0, share * unit), std::abs(share * unit), share > 0.0);
+    if (changes) {
+      bar(left, axis.at(run.worst()), run.worst() > study.tolerance, worst_text(study, run));
+      write(left + axis.at(run.worst()) + 5.0, y + 30.0, worst_text(study, run),
+            "font-size=\"11\"");
+    }
+    if (!times || run.cpu.ratios.empty()) continue;
+    const double share = 1.0 - run.cpu.median(), drawn = std::clamp(share, -most_share, most_share);
+    bar(zero + std::min(0.0, drawn * unit), std::abs(drawn * unit), share > 0.0,
+        share_text(run.cpu));
+    if (drawn != share) {  // a break near its end
+      is_cut = true;
+      const double at = zero + 0.88 * drawn * unit;
+      text += fmt::format(
+          "<path d=\"M{:.1f} {:.1f}l4 -20l5 0l-4 20z\" fill=\"#fff\"/>\n"
+          "<path d=\"M{:.1f} {:.1f}l4 -20m5 0l-4 20\" stroke=\"#111\" fill=\"none\"/>\n",
+          at - 4.0, y + 35.0, at - 4.0, y + 35.0);
+    }
     write(share >= 0.0 ? zero - 5.0 : zero + 5.0, y + 30.0, percent(run.cpu.median()),
           share >= 0.0 ? "font-size=\"11\" text-anchor=\"end\"" : "font-size=\"11\"");
   }
-  write(left, height - 10.0,
-        "Dashed: the tolerance; white bars on the left are within it. On the right what is left of "
-        "zero "
-        "costs time to leave out.",
-        "font-size=\"11\"");
+  std::string note;
+  if (changes) note = "Dashed: the tolerance; white bars are within it. ";
+  if (columns == Columns::both)
+    note = "Dashed: the tolerance; white bars on the left are within it. ";
+  if (columns == Columns::both)
+    note += "On the right what is left of zero costs time to leave out.";
+  if (columns == Columns::times) note = "Left of zero: to leave it out costs time.";
+  if (is_cut) note += " Broken: longer.";
+  write(left, height - 10.0, note, "font-size=\"11\"");
   return text + "</svg>\n";
 }
 
@@ -382,7 +425,9 @@ std::string page_of(const EffectsStudy& study) {
   if (!study.cheapest.left_out.empty())
     text += "<pre>" + escaped_lines(snippet_of(study)) + "\n" +
             escaped_lines(command_of_cheapest(study)) + "</pre>\n";
-  text += "<section>\n<h2>Effects</h2>\n<figure>\n" + svg_of(study, false) + "</figure>\n";
+  text += "<section>\n<h2>Effects</h2>\n<div class=\"bars\">\n<figure>\n" +
+          svg_of(study, false, Columns::changes) + "</figure>\n<figure>\n" +
+          svg_of(study, false, Columns::times) + "</figure>\n</div>\n";
   text += "<p>" + prose(capital(norm_text(study))) + ".";
   if (const std::string own = own_text(study); !own.empty())
     text += " " + prose(capital(own)) + ".";
@@ -426,7 +471,7 @@ std::string page_of(const EffectsStudy& study) {
   for (const auto& [name, value] : study.build) fact(name, value);
   fact("wall time", seconds_text(study.seconds) + " s");
   text += "</dl>\n<pre>" + escaped_lines(study.command) + "</pre>\n</section>\n";
-  return text + std::string(page_end);
+  return text + page_end;
 }
 
 }  // namespace

@@ -1,0 +1,315 @@
+#include "libmbd/study/modes/campbell.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mbd {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double rather_round = 0.5;          // orbit whose larger part is meant
+constexpr double sure = 0.9;                  // overlap of a mode with itself a step on
+constexpr double lost = 0.3;                  // below it there is none
+constexpr double smallest_step = 1.0 / 64.0;  // of the distance between points
+constexpr double first_rate =
+    1e-4;  // of the range, in place of 0: what is alike in all directions has no shapes there
+constexpr double nothing = 1e-8;  // growth beside the frequencies that is round-off
+constexpr std::size_t spare = 6;  // modes more than are followed
+
+// A mode of one rate, or its conjugate.
+struct Candidate {
+  Complex eigenvalue;
+  VecXc shape, momentum;  // x, M x
+  double weight = 0.0;    // x^H M x
+  double orbit = 0.0;
+  bool has_orbit = false;
+  std::string name;
+
+  Candidate conjugate() const {
+    Candidate c = *this;
+    c.eigenvalue = std::conj(eigenvalue);
+    c.shape = shape.conjugate();
+    c.momentum = momentum.conjugate();
+    c.orbit = -orbit;
+    return c;
+  }
+  double overlap(const Candidate& other) const {
+    return std::norm(other.shape.dot(momentum)) / (weight * other.weight);
+  }
+};
+
+class Follower {
+ public:
+  Follower(const Scene& scene, const CampbellOptions& options)
+      : options_(options), scene_(scene), motions_(scene), rotation_(options.rotation) {
+    if (!options.at_rest.empty()) rotation_.rests = motions_.nodes_of(options.at_rest);
+  }
+
+  CampbellStudy go();
+
+ private:
+  struct Found {
+    bool ok = false;
+    std::vector<Candidate> now;  // by branch
+    std::vector<double> overlaps;
+    double least() const {
+      return overlaps.empty() ? 1.0 : *std::min_element(overlaps.begin(), overlaps.end());
+    }
+  };
+
+  void turn(double rate) {
+    rotation_.rate = rate;
+    motions_.turn(rotation_);
+  }
+  // At the first rate without free motions, as the spin of a rotor that no drive holds.
+  std::vector<Candidate> candidates(std::size_t count, bool is_first = false) {
+    ModeOptions options;
+    options.count = static_cast<int>(count);
+    options.expected = expected_;
+    options.rigid_motions = is_first;
+    std::vector<Candidate> result;
+    for (NamedMode& mode : motions_.modes(options)) {
+      if (mode.rigid) continue;
+      Candidate c;
+      c.eigenvalue = mode.eigenvalue;
+      c.shape = std::move(mode.shape);
+      c.momentum = motions_.motions().mass_times(c.shape);
+      c.weight = std::abs(c.shape.dot(c.momentum));
+      c.has_orbit = mode.orbit.has_value();
+      c.orbit = mode.orbit.value_or(0.0);
+      c.name = std::move(mode.name);
+      if (c.weight > 0.0) result.push_back(std::move(c));
+    }
+    return result;
+  }
+  Found follow(const std::vector<Candidate>& last);
+  CampbellPoint point(double rate, const Candidate& c, double overlap) const;
+  void refine(double a, double b, const std::vector<Candidate>& at_a,
+              const std::vector<Candidate>& at_b, std::size_t branch);
+
+  const CampbellOptions& options_;
+  const Scene& scene_;
+  MotionsOfScene motions_;
+  SteadyRotation rotation_;
+  double expected_ = 0.0;
+  CampbellStudy study_;
+};
+
+// The modes that go on from those of another rate.
+Follower::Found Follower::follow(const std::vector<Candidate>& last) {
+  Found found;
+  std::size_t count = last.size() + spare;
+  for (int wider = 0; wider < 3; ++wider, count *= 2) {
+    std::vector<Candidate> all;
+    for (const Candidate& c : candidates(count)) {
+      all.push_back(c);
+      all.push_back(c.conjugate());
+    }
+    struct Match {
+      double score, overlap;
+      std::size_t branch, candidate;
+    };
+    std::vector<Match> matches;
+    for (std::size_t b = 0; b < last.size(); ++b)
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        const double overlap = last[b].overlap(all[c]);
+        const double apart = std::abs(last[b].eigenvalue - all[c].eigenvalue) /
+                             (std::abs(last[b].eigenvalue) + std::abs(all[c].eigenvalue) + 1e-300);
+        matches.push_back({overlap - 0.1 * apart, overlap, b, c});
+      }
+    std::stable_sort(matches.begin(), matches.end(),
+                     [](const Match& a, const Match& b) { return a.score > b.score; });
+    found.now.assign(last.size(), {});
+    found.overlaps.assign(last.size(), 0.0);
+    std::vector<char> has(last.size(), 0), taken(all.size() / 2, 0);
+    for (const Match& match : matches) {
+      if (has[match.branch] != 0 || taken[match.candidate / 2] != 0) continue;
+      has[match.branch] = taken[match.candidate / 2] = 1;
+      found.now[match.branch] = all[match.candidate];
+      found.overlaps[match.branch] = match.overlap;
+    }
+    found.ok = std::all_of(has.begin(), has.end(), [](char one) { return one != 0; });
+    if (found.ok && found.least() > lost) break;
+  }
+  return found;
+}
+
+CampbellPoint Follower::point(double rate, const Candidate& c, double overlap) const {
+  CampbellPoint p;
+  p.rate = rate;
+  p.eigenvalue = c.eigenvalue;
+  p.orbit = c.orbit;
+  p.overlap = overlap;
+  p.has_orbit = c.has_orbit;
+  const double sense = c.orbit > 0.0 ? 1.0 : -1.0;
+  if (motions_.axes() == ModeAxes::resting) {
+    if (c.has_orbit) p.inertial = sense * c.eigenvalue.imag();
+  } else if (c.has_orbit && std::abs(c.orbit) > rather_round) {
+    p.inertial = sense * c.eigenvalue.imag() + rate;
+  }
+  return p;
+}
+
+// Whether a critical speed, or one where stability changes, lies between, and where.
+void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
+                      const std::vector<Candidate>& at_b, std::size_t branch) {
+  const Complex la = at_a[branch].eigenvalue, lb = at_b[branch].eigenvalue;
+  const double size = std::max(std::abs(la), std::abs(lb));
+  const auto oscillates = [&](Complex l) { return std::abs(l.imag()) > nothing * size; };
+  using F = double (*)(Complex, double);
+  struct Event {
+    SpecialSpeed::Kind kind;
+    F f;
+  };
+  std::vector<Event> events;
+  const F frequency = [](Complex l, double) { return l.imag(); };
+  const F synchronous = [](Complex l, double rate) { return std::abs(l.imag()) - rate; };
+  const F square = [](Complex l, double) { return (l * l).real(); };
+  const F growth = [](Complex l, double) { return l.real(); };
+  if (motions_.axes() == ModeAxes::resting) {
+    if (at_a[branch].has_orbit && synchronous(la, a) * synchronous(lb, b) < 0.0)
+      events.push_back({SpecialSpeed::Kind::critical, synchronous});
+  } else if (oscillates(la) && oscillates(lb) && la.imag() * lb.imag() < 0.0) {
+    events.push_back({SpecialSpeed::Kind::critical, frequency});
+  } else if (oscillates(la) != oscillates(lb) && square(la, a) * square(lb, b) < 0.0) {
+    events.push_back({SpecialSpeed::Kind::critical, square});
+  }
+  const double least = std::max(1e-6 * expected_, nothing * size);
+  if (la.real() * lb.real() < 0.0 && std::max(std::abs(la.real()), std::abs(lb.real())) > least &&
+      oscillates(la) && oscillates(lb))
+    events.push_back(
+        {la.real() < 0.0 ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
+         growth});
+  for (const Event& event : events) {
+    double x0 = a, x1 = b, f0 = event.f(la, a), f1 = event.f(lb, b);
+    std::vector<Candidate> from = at_a;
+    constexpr int most = 60;
+    int same_side = 0;
+    for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
+      double x = x1 - f1 * (x1 - x0) / (f1 - f0);
+      if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
+        x = 0.5 * (x0 + x1);
+        if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) break;
+      }
+      turn(x);
+      const Found found = follow(from);
+      if (!found.ok) break;
+      from = found.now;
+      const double f = event.f(found.now[branch].eigenvalue, x);
+      if (f == 0.0) {
+        x0 = x1 = x;
+        break;
+      }
+      // Illinois: the end that stays is halved, so that both ends move.
+      if (f * f1 > 0.0) {
+        x1 = x, f1 = f;
+        if (++same_side > 1) f0 *= 0.5;
+      } else {
+        x0 = x1, f0 = f1, x1 = x, f1 = f;
+        same_side = 0;
+      }
+    }
+    study_.special.push_back({event.kind, std::abs(f1) < std::abs(f0) ? x1 : x0, branch});
+  }
+}
+
+CampbellStudy Follower::go() {
+  study_.model = scene_.name;
+  study_.file = scene_.file;
+  study_.rotation = options_.rotation;
+  study_.notes = motions_.notes();
+  const double range = options_.to - options_.from;
+  const double between = range / std::max(1, options_.points - 1);
+  double rate = std::max(options_.from, first_rate * range);
+  if (rate > options_.from)
+    study_.notes.push_back(
+        fmt::format("begins at {:.6g} rad/s: at rest, modes that are alike in all directions have "
+                    "no whirl",
+                    rate));
+  turn(rate);
+  study_.axes = motions_.axes();
+  std::vector<Candidate> last = candidates(static_cast<std::size_t>(options_.count) + spare, true);
+  if (last.empty())
+    throw Error(scene_.source, "nothing but free motions: there are no modes to follow");
+  if (last.size() > static_cast<std::size_t>(options_.count))
+    last.resize(static_cast<std::size_t>(options_.count));
+  for (const Candidate& c : last) {
+    expected_ = std::max(expected_, std::abs(c.eigenvalue));
+    study_.branches.push_back({c.name, {point(rate, c, 1.0)}});
+  }
+  study_.rates.push_back(rate);
+  study_.displacements.push_back(motions_.largest_displacement().first);
+  double step = between;
+  double least = 1.0, least_at = rate;
+  for (int k = 1; k < options_.points;) {
+    if (options_.interrupted != nullptr && *options_.interrupted) {
+      study_.notes.push_back(fmt::format("interrupted at {:.6g} rad/s", rate));
+      break;
+    }
+    const double goal = options_.from + range * k / std::max(1, options_.points - 1);
+    const double next = rate + step < goal * (1.0 - 1e-12) ? rate + step : goal;
+    Found found;
+    try {
+      turn(next);
+      found = follow(last);
+    } catch (const Error& error) {
+      study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: {}", rate, error.what()));
+      break;
+    }
+    if (!found.ok) {
+      study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: modes are lost there", rate));
+      break;
+    }
+    if (found.least() < sure && step > smallest_step * between) {
+      step *= 0.5;
+      turn(rate);
+      continue;
+    }
+    if (found.least() < least) least = found.least(), least_at = next;
+    for (std::size_t b = 0; b < last.size(); ++b)
+      study_.branches[b].points.push_back(point(next, found.now[b], found.overlaps[b]));
+    for (std::size_t b = 0; b < last.size(); ++b) {
+      try {
+        refine(rate, next, last, found.now, b);
+      } catch (const Error& error) {
+        study_.notes.push_back(error.what());
+      }
+    }
+    turn(next);
+    study_.rates.push_back(next);
+    study_.displacements.push_back(motions_.largest_displacement().first);
+    if (next == goal) {
+      ++k;
+      step = between;
+      if (options_.progress)
+        options_.progress(static_cast<std::size_t>(k), static_cast<std::size_t>(options_.points));
+    } else {
+      step *= 2.0;
+    }
+    rate = next;
+    last = std::move(found.now);
+  }
+  if (least < sure)
+    study_.notes.push_back(fmt::format(
+        "the overlap of a mode with itself a step before falls to {:.2f} at {:.6g} rad/s: which is "
+        "which is not sure there",
+        least, least_at));
+  std::stable_sort(study_.special.begin(), study_.special.end(),
+                   [](const SpecialSpeed& a, const SpecialSpeed& b) { return a.rate < b.rate; });
+  return std::move(study_);
+}
+
+}  // namespace
+
+CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options) {
+  if (!(options.from >= 0.0) || !(options.to > options.from) || !std::isfinite(options.to))
+    throw Error("rates: give two that rise and are not negative");
+  if (options.points < 2 || options.count < 1)
+    throw Error("a Campbell diagram needs two points and one mode at least");
+  return Follower(scene, options).go();
+}
+
+}  // namespace mbd

@@ -1,0 +1,73 @@
+// Campbell diagram: modes of a scene that turns steadily, followed over the rate of rotation; critical speeds, at which a
+// rotor out of balance drives a mode (which stands still as seen from what turns), and speeds at which stability is lost
+// or won.
+//
+// Modes are found in axes in which coefficients are constant (steady_rotation.hpp), and are followed by their shapes: overlap |x^H M y|^2/(|x^H M x| |y^H M y|), with steps of the rate halved where it is low. A mode and
+// its conjugate are one: what passes through a critical speed goes on with a negative frequency.
+#pragma once
+
+#include <atomic>
+#include <complex>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libmbd/study/modes/modes.hpp"
+
+namespace mbd {
+
+struct CampbellOptions {
+  SteadyRotation rotation = {};           // its axis; the rate is not used
+  std::vector<std::string> at_rest = {};  // bodies and flexible beams that do not turn
+  double from = 0.0, to = 0.0;            // rates [rad/s], from < to, not negative
+  int points = 61;                        // evenly spaced, at least
+  int count = 8;                          // modes, the slowest at the first rate
+  std::function<void(std::size_t done, std::size_t all)> progress = {};
+  const std::atomic<bool>* interrupted = nullptr;
+};
+
+struct CampbellPoint {
+  double rate = 0.0;  // [rad/s]
+  std::complex<double>
+      eigenvalue;  // in `axes` [1/s]; of a pair the one that goes on from the point before
+  // Frequency in inertial axes [rad/s], that of the larger part where orbits are ellipses: positive forward, negative
+  // backward. Empty where orbits are nearer to lines than to circles, and where there are none.
+  std::optional<double> inertial = {};
+  bool has_orbit = false;
+  double orbit = 0.0;    // as NamedMode::orbit, of this eigenvalue
+  double overlap = 1.0;  // with the point before
+};
+
+struct CampbellBranch {
+  std::string name;  // at the first rate
+  std::vector<CampbellPoint> points;
+};
+
+struct SpecialSpeed {
+  enum class Kind { critical, unstable_above, stable_above } kind = Kind::critical;
+  double rate = 0.0;  // [rad/s], to round-off of the eigenvalue
+  std::size_t branch = 0;
+};
+
+struct CampbellStudy {
+  std::string model, file;
+  SteadyRotation rotation;
+  ModeAxes axes = ModeAxes::turning;
+  std::vector<double> rates;  // where steady rotation was found, rising
+  std::vector<double>
+      displacements;  // of the node that moves most from the reference configuration, there [m]
+  std::vector<CampbellBranch> branches;
+  std::vector<SpecialSpeed> special;  // by rate
+  std::vector<std::string> notes;
+};
+
+// Throws Error as MotionsOfScene does; a rate that is not reached, or an interruption, ends the diagram with a note.
+CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options);
+
+std::string to_text(const CampbellStudy& study);
+// One row a rate and branch.
+std::string to_csv(const CampbellStudy& study);
+std::string campbell_svg(const CampbellStudy& study);
+
+}  // namespace mbd

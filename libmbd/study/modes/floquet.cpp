@@ -1,0 +1,243 @@
+#include "libmbd/study/modes/floquet.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "libmbd/compile/model.hpp"
+#include "libmbd/scene/label.hpp"
+#include "libmbd/study/modes/states_of_run.hpp"
+#include "libmbd/text/tables.hpp"
+#include "libmbd/view/drawing.hpp"
+#include "libmbd/view/motion.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr std::array<int, 4> tried{8, 16, 32, 64};  // harmonics
+constexpr double resolved = 1e-8;                   // tail of the motion
+constexpr double seen = 1e-6;                       // tail of a small motion that is shown
+constexpr int most_exponents = 256;
+constexpr Index most_unknowns =
+    10000;  // for which more harmonics are tried: all instants are coupled
+
+double distance(const System& system, const State& a, const State& b) {
+  double largest = 0.0;
+  for (std::size_t n = 1; n < a.pose.size(); ++n) {
+    const Pose<double> g = relative(a.pose[n], b.pose[n]);
+    largest = std::max({largest, (a.pose[n].r - b.pose[n].r).norm() / system.length_scale(),
+                        2.0 * g.p.vec().norm()});
+  }
+  return largest;
+}
+
+// Drives may go on by whole turns.
+void check_period(const Scene& scene, const System& system, const State& state, double begin,
+                  double period) {
+  constexpr int instants = 16;
+  constexpr double same = 1e-9;
+  State a = state, b = state;
+  for (int i = 0; i < instants; ++i) {
+    const double t = begin + period * (i + 0.37) / instants;
+    system.set_time(a, t);
+    system.set_time(b, t + period);
+    for (std::size_t k = 0; k < a.signals.size(); ++k) {
+      const SignalValue &x = a.signals[k], &y = b.signals[k];
+      double change = y.f - x.f;
+      if (system.signal_use(k) == SignalUse::drive)
+        change -= 2.0 * pi * std::round(change / (2.0 * pi));
+      const double size = std::max({1.0, std::abs(x.f), std::abs(y.f)}),
+                   rate = std::max(std::abs(x.fdot), std::abs(y.fdot)) * period;
+      if (!(std::abs(change) <= same * std::max(size, rate)) ||
+          !(std::abs(y.fdot - x.fdot) * period <= 1e3 * same * std::max(size, rate)))
+        throw Error(scene.source,
+                    fmt::format("floquet: {} does not repeat with the period {:.9g} s: it is "
+                                "{:.9g} at {:.9g} s and {:.9g} a period later",
+                                system.signal_name(k).empty() ? "a drive" : system.signal_name(k),
+                                period, x.f, t, y.f));
+    }
+  }
+}
+
+std::string node_that_moves_most(const System& system, const PeriodicMotion& motion,
+                                 const VecXc& p) {
+  const Index each = motion.motions() / motion.instants();
+  VecX sizes = VecX::Zero(each / 6);
+  for (Index i = 0; i < motion.instants(); ++i)
+    for (Index n = 0; n < each / 6; ++n) {
+      const auto u = p.segment<6>(i * each + 6 * n);
+      sizes(n) += u.head<3>().squaredNorm() / std::pow(system.length_scale(), 2) +
+                  u.tail<3>().squaredNorm();
+    }
+  Index most = 0;
+  sizes.maxCoeff(&most);
+  return system.node_name(most + 1);
+}
+
+}  // namespace
+
+FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
+                           const std::filesystem::path& motion_file) {
+  if (!(options.period > 0.0) || !std::isfinite(options.period))
+    throw Error(given.source, "floquet: the period must be a positive number of seconds");
+  FloquetStudy study;
+  study.model = given.name;
+  study.file = given.file;
+  study.period = options.period;
+  study.begin = options.settle * options.period;
+
+  const Scene scene =
+      scene_of_run(given, study.begin + 2.0 * options.period);  // loads are looked at for one more
+  const Model model = compile(scene);
+  const System& system = *model.system;
+  const State start = start_of_run(scene, model);
+  check_period(scene, system, start, study.begin, options.period);
+
+  // The instants of all numbers of harmonics that may be tried.
+  std::vector<int> harmonics(tried.begin(), tried.end());
+  if (options.harmonics > 0) harmonics = {options.harmonics};
+  std::vector<double> times{study.begin, study.begin + options.period};
+  for (const int h : harmonics)
+    for (int i = 0; i < 2 * h + 1; ++i)
+      times.push_back(study.begin + options.period * i / (2 * h + 1));
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  const std::vector<State> run =
+      states_of_run(scene, model, start, times, "floquet", options.interrupted);
+  study.closure = distance(system, run.front(), run.back());
+
+  std::unique_ptr<PeriodicMotion> motion;
+  FloquetFound found;
+  const auto is_seen = [](const FloquetMode& mode) { return mode.tail < seen; };
+  for (const int h : harmonics) {
+    if (motion != nullptr && (2 * h + 1) * system.unknowns() > most_unknowns) break;
+    auto next = std::make_unique<PeriodicMotion>(system, study.begin, options.period, h);
+    std::vector<State> states;
+    for (Index i = 0; i < next->instants(); ++i) {
+      const auto nearest = std::min_element(times.begin(), times.end(), [&](double a, double b) {
+        return std::abs(a - next->time(i)) < std::abs(b - next->time(i));
+      });
+      states.push_back(run[static_cast<std::size_t>(nearest - times.begin())]);
+    }
+    NewtonOptions newton;
+    newton.max_iterations = 50;
+    const PeriodicReport report = next->solve(newton, states);
+    if (!report.converged && motion != nullptr) break;
+    study.report = report;
+    if (!report.converged) continue;
+    study.harmonics = h;
+    motion = std::move(next);
+    found = {};
+    if (report.tail > resolved && h != harmonics.back()) continue;
+    found = find_floquet_modes(*motion, most_exponents);
+    if (!found.failure.empty()) throw Error(scene.source, "floquet: " + found.failure);
+    const auto many = std::count_if(found.modes.begin(), found.modes.end(), is_seen);
+    if (many == static_cast<std::ptrdiff_t>(found.modes.size()) || many >= options.count) break;
+  }
+  if (motion == nullptr)
+    throw Error(scene.source,
+                fmt::format("floquet: no periodic motion was found: {} (over the period that was "
+                            "integrated the motion closes to {:.3g} of the scene's size or rad; "
+                            "--settle gives it more periods before)",
+                            study.report.failure, study.closure));
+  if (study.report.tail >= resolved)
+    study.notes.push_back(
+        fmt::format("the motion is not smooth: of its velocities {:.2g} is in the fastest of {} "
+                    "harmonics, and so "
+                    "large are the errors",
+                    study.report.tail, study.harmonics));
+
+  if (found.modes.empty()) found = find_floquet_modes(*motion, most_exponents);
+  if (!found.failure.empty()) throw Error(scene.source, "floquet: " + found.failure);
+  study.all = found.all;
+  for (FloquetMode& mode : found.modes) {
+    if (!is_seen(mode)) continue;
+    ++study.resolved;
+    if (study.modes.size() >= static_cast<std::size_t>(options.count)) continue;
+    NamedFloquetMode named;
+    named.most = node_that_moves_most(system, *motion, mode.shape);
+    static_cast<FloquetMode&>(named) = std::move(mode);
+    study.modes.push_back(std::move(named));
+  }
+  if (study.modes.empty())
+    throw Error(scene.source, "floquet: no small motion is resolved; give more --harmonics");
+  if (study.resolved < found.modes.size())
+    study.notes.push_back(
+        fmt::format("{} small motions are too fast, or change too much in a period, for {} "
+                    "harmonics: they are not "
+                    "judged",
+                    found.modes.size() - study.resolved, study.harmonics));
+  if (!study.all)
+    study.notes.push_back(
+        fmt::format("only the {} exponents nearest to 0 were looked at; faster decay or growth may "
+                    "be among the "
+                    "others",
+                    study.resolved));
+
+  if (!motion_file.empty()) {
+    const MotionBlocks blocks = motion_blocks(model);
+    MotionWriter writer(motion_file, drawing(scene, model), blocks);
+    std::vector<double> row(blocks.size());
+    for (const State& state : motion->states()) {
+      motion_row(model, state, row);
+      writer.write(row);
+    }
+    writer.close();
+  }
+  return study;
+}
+
+namespace {
+
+std::string verdict(const FloquetStudy& study) {
+  const double growth = study.growth();
+  if (growth > neutral_growth)
+    return fmt::format("unstable: what disturbs it grows by a factor {:.6g} in a period",
+                       std::exp(growth));
+  if (growth < -neutral_growth)
+    return fmt::format("stable: what disturbs it shrinks to {:.6g} or less in a period",
+                       std::exp(growth));
+  return "neutral: some disturbance neither grows nor decays";
+}
+
+}  // namespace
+
+std::string to_text(const FloquetStudy& study) {
+  std::string text = fmt::format(
+      "{}: periodic motion of {:.10g} s, by {} harmonics (velocities to {:.2g})\n{}\n\n",
+      study.model, study.period, study.harmonics, study.report.tail, verdict(study));
+  std::vector<std::vector<std::string>> rows{
+      {"", "|multiplier|", "multiplier", "growth 1/s", "Hz", "moves most"}};
+  for (std::size_t i = 0; i < study.modes.size(); ++i) {
+    const NamedFloquetMode& mode = study.modes[i];
+    rows.push_back({std::to_string(i + 1), fmt::format("{:.9g}", std::abs(mode.multiplier)),
+                    fmt::format("{:.6g} {:+.6g}i", mode.multiplier.real(), mode.multiplier.imag()),
+                    fmt::format("{:.6g}", mode.exponent.real()),
+                    fmt::format("{:.8g}", mode.frequency / (2.0 * pi)), mode.most});
+  }
+  study::table(text, rows);
+  for (const std::string& note : study.notes) text += "\nnote: " + note + "\n";
+  return text;
+}
+
+std::string to_csv(const FloquetStudy& study) {
+  std::string text =
+      "mode,re_exponent,im_exponent,re_multiplier,im_multiplier,frequency,tail,residual,moves_"
+      "most\n"
+      "# -,1/s,1/s,-,-,Hz,-,-,-\n";
+  for (std::size_t i = 0; i < study.modes.size(); ++i) {
+    const NamedFloquetMode& mode = study.modes[i];
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{:.3g},{}\n", i + 1,
+                        mode.exponent.real(), mode.exponent.imag(), mode.multiplier.real(),
+                        mode.multiplier.imag(), mode.frequency / (2.0 * pi), mode.tail,
+                        mode.residual, study::csv_cell(mode.most));
+  }
+  return text;
+}
+
+}  // namespace mbd

@@ -1,0 +1,55 @@
+// Stability of a motion that repeats: a scene's periodic motion, found from where a run of it goes, and the small motions about
+// it (solvers/modes/periodic_motion.hpp).
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "libmbd/scene/scene.hpp"
+#include "solvers/modes/periodic_motion.hpp"
+
+namespace mbd {
+
+struct FloquetOptions {
+  double period = 0.0;  // [s]; of loads, drives and motion
+  int settle = 2;     // periods that are integrated before the one that Newton's method starts from
+  int harmonics = 0;  // of the period; 0: as many as the motion needs
+  int count = 10;     // exponents shown, the least stable
+  const std::atomic<bool>* interrupted = nullptr;
+};
+
+struct NamedFloquetMode : FloquetMode {
+  std::string most;  // the node that moves most
+};
+
+struct FloquetStudy {
+  std::string model, file;
+  double begin = 0.0, period = 0.0;  // [s]
+  int harmonics = 0;
+  PeriodicReport report;
+  double closure =
+      0.0;  // of the integrated motion over the period, before: of the scene's size, or [rad]
+  std::vector<NamedFloquetMode> modes;  // the least stable first
+  std::size_t resolved = 0;             // exponents that were found and are resolved
+  bool all = false;                     // those of every motion that the harmonics resolve
+  std::vector<std::string> notes;
+
+  // Largest growth over a period, Re l T; beyond `neutral` of 0 there is a verdict.
+  double growth() const { return modes.empty() ? 0.0 : modes.front().exponent.real() * period; }
+};
+
+// Growth over a period that is round-off, or less than can be told from it.
+inline constexpr double neutral_growth = 1e-6;
+
+// The run is that of scene_of_run(). Throws Error as compile() does, where the run or
+// Newton's method fails, and for loads and drives that do not repeat. `motion`: file for a period of the motion
+// (libmbd/view/motion.hpp); empty: none.
+FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
+                           const std::filesystem::path& motion = {});
+
+std::string to_text(const FloquetStudy& study);
+std::string to_csv(const FloquetStudy& study);
+
+}  // namespace mbd

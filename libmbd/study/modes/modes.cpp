@@ -1,0 +1,365 @@
+#include "libmbd/study/modes/modes.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "libmbd/compile/static_options.hpp"
+#include "libmbd/scene/label.hpp"
+#include "libmbd/study/modes/states_of_run.hpp"
+#include "libmbd/text/files.hpp"
+#include "libmbd/view/drawing.hpp"
+#include "libmbd/view/motion.hpp"
+#include "solvers/linear/block_solver.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/newton/increments.hpp"
+#include "solvers/statics/statics.hpp"
+#include "solvers/time/stepper.hpp"
+
+namespace mbd {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double pi = std::numbers::pi;
+constexpr double most_of_it = 0.9;   // of the kinetic energy: a mode is named after it
+constexpr double part_of_it = 0.05;  // and what else is named
+constexpr double across = 0.1;       // of the kinetic energy, across the axis: orbits are looked at
+
+// What moves in a mode, by components of kinetic energy in section axes, each half of Re x^H M x.
+struct Energy {
+  std::array<double, 6> of{};
+  double total = 0.0;
+};
+
+std::string kind_of(const Energy& energy, bool is_beam) {
+  const auto& e = energy.of;
+  const double stretch = e[0], along2 = e[1], along3 = e[2], twist = e[3],
+               turns = e[3] + e[4] + e[5], moves = e[0] + e[1] + e[2];
+  if (!is_beam) {
+    const std::array<const char*, 6> words{"moves along its axis 1", "moves along its axis 2",
+                                           "moves along its axis 3", "turns about its axis 1",
+                                           "turns about its axis 2", "turns about its axis 3"};
+    const auto most = std::max_element(e.begin(), e.end());
+    if (*most > most_of_it * energy.total) return words[static_cast<std::size_t>(most - e.begin())];
+    return moves > turns ? "moves" : "turns";
+  }
+  const double whole = energy.total;
+  if (twist > 0.5 * whole) return "twist";
+  if (stretch > 0.5 * whole) return "stretching";
+  if (along2 + along3 > 0.5 * whole) {
+    if (along2 > most_of_it * (along2 + along3)) return "bending along b2";
+    if (along3 > most_of_it * (along2 + along3)) return "bending along b3";
+    return "bending";
+  }
+  return "motion";
+}
+
+// Names the beam in `bending along b2`: `bending of beam "b" along b2`.
+std::string of_beam(std::string kind, const std::string& part) {
+  const std::size_t blank = kind.find(' ');
+  const std::string rest = blank == std::string::npos ? "" : kind.substr(blank);
+  return kind.substr(0, blank) + " of " + part + rest;
+}
+
+}  // namespace
+
+std::optional<double> NamedMode::whirl(double rate, ModeAxes axes) const {
+  constexpr double a_line = 1e-6;
+  if (!orbit || !(std::abs(*orbit) > (axes == ModeAxes::turning ? circular : a_line)))
+    return std::nullopt;
+  const double sense = *orbit > 0.0 ? 1.0 : -1.0, frequency = sense * eigenvalue.imag();
+  if (axes == ModeAxes::resting) return rate < 0.0 ? -frequency : frequency;
+  return rate < 0.0 ? -(frequency + rate) : frequency + rate;
+}
+
+MotionsOfScene::MotionsOfScene(const Scene& scene, std::optional<double> time)
+    // Inertia takes part, steps do not.
+    : scene_(scene_of_run(scene, time.value_or(0.0) > 0.0 ? *time : 1.0)) {
+  if (!time && !scene_.statics) scene_.statics.emplace();
+  model_ = compile(scene_);
+  const System& system = *model_.system;
+  motions_ = std::make_unique<SmallMotions>(system);
+  if (time)
+    run_to(*time);
+  else
+    rest();
+
+  const auto nodes = static_cast<std::size_t>(system.nodes());
+  part_of_node_.assign(nodes, -1);
+  axes_of_node_.assign(nodes, Quaternion<double>::Identity());
+  for (const Model::Line& line : model_.lines) {
+    const auto part = static_cast<int>(part_names_.size());
+    part_names_.push_back("beam \"" + line.name + '"');
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      const auto node = static_cast<std::size_t>(line.nodes[k]);
+      if (node == 0 || part_of_node_[node] >= 0) continue;
+      part_of_node_[node] = part;
+      axes_of_node_[node] = line.frames[k].p;
+    }
+  }
+}
+
+void MotionsOfScene::rest() {
+  state_ = model_.initial;
+  for (Vec6& V : state_.V) V.setZero();
+  for (Vec6& V : state_.Vdot) V.setZero();
+  const std::unique_ptr<LinearSolver> solver =
+      make_linear_solver(scene_.statics->linear_solver, PivotOrder::merged);
+  const StaticReport found =
+      solve_statics(*model_.system, *solver, static_options(scene_, *scene_.statics), state_);
+  if (!found.converged)
+    throw Error(scene_.source,
+                "there is no equilibrium to have small motions about: " + found.failure);
+  notes_ = found.passed;
+  if (!motions_->about(state_))
+    throw Error(scene_.source, range_failure(model_.system->out_of_range(state_)));
+}
+
+void MotionsOfScene::run_to(double time) {
+  const System& system = *model_.system;
+  state_ = states_of_run(scene_, model_, start_of_run(scene_, model_), {time}, "modes").front();
+  // Those that belong to the positions and velocities, whatever the integrator's are.
+  double mass = 0.0;
+  Counters counters;
+  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+  solver->analyze(system.graph());
+  if (const std::string failure = initial_accelerations(system, *solver, state_, mass, counters);
+      !failure.empty())
+    throw Error(scene_.source, "modes: " + failure);
+  if (!motions_->frozen_at(state_))
+    throw Error(scene_.source, range_failure(system.out_of_range(state_)));
+}
+
+std::vector<char> MotionsOfScene::nodes_of(const std::vector<std::string>& names) const {
+  const System& system = *model_.system;
+  std::vector<char> found(static_cast<std::size_t>(system.nodes()), 0);
+  for (const std::string& name : names) {
+    bool any = false;
+    for (const Model::Line& line : model_.lines) {
+      if (line.name != name) continue;
+      any = true;
+      for (const int node : line.nodes) found[static_cast<std::size_t>(node)] = 1;
+    }
+    for (Index n = 1; n < system.nodes(); ++n)
+      if (system.node_name(n) == "body '" + name + "'") {
+        any = true;
+        found[static_cast<std::size_t>(n)] = 1;
+      }
+    if (!any)
+      throw Error(scene_.source,
+                  "no body with a node of its own and no flexible beam is called \"" + name + '"');
+  }
+  found[0] = 0;
+  return found;
+}
+
+void MotionsOfScene::turn(const SteadyRotation& rotation) {
+  const IsDriven driven = [this](Index row) {
+    return model_.makers[static_cast<std::size_t>(row)].label.starts_with("drive");
+  };
+  const double from = rotation_ ? rotation_->rate : 0.0;
+  rotation_ = rotation;
+  rotation_->rate = from;
+  if (!axes_)
+    if (const std::string held = held_fast(*motions_, rotation, state_, driven); !held.empty())
+      throw Error(scene_.source, "steady rotation: " + held +
+                                     "; name what does not turn (--at-rest), or hold it otherwise");
+  const SteadyReport report = find_steady_rotation(*motions_, rotation, from, {}, state_);
+  rotation_->rate = report.rate;
+  if (!report.converged) throw Error(scene_.source, report.failure);
+  if (axes_) {
+    about_rotation(*motions_, rotation, *axes_, state_);
+    return;
+  }
+  const std::string turning =
+      broken_symmetry(*motions_, rotation, ModeAxes::turning, state_, driven);
+  if (turning.empty()) {
+    axes_ = ModeAxes::turning;
+    return;
+  }
+  const std::string resting =
+      broken_symmetry(*motions_, rotation, ModeAxes::resting, state_, driven);
+  if (!resting.empty())
+    throw Error(scene_.source,
+                "steady rotation has no small motions with constant coefficients here: in "
+                "axes that turn " +
+                    turning + "; in axes that rest " + resting +
+                    "; leave that out (--without), name what does not turn (--at-rest), or "
+                    "make either side alike in all directions about the axis");
+  axes_ = ModeAxes::resting;
+}
+
+std::vector<NamedMode> MotionsOfScene::modes(const ModeOptions& options) {
+  ModesFound found = find_modes(*motions_, options);
+  if (!found.failure.empty()) throw Error(scene_.source, "modes: " + found.failure);
+  std::vector<NamedMode> result;
+  for (Mode& mode : found.modes) {
+    NamedMode named;
+    static_cast<Mode&>(named) = std::move(mode);
+    name(named);
+    result.push_back(std::move(named));
+  }
+  return result;
+}
+
+std::pair<double, Index> MotionsOfScene::largest_displacement() const {
+  std::pair<double, Index> most{0.0, 0};
+  for (Index n = 1; n < model_.system->nodes(); ++n) {
+    const double moved =
+        (state_.pose[static_cast<std::size_t>(n)].r - model_.system->reference_pose(n).r).norm();
+    if (moved > most.first) most = {moved, n};
+  }
+  return most;
+}
+
+void MotionsOfScene::name(NamedMode& mode) const {
+  const Index n = motions_->motions();
+  const VecXc p = motions_->mass_times(mode.shape);
+
+  std::map<int, Energy> energies;  // by part; of nodes in none by -1 - node
+  double whole = 0.0, crossing = 0.0, area = 0.0;
+  Vec3 e1 = Vec3::Zero(), e2 = e1, e3 = e1;
+  if (rotation_) {
+    e1 = rotation_->axis;
+    const Eigen::Vector3d some = Eigen::Vector3d(e1).unitOrthogonal();
+    e2 = some;
+    e3 = e1.cross(e2);
+  }
+  for (Index i = 0; i < n; i += 6) {
+    const auto node = static_cast<std::size_t>(i / 6 + 1);
+    const Eigen::Matrix3d to_section = axes_of_node_[node].conjugate().toRotationMatrix();
+    Eigen::Matrix<Complex, 6, 1> u, f;
+    for (Index k = 0; k < 6; k += 3) {
+      u.segment<3>(k) = to_section * mode.shape.segment<3>(i + k);
+      f.segment<3>(k) = to_section * p.segment<3>(i + k);
+    }
+    const int part = part_of_node_[node] >= 0 ? part_of_node_[node] : -1 - static_cast<int>(node);
+    Energy& energy = energies[part];
+    for (Index k = 0; k < 6; ++k) {
+      const double share = 0.5 * std::real(std::conj(u(k)) * f(k));
+      energy.of[static_cast<std::size_t>(k)] += share;
+      energy.total += share;
+      whole += share;
+    }
+    if (!rotation_) continue;
+    const Eigen::Matrix3d to_inertial = state_.pose[node].p.toRotationMatrix();
+    for (Index k = 0; k < 6; k += 3) {  // displacements, and tilts
+      const Eigen::Vector3cd d = to_inertial * mode.shape.segment<3>(i + k),
+                             w = to_inertial * p.segment<3>(i + k);
+      const auto along = [](const Vec3& e, const Eigen::Vector3cd& x) {
+        return Eigen::Vector3d(e).cast<Complex>().dot(x);
+      };
+      const Complex y = along(e2, d), z = along(e3, d);
+      const double moved = std::norm(y) + std::norm(z);
+      const double energy_across =
+          std::max(0.0, std::real(std::conj(y) * along(e2, w) + std::conj(z) * along(e3, w)));
+      if (!(moved > 0.0)) continue;
+      crossing += 0.5 * energy_across;
+      area += -2.0 * energy_across / moved * std::imag(std::conj(y) * z);
+    }
+  }
+  if (rotation_ && crossing > across * whole) mode.orbit = 0.5 * area / crossing;
+
+  const auto name_of_part = [&](int part) {
+    return part >= 0 ? part_names_[static_cast<std::size_t>(part)]
+                     : model_.system->node_name(-1 - part);
+  };
+  std::vector<std::pair<double, int>> order;
+  for (const auto& [part, energy] : energies) order.emplace_back(energy.total, part);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [total, part] : order)
+    if (whole > 0.0) mode.parts.emplace_back(name_of_part(part), total / whole);
+  if (order.empty() || !(whole > 0.0)) {
+    mode.name = "no motion that has mass";
+    return;
+  }
+  const auto [total, part] = order.front();
+  const std::string kind = kind_of(energies[part], part >= 0);
+  const std::string first = name_of_part(part);
+  mode.name = part >= 0 ? of_beam(kind, first) : first + " " + kind;
+  if (mode.rigid) mode.name = "free motion: " + (part >= 0 ? first : mode.name);
+  std::vector<std::string> others;
+  for (std::size_t i = 1; i < mode.parts.size() && others.size() < 2; ++i)
+    if (mode.parts[i].second > part_of_it)
+      others.push_back(
+          fmt::format("{} {:.0f} %", mode.parts[i].first, 100.0 * mode.parts[i].second));
+  if (!others.empty())
+    mode.name += fmt::format(" {:.0f} % ({})", 100.0 * total / whole, fmt::join(others, ", "));
+}
+
+void MotionsOfScene::write_motion(const Mode& mode, const std::filesystem::path& file, int frames,
+                                  double amplitude) const {
+  const MotionBlocks blocks = motion_blocks(model_);
+  MotionWriter writer(file, drawing(scene_, model_), blocks);
+  std::vector<double> row(blocks.size());
+  const double omega = mode.eigenvalue.imag(), period = omega > 0.0 ? 2.0 * pi / omega : 1.0;
+  for (int k = 0; k <= frames; ++k) {
+    const double share = static_cast<double>(k) / frames;
+    const Complex factor =
+        amplitude * (omega > 0.0 ? std::polar(1.0, 2.0 * pi * share) : Complex(share));
+    State state = state_;
+    state.t = share * period;
+    for (std::size_t n = 1; n < state.pose.size(); ++n) {
+      const Vec6 u = (factor * mode.shape.segment<6>(6 * static_cast<Index>(n - 1))).real();
+      state.pose[n] = state.pose[n] * exp_se3<double>(u);
+    }
+    motion_row(model_, state, row);
+    writer.write(row);
+  }
+  writer.close();
+}
+
+ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
+                       const std::filesystem::path& motions) {
+  if (options.rotation && options.time)
+    throw Error(scene.source,
+                "modes: about a steady rotation, or about a state of a run, not both");
+  if (options.time && !(*options.time >= 0.0))
+    throw Error(scene.source, "modes: the time of a run must not be negative");
+  MotionsOfScene scene_motions(scene, options.time);
+  if (options.rotation) {
+    SteadyRotation rotation = *options.rotation;
+    if (!options.at_rest.empty()) rotation.rests = scene_motions.nodes_of(options.at_rest);
+    scene_motions.turn(rotation);
+  }
+  ModesStudy study;
+  study.model = scene.name;
+  study.file = scene.file;
+  study.rotation = options.rotation;
+  study.axes = scene_motions.axes();
+  study.time = options.time;
+  study.near = options.near;
+  ModeOptions mode_options;
+  mode_options.count = options.count;
+  mode_options.near = options.near;
+  study.modes = scene_motions.modes(mode_options);
+  if (options.near == 0.0)
+    std::stable_sort(study.modes.begin(), study.modes.end(), [](const Mode& a, const Mode& b) {
+      return std::abs(a.eigenvalue) < std::abs(b.eigenvalue);
+    });
+  if (!motions.empty())
+    for (std::size_t i = 0; i < study.modes.size(); ++i) {
+      const std::filesystem::path directory = motions / fmt::format("mode_{}", i + 1);
+      make_directory(directory);
+      scene_motions.write_motion(study.modes[i], directory / "motion.bin");
+    }
+  const auto [moved, node] = scene_motions.largest_displacement();
+  const System& system = *scene_motions.model().system;
+  study.displacement = moved;
+  study.displaced = system.node_name(node);
+  for (Index n = 1; n < system.nodes(); ++n) {
+    study.nodes.push_back(system.node_name(n));
+    study.poses.push_back(scene_motions.state().pose[static_cast<std::size_t>(n)]);
+  }
+  study.notes = scene_motions.notes();
+  return study;
+}
+
+}  // namespace mbd

@@ -1,0 +1,155 @@
+#include "libmbd/study/modes/modes_report.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "libmbd/text/tables.hpp"
+
+namespace mbd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double round_off = 1e-7;  // growth beside frequency
+
+std::string hertz(double rad_per_second) {
+  return fmt::format("{:.10g}", rad_per_second / (2.0 * std::numbers::pi));
+}
+
+double rate_of(const ModesStudy& study) { return study.rotation ? study.rotation->rate : 0.0; }
+
+std::string whirl_words(const ModesStudy& study, const NamedMode& mode) {
+  const std::optional<double> whirl = mode.whirl(rate_of(study), study.axes);
+  if (!whirl) return mode.orbit ? "not round" : "";
+  return fmt::format("{:.7g} {}", std::abs(*whirl) / (2.0 * std::numbers::pi),
+                     *whirl < 0.0 ? "back" : "forw");
+}
+
+std::string damping(const NamedMode& mode) {
+  if (mode.rigid) return "";
+  if (!(mode.eigenvalue.imag() > 0.0))
+    return fmt::format("{} {:.4g} 1/s", mode.eigenvalue.real() > 0.0 ? "grows" : "decays",
+                       std::abs(mode.eigenvalue.real()));
+  const double ratio = mode.damping_ratio();
+  return std::abs(ratio) < round_off ? "0" : fmt::format("{:.4g} %", 100.0 * ratio);
+}
+
+}  // namespace
+
+std::string to_text(const ModesStudy& study) {
+  std::string text = fmt::format("{}: {} modes", study.model, study.modes.size());
+  if (study.rotation)
+    text += fmt::format(
+        " about steady rotation at {:.10g} rad/s about ({:g} {:g} {:g}), as seen "
+        "from what {}",
+        study.rotation->rate, study.rotation->axis(0), study.rotation->axis(1),
+        study.rotation->axis(2), study.axes == ModeAxes::turning ? "turns" : "rests");
+  else if (study.time)
+    text += fmt::format(" about the state of a run at {:.10g} s, as if it stayed as it is then",
+                        *study.time);
+  else
+    text += " about equilibrium";
+  constexpr double seen = 1e-12;
+  if (study.displacement > seen)
+    text += fmt::format("; displaced by up to {:.6g} m ({})", study.displacement, study.displaced);
+  text += "\n\n";
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> head{"", "Hz", "rad/s", "damping"};
+  if (study.rotation) head.push_back("inertial Hz");
+  head.push_back("what moves");
+  rows.push_back(head);
+  bool unstable = false;
+  for (std::size_t i = 0; i < study.modes.size(); ++i) {
+    const NamedMode& mode = study.modes[i];
+    std::vector<std::string> row{std::to_string(i + 1)};
+    if (mode.rigid) {
+      row.insert(row.end(), {"0", "0"});
+    } else if (mode.eigenvalue.imag() > 0.0) {
+      row.insert(row.end(),
+                 {hertz(mode.eigenvalue.imag()), fmt::format("{:.12g}", mode.eigenvalue.imag())});
+    } else {
+      row.insert(row.end(), {"0", "0"});
+    }
+    row.push_back(damping(mode));
+    if (study.rotation) row.push_back(whirl_words(study, mode));
+    row.push_back(mode.name);
+    rows.push_back(std::move(row));
+    unstable = unstable || mode.eigenvalue.real() > round_off * std::abs(mode.eigenvalue);
+  }
+  study::table(text, rows);
+  if (unstable) text += "\nnote: unstable: what grows leaves this state\n";
+  for (const std::string& note : study.notes) text += "\nnote: " + note + "\n";
+  return text;
+}
+
+std::string to_csv(const ModesStudy& study) {
+  std::string text =
+      "mode,re_eigenvalue,im_eigenvalue,frequency,damping_ratio,orbit,inertial_frequency,residual,"
+      "rigid,name\n"
+      "# -,1/s,1/s,Hz,-,-,Hz,-,-,-\n";
+  for (std::size_t i = 0; i < study.modes.size(); ++i) {
+    const NamedMode& mode = study.modes[i];
+    const std::optional<double> whirl = mode.whirl(rate_of(study), study.axes);
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3g},{},{}\n", i + 1,
+                        mode.eigenvalue.real(), mode.eigenvalue.imag(), mode.frequency(),
+                        mode.damping_ratio(), mode.orbit ? fmt::format("{:.6f}", *mode.orbit) : "",
+                        whirl ? fmt::format("{:.17g}", *whirl / (2.0 * std::numbers::pi)) : "",
+                        mode.residual, mode.rigid ? 1 : 0, study::csv_cell(mode.name));
+  }
+  return text;
+}
+
+std::string to_json(const ModesStudy& study) {
+  Json json;
+  json["model"] = study.model;
+  json["file"] = study.file;
+  if (study.rotation) {
+    const SteadyRotation& r = *study.rotation;
+    json["rotation"] = {{"rate", r.rate},
+                        {"axes", study.axes == ModeAxes::turning ? "turning" : "resting"},
+                        {"axis", {r.axis(0), r.axis(1), r.axis(2)}},
+                        {"through", {r.through(0), r.through(1), r.through(2)}}};
+  }
+  if (study.time) json["time"] = *study.time;
+  json["largest_displacement"] = {{"value", study.displacement}, {"node", study.displaced}};
+  json["notes"] = study.notes;
+  Json& nodes = json["nodes"] = Json::array();
+  for (std::size_t n = 0; n < study.nodes.size(); ++n) {
+    const Pose<double>& H = study.poses[n];
+    nodes.push_back({{"name", study.nodes[n]},
+                     {"position", {H.r(0), H.r(1), H.r(2)}},
+                     {"orientation", {H.p.w(), H.p.x(), H.p.y(), H.p.z()}}});
+  }
+  Json& modes = json["modes"] = Json::array();
+  for (const NamedMode& mode : study.modes) {
+    Json one;
+    one["name"] = mode.name;
+    one["eigenvalue"] = {mode.eigenvalue.real(), mode.eigenvalue.imag()};
+    one["frequency"] = mode.frequency();
+    one["damping_ratio"] = mode.damping_ratio();
+    one["residual"] = mode.residual;
+    one["rigid"] = mode.rigid;
+    if (mode.orbit) one["orbit"] = *mode.orbit;
+    if (const auto whirl = mode.whirl(rate_of(study), study.axes))
+      one["inertial_frequency"] = *whirl / (2.0 * std::numbers::pi);
+    Json& parts = one["parts"] = Json::array();
+    for (const auto& [part, share] : mode.parts)
+      parts.push_back({{"name", part}, {"share", share}});
+    Json& shape = one["shape"] = Json::array();
+    for (std::size_t n = 0; n < study.nodes.size(); ++n) {
+      const Eigen::Matrix3d R = study.poses[n].p.toRotationMatrix();
+      Json row = Json::array();
+      for (Index part = 0; part < 6; part += 3) {
+        const Eigen::Vector3cd x = R * mode.shape.segment<3>(static_cast<Index>(6 * n) + part);
+        for (Index k = 0; k < 3; ++k) row.push_back({x(k).real(), x(k).imag()});
+      }
+      shape.push_back(std::move(row));
+    }
+    modes.push_back(std::move(one));
+  }
+  return json.dump(1) + "\n";
+}
+
+}  // namespace mbd

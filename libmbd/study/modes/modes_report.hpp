@@ -1,0 +1,19 @@
+// Modes as a table for the terminal, as CSV and as JSON with the shapes.
+#pragma once
+
+#include <string>
+
+#include "libmbd/study/modes/modes.hpp"
+
+namespace mbd {
+
+std::string to_text(const ModesStudy& study);
+
+// One row a mode: eigenvalue [1/s], frequency [Hz], damping ratio, orbit, frequency in inertial axes [Hz], residual, name.
+std::string to_csv(const ModesStudy& study);
+
+// The same, and of each node its position [m] and orientation (quaternion w x y z) in equilibrium, and by mode its
+// displacement [m] and rotation [rad], inertial axes, real and imaginary parts.
+std::string to_json(const ModesStudy& study);
+
+}  // namespace mbd

@@ -1,0 +1,386 @@
+#include "libmbd/view/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "libmbd/core/error.hpp"
+#include "libmbd/results/report.hpp"
+#include "libmbd/text/text.hpp"
+
+namespace mbd {
+namespace {
+
+using PageJson = nlohmann::ordered_json;
+
+constexpr double history_share = 0.25;      // of the page, at most
+constexpr std::size_t few_frames = 50;      // rather without resultants than with fewer
+constexpr std::size_t longest_number = 26;  // of a key in JSON
+
+std::string base64(std::span<const float> numbers) {
+  constexpr std::string_view letters_of =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const auto* const bytes = reinterpret_cast<const unsigned char*>(numbers.data());
+  const std::size_t size = numbers.size() * sizeof(float);
+  std::string text;
+  text.reserve((size + 2) / 3 * 4);
+  for (std::size_t i = 0; i < size; i += 3) {
+    const unsigned a = bytes[i], b = i + 1 < size ? bytes[i + 1] : 0,
+                   c = i + 2 < size ? bytes[i + 2] : 0;
+    const unsigned all = a << 16 | b << 8 | c;
+    text += letters_of[all >> 18 & 63];
+    text += letters_of[all >> 12 & 63];
+    text += i + 1 < size ? letters_of[all >> 6 & 63] : '=';
+    text += i + 2 < size ? letters_of[all & 63] : '=';
+  }
+  return text;
+}
+
+// As JSON inside of <script>: nothing there ends it.
+std::string in_script(const PageJson& json) {
+  std::string text = json.dump(-1, ' ', false, PageJson::error_handler_t::replace), safe;
+  safe.reserve(text.size());
+  for (const char c : text)
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  return safe;
+}
+
+std::string filled(std::string_view html,
+                   std::span<const std::pair<std::string_view, std::string_view>> words) {
+  std::string page;
+  while (!html.empty()) {
+    const std::size_t at = html.find('@');
+    page += html.substr(0, at);
+    if (at == std::string_view::npos) break;
+    html.remove_prefix(at);
+    const auto word = std::find_if(words.begin(), words.end(), [&](const auto& entry) {
+      return html.starts_with(entry.first);
+    });
+    page += word == words.end() ? html.substr(0, 1) : word->second;
+    html.remove_prefix(word == words.end() ? 1 : word->first.size());
+  }
+  return page;
+}
+
+std::string made(const PageParts& parts, PageJson drawing, const PageJson& history,
+                 const std::string& frames) {
+  // Reference poses in single precision, from the centre: as the frames are.
+  std::vector<float> nodes;
+  for (const PageJson& node : drawing.at("nodes"))
+    for (std::size_t i = 0; i < 7; ++i)
+      nodes.push_back(static_cast<float>(node.at(i).get<double>() -
+                                         (i < 3 ? drawing.at("centre").at(i).get<double>() : 0.0)));
+  drawing["nodes"] = base64(nodes);
+  const std::string title = xml_escaped(drawing.at("name").get<std::string>()),
+                    licence = xml_escaped(parts.licence), data = in_script(drawing),
+                    rows = in_script(history);
+  const std::array<std::pair<std::string_view, std::string_view>, 9> words = {
+      {{"@TITLE@", title},
+       {"@STYLE@", parts.style},
+       {"@LICENCE@", licence},
+       {"@DRAWING@", data},
+       {"@HISTORY@", rows},
+       {"@FRAMES@", frames},
+       {"@THREE@", parts.three},
+       {"@CONTROLS@", parts.controls},
+       {"@SCRIPT@", parts.script}}};
+  return filled(parts.html, words);
+}
+
+std::string megabytes(std::size_t bytes) {
+  return fmt::format("{:.3g} MB", static_cast<double>(bytes) / 1e6);
+}
+
+void describe(PageJson& drawing, const std::string& subtitle, const std::string& about) {
+  std::string with;
+  for (const PageJson& parameter : drawing.at("parameters"))
+    with += fmt::format("{}{} = {:.6g}", with.empty() ? "" : ", ",
+                        parameter.at(0).get<std::string>(), parameter.at(1).get<double>());
+  drawing["subtitle"] = subtitle;
+  drawing["about"] =
+      fmt::format("{} of {}, made by mbd {}. {}{}", subtitle, drawing.at("file").get<std::string>(),
+                  version(), about, with.empty() ? "" : " Parameters: " + with + ".");
+}
+
+PageJson history_of(const History* history, std::size_t most_bytes,
+                    std::vector<std::size_t>& rows) {
+  if (history == nullptr) return PageJson();
+  const std::size_t per_row = history->columns.size() * sizeof(float) * 4 / 3 + 1;
+  rows = evenly_chosen(history->rows(), std::max<std::size_t>(2, most_bytes / per_row));
+  PageJson columns = PageJson::array();
+  std::vector<float> values;
+  for (std::size_t c = 0; c < history->columns.size(); ++c) {
+    columns.push_back({{"name", history->columns[c].name}, {"unit", history->columns[c].unit}});
+    for (const std::size_t row : rows)
+      values.push_back(static_cast<float>(history->values[c][row]));
+  }
+  return {{"columns", columns}, {"rows", rows.size()}, {"values", base64(values)}};
+}
+
+}  // namespace
+
+Page model_page(const PageParts& parts, std::string_view drawing, const PageOptions& options) {
+  PageJson all = PageJson::parse(drawing);
+  describe(all, "the model, before a run", "");
+  Page page{made(parts, std::move(all), PageJson(), ""), 1, 1, false};
+  if (page.html.size() > options.most_bytes)
+    throw Error(fmt::format("the page would have {}, more than {}; give a larger --size",
+                            megabytes(page.html.size()), megabytes(options.most_bytes)));
+  return page;
+}
+
+namespace {
+
+// What moves: rows as those of a motion (motion.hpp).
+struct Rows {
+  std::string name;  // for messages
+  MotionBlocks blocks;
+  std::size_t count = 0;
+  std::function<std::vector<double>(std::size_t)> at;
+};
+
+Page moving_page(const PageParts& parts, PageJson drawing, const Rows& motion,
+                 const History* history, const History* second, const PageOptions& options) {
+  std::vector<std::size_t> history_rows;
+  const auto room_for_history =
+      static_cast<std::size_t>(history_share * static_cast<double>(options.most_bytes));
+  PageJson table =
+      history_of(history, room_for_history / (second == nullptr ? 1 : 2), history_rows);
+  if (std::vector<std::size_t> unused; history != nullptr && second != nullptr)
+    table["second"] = history_of(second, room_for_history / 2, unused);
+
+  // What is there anyhow, and what a frame costs with less and less in it.
+  PageJson bare = drawing;
+  describe(bare, std::string(200, ' '), std::string(200, ' '));
+  const std::size_t fixed = made(parts, std::move(bare), table, "").size() + 1000;
+  const std::size_t room = options.most_bytes > fixed ? options.most_bytes - fixed : 0;
+  const auto per_frame = [](const MotionBlocks& blocks) {
+    // A key, the row of the history, and 4 bytes a number as 16/3 letters.
+    return longest_number + 10 + ((blocks.size() - 1) * 16 + 2) / 3;
+  };
+  const std::size_t wanted =
+      std::min(motion.count, options.frames ? static_cast<std::size_t>(std::max(*options.frames, 1))
+                                            : motion.count);
+  MotionBlocks shown = motion.blocks;
+  const auto fits = [&] { return std::min(wanted, room / per_frame(shown)); };
+  if (fits() < std::min(wanted, few_frames)) shown.resultant = shown.joint = 0;
+  if (fits() < std::min(wanted, few_frames)) shown.twist = 0;
+  const std::size_t count = fits();
+  if (count < std::min<std::size_t>(wanted, 2))
+    throw Error(fmt::format(
+        "{}: a page of {} has no room for two frames: one takes {} and all else {}; give a larger "
+        "--size",
+        motion.name, megabytes(options.most_bytes), megabytes(per_frame(shown)), megabytes(fixed)));
+
+  const std::vector<std::size_t> rows = evenly_chosen(motion.count, count);
+  const std::array<double, 3> centre = drawing.at("centre").get<std::array<double, 3>>();
+  std::vector<float> numbers;
+  numbers.reserve(rows.size() * (shown.size() - 1));
+  PageJson keys = PageJson::array(), of_rows = PageJson::array();
+  const bool row_for_row = history != nullptr && history->rows() == motion.count;
+  for (const std::size_t row : rows) {
+    const std::vector<double> frame = motion.at(row);
+    keys.push_back(frame[0]);
+    if (row_for_row) {
+      const auto at = std::lower_bound(history_rows.begin(), history_rows.end(), row);
+      of_rows.push_back(
+          std::min<std::ptrdiff_t>(at - history_rows.begin(), std::ssize(history_rows) - 1));
+    }
+    std::size_t at = motion.blocks.key;
+    const auto take = [&](std::size_t size, std::size_t kept, bool is_pose) {
+      for (std::size_t i = 0; i < kept; ++i)
+        numbers.push_back(
+            static_cast<float>(frame[at + i] - (is_pose && i % 7 < 3 ? centre[i % 7] : 0.0)));
+      at += size;
+    };
+    take(motion.blocks.pose, shown.pose, true);
+    take(motion.blocks.twist, shown.twist, false);
+    take(motion.blocks.resultant, shown.resultant, false);
+    take(motion.blocks.joint, shown.joint, false);
+  }
+  drawing["motion"] = {{"keys", keys},
+                       {"pose", shown.pose},
+                       {"twist", shown.twist},
+                       {"resultant", shown.resultant},
+                       {"joint", shown.joint}};
+  if (row_for_row) drawing["motion"]["history"] = of_rows;
+  const std::string of = rows.size() == motion.count
+                             ? fmt::format("{} frames", rows.size())
+                             : fmt::format("{} of {} frames", rows.size(), motion.count);
+  const bool less = shown.size() < motion.blocks.size();
+  std::string what = "the motion of a run, ";
+  if (drawing.contains("runs"))
+    what = fmt::format("{} and {} (translucent), ", drawing.at("runs").at(0).get<std::string>(),
+                       drawing.at("runs").at(1).get<std::string>());
+  describe(drawing, what + of,
+           less ? "Resultants and reactions are left out for want of room." : "");
+  return {made(parts, std::move(drawing), table, base64(numbers)), rows.size(), motion.count,
+          !less};
+}
+
+// Of a place of the second drawing in one that holds both.
+void shift(PageJson& place, int nodes) {
+  if (const int node = place.at(0).get<int>(); node != 0) place.at(0) = node + nodes;
+}
+
+// The parts of `second` in `first`, after its own.
+void merge(PageJson& first, const PageJson& second, const std::string& name, bool moves) {
+  const int before = static_cast<int>(first.at("nodes").size()) - 1;
+  const auto renamed = [&name](PageJson& word) { word = name + ": " + word.get<std::string>(); };
+  for (std::size_t n = 1; n < second.at("nodes").size(); ++n)
+    first["nodes"].push_back(second.at("nodes").at(n));
+  for (PageJson part : second.at("parts")) {
+    const std::string kind = part.at("kind").get<std::string>();
+    if (kind == "load" || kind == "gravity") continue;
+    part["run"] = 1;
+    renamed(part["name"]);
+    for (const char* place : {"at", "a", "b"})
+      if (part.contains(place)) shift(part[place], before);
+    if (part.contains("on")) renamed(part["on"]["beam"]);
+    if (part.contains("points"))
+      for (PageJson& place : part["points"]) shift(place, before);
+    if (!moves) part.erase("stations");
+    first["parts"].push_back(std::move(part));
+  }
+  if (moves)
+    for (PageJson joint : second.at("joints")) {
+      renamed(joint);
+      first["joints"].push_back(std::move(joint));
+    }
+}
+
+void clear_motion(PageJson& drawing) {
+  for (PageJson& part : drawing["parts"]) part.erase("stations");
+  drawing["joints"] = PageJson::array();
+}
+
+// A row of a model: nothing moves.
+std::vector<double> row_of(const PageJson& drawing, const MotionBlocks& blocks) {
+  std::vector<double> row{0.0};
+  for (std::size_t n = 1; n < drawing.at("nodes").size(); ++n)
+    for (const PageJson& number : drawing.at("nodes").at(n)) row.push_back(number.get<double>());
+  row.resize(blocks.size());
+  return row;
+}
+
+void check_order(const Shown& shown, const std::vector<double>& keys) {
+  if (!std::is_sorted(keys.begin(), keys.end()))
+    throw Error(
+        shown.motion->file.string() +
+        ": the load factor of this path comes back, so that it says no instant; view it alone");
+}
+
+}  // namespace
+
+Page motion_page(const PageParts& parts, const Motion& motion, const History* history,
+                 const PageOptions& options) {
+  return moving_page(
+      parts, PageJson::parse(motion.head).at("drawing"),
+      {motion.file.string(), motion.blocks, motion.rows,
+       [&motion](std::size_t row) { return read_motion_rows(motion, std::span(&row, 1)); }},
+      history, nullptr, options);
+}
+
+Page overlaid_page(const PageParts& parts, const Shown& first, const Shown& second,
+                   const PageOptions& options) {
+  const auto drawing_of = [](const Shown& shown) {
+    return shown.motion != nullptr ? PageJson::parse(shown.motion->head).at("drawing")
+                                   : PageJson::parse(shown.drawing);
+  };
+  PageJson drawing = drawing_of(first);
+  const PageJson other = drawing_of(second);
+  const std::array<PageJson, 2> alone{drawing, other};
+  if (first.motion != nullptr && second.motion != nullptr && drawing.at("key") != other.at("key"))
+    throw Error(
+        fmt::format("{} goes in {}, {} in {}: they have no instants in common; view them apart",
+                    first.name, drawing.at("key") == "time" ? "time" : "load steps", second.name,
+                    other.at("key") == "time" ? "time" : "load steps"));
+  if (first.motion == nullptr && second.motion != nullptr) {
+    clear_motion(drawing);
+    drawing["key"] = other.at("key");
+    drawing["unit"] = other.at("unit");
+  }
+  merge(drawing, other, second.name, second.motion != nullptr);
+  drawing["runs"] = {first.name, second.name};
+
+  const Shown& leader = first.motion != nullptr ? first : second;
+  if (leader.motion == nullptr) {
+    describe(drawing, "two models: " + first.name + " and " + second.name, "");
+    Page page{made(parts, std::move(drawing), PageJson(), ""), 1, 1, false};
+    if (page.html.size() > options.most_bytes)
+      throw Error(fmt::format("the page would have {}, more than {}; give a larger --size",
+                              megabytes(page.html.size()), megabytes(options.most_bytes)));
+    return page;
+  }
+
+  // Blocks of both, those of a model without resultants and joints.
+  std::array<MotionBlocks, 2> blocks;
+  std::array<std::vector<double>, 2> keys, still;
+  for (const std::size_t i : {0U, 1U}) {
+    const Shown& shown = i == 0 ? first : second;
+    if (shown.motion != nullptr) {
+      blocks[i] = shown.motion->blocks;
+      keys[i] = read_motion_keys(*shown.motion);
+      if (first.motion != nullptr && second.motion != nullptr) check_order(shown, keys[i]);
+    } else {
+      blocks[i].pose = 7 * (alone[i].at("nodes").size() - 1);
+      blocks[i].twist = leader.motion->blocks.twist == 0 ? 0 : blocks[i].pose / 7 * 6;
+      still[i] = row_of(alone[i], blocks[i]);
+    }
+  }
+  Rows rows{leader.motion->file.string(), {}, leader.motion->rows, {}};
+  rows.blocks.pose = blocks[0].pose + blocks[1].pose;
+  rows.blocks.twist = blocks[0].twist + blocks[1].twist;
+  rows.blocks.resultant = blocks[0].resultant + blocks[1].resultant;
+  rows.blocks.joint = blocks[0].joint + blocks[1].joint;
+  const std::size_t lead = first.motion != nullptr ? 0 : 1;
+  rows.at = [&, lead](std::size_t row) {
+    const double key = keys[lead][row];
+    std::array<std::vector<double>, 2> of;
+    for (const std::size_t i : {0U, 1U}) {
+      const Motion* const motion = (i == 0 ? first : second).motion;
+      if (motion == nullptr) {
+        of[i] = still[i];
+        continue;
+      }
+      std::size_t k = row;
+      double u = 0.0;
+      if (i != lead) {
+        const auto next = std::upper_bound(keys[i].begin(), keys[i].end(), key);
+        k = next == keys[i].begin() ? 0 : static_cast<std::size_t>(next - keys[i].begin()) - 1;
+        if (next != keys[i].begin() && next != keys[i].end())
+          u = (key - keys[i][k]) / (keys[i][k + 1] - keys[i][k]);
+      }
+      of[i] = read_motion_rows(*motion, std::span(&k, 1));
+      if (u > 0.0) {
+        const std::size_t after = k + 1;
+        blend_rows(of[i], read_motion_rows(*motion, std::span(&after, 1)), u, motion->blocks);
+      }
+    }
+    std::vector<double> all{key};
+    std::array<std::size_t, 2> at{1, 1};
+    for (const auto block : {&MotionBlocks::pose, &MotionBlocks::twist, &MotionBlocks::resultant,
+                             &MotionBlocks::joint})
+      for (const std::size_t i : {0U, 1U}) {
+        const auto begin = of[i].begin() + static_cast<std::ptrdiff_t>(at[i]);
+        const std::size_t size = blocks[i].*block;
+        all.insert(all.end(), begin, begin + static_cast<std::ptrdiff_t>(size));
+        at[i] += size;
+      }
+    return all;
+  };
+  return moving_page(parts, std::move(drawing), rows, leader.history,
+                     first.motion != nullptr ? second.history : nullptr, options);
+}
+
+}  // namespace mbd

@@ -1,0 +1,469 @@
+#include "solvers/linear/block_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "solvers/linear/judged_lu.hpp"
+#include "solvers/linear/klu_solver.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr long first_rest = 8, longest_rest = 4096;  // factorisations left to KLU after a failure
+
+std::string_view name_of(PivotOrder order) {
+  return order == PivotOrder::nodes_first ? "nodes first" : "multipliers merged";
+}
+
+template <class T>
+void make_nan(std::span<T> x) {
+  std::fill(x.begin(), x.end(), T(std::numeric_limits<double>::quiet_NaN()));
+}
+
+// Which order of pivots is used, when KLU stands in for it, and what is said of it.
+class Choice {
+ public:
+  explicit Choice(PivotOrder wanted) : order(wanted), wanted_(wanted) {}
+
+  void begin() {
+    const PivotOrder wanted = wanted_;
+    *this = Choice(wanted);
+  }
+  bool rests() { return rest_ > 0 && rest_-- > 0; }
+  // Of the last factorisation. Solutions that are refined cost twice: where most are, the other order may do better.
+  void refined(bool was) {
+    refined_ = std::max(refined_ + (was ? 1 : -1), 0);
+    if (refined_ < most_refined) return;
+    refined_ = 0;
+    order = PivotOrder::merged;
+  }
+  // It is of no use: the other order is tried next, or KLU does the next ones.
+  void failed(std::string reason) {
+    facts.reason = std::move(reason);
+    if (order == PivotOrder::nodes_first && !both_failed_) {
+      order = PivotOrder::merged;
+      return;
+    }
+    both_failed_ = true;
+    order = wanted_;
+    rest_ = next_rest_;
+    next_rest_ = std::min(2 * next_rest_, longest_rest);
+  }
+
+  PivotOrder order;
+  LinearFacts facts;
+
+ private:
+  static constexpr int most_refined = 8;
+  PivotOrder wanted_;
+  long rest_ = 0, next_rest_ = first_rest;
+  int refined_ = 0;
+  bool both_failed_ = false;
+};
+
+constexpr const char* zero_pivot = "a block has no pivot";
+constexpr const char* inaccurate = "solutions do not satisfy their equations";
+constexpr const char* tolerant_diagonal = "a rank-tolerant step";
+
+// 1 / (|R A| |A^-1 R^-1|) in the 1-norm, with rows R A of largest entry 1: Hager's estimate of the inverse (Higham 1988). (KLU
+// takes the inverse of A itself, so that its estimate goes with the units.)
+double reciprocal_condition(const BlockColumns& columns, const double* A,
+                            const BlockLu<double>& lu) {
+  const auto n = static_cast<std::size_t>(columns.n);
+  std::vector<double> row(n, 0.0), column(n, 0.0);
+  const auto visit = [&](const auto& use) {
+    for (int c = 0; c < columns.blocks(); ++c) {
+      const auto C = static_cast<std::size_t>(c);
+      for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e)
+        for (int j = 0; j < columns.size(c); ++j)
+          for (int i = 0; i < columns.size(columns.entries[e].row); ++i)
+            use(static_cast<std::size_t>(
+                    columns.first[static_cast<std::size_t>(columns.entries[e].row)] + i),
+                static_cast<std::size_t>(columns.first[C] + j),
+                std::abs(A[columns.entries[e].offset + j * columns.height[C] + i]));
+    }
+  };
+  visit([&](std::size_t i, std::size_t, double a) { row[i] = std::max(row[i], a); });
+  for (const double r : row)
+    if (!(r > 0.0)) return 0.0;
+  visit([&](std::size_t i, std::size_t j, double a) { column[j] += a / row[i]; });
+  const double norm = *std::max_element(column.begin(), column.end());
+
+  const auto sum = [](const std::vector<double>& x) {
+    double s = 0.0;
+    for (const double v : x) s += std::abs(v);
+    return s;
+  };
+  std::vector<double> x(n, 1.0 / static_cast<double>(n)), z(n);
+  const auto apply = [&](std::vector<double>& v) {  // v := A^-1 R^-1 v, rows of R A unit
+    for (std::size_t i = 0; i < n; ++i) v[i] *= row[i];
+    lu.solve(v.data());
+  };
+  double estimate = 0.0;
+  std::size_t last = n;
+  for (int k = 0; k < 5; ++k) {
+    apply(x);
+    const double now = sum(x);
+    if (!std::isfinite(now)) return 0.0;
+    if (k > 0 && now <= estimate) break;
+    estimate = now;
+    for (std::size_t i = 0; i < n; ++i) z[i] = x[i] >= 0.0 ? 1.0 : -1.0;
+    lu.solve_transposed(z.data());
+    std::size_t largest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      z[i] *= row[i];
+      if (std::abs(z[i]) > std::abs(z[largest])) largest = i;
+    }
+    if (largest == last) break;
+    last = largest;
+    std::fill(x.begin(), x.end(), 0.0);
+    x[largest] = 1.0;
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    x[i] = (i % 2 == 0 ? 1.0 : -1.0) *
+           (1.0 + static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(n - 1, 1)));
+  apply(x);
+  estimate = std::max(estimate, 2.0 * sum(x) / (3.0 * static_cast<double>(n)));
+  return estimate > 0.0 && std::isfinite(estimate) ? 1.0 / (norm * estimate) : 0.0;
+}
+
+// What has been added to `from` is written to `to`.
+void copy_blocks(const BlockGraph& graph, std::span<const Slot> from, std::span<const Slot> to) {
+  for (std::size_t k = 0; k < graph.contributions.size(); ++k) {
+    const auto [row, column] = graph.contributions[k];
+    if (row < 0 || column < 0) continue;
+    for (int j = 0; j < graph.blocks[static_cast<std::size_t>(column)].size; ++j)
+      for (int i = 0; i < graph.blocks[static_cast<std::size_t>(row)].size; ++i)
+        to[k].data[i + j * to[k].ld] = from[k].data[i + j * from[k].ld];
+  }
+}
+
+// What both solvers do alike: attempts in either order of pivots, KLU behind them, and what is said of it.
+template <class Interface>
+class BlockBacked : public Interface {
+ public:
+  Index singular_row() const override {
+    return state_ == State::none && klu_ ? klu_->singular_row() : -1;
+  }
+
+  LinearFacts facts() const override {
+    LinearFacts facts = choice_.facts;
+    facts.method = fmt::format("block LU, {}", name_of(prepared_order_));
+    if (facts.fallbacks == 0) facts.reason.clear();  // the other order did it
+    return facts;
+  }
+
+ protected:
+  enum class State { none, blocks, klu };
+
+  explicit BlockBacked(PivotOrder order) : choice_(order) {}
+
+  void begin(const BlockGraph& graph) {
+    graph_ = graph;
+    choice_.begin();
+    klu_.reset();
+    state_ = State::none;
+  }
+
+  // What the order of pivots decides, for choice_.order.
+  virtual void prepare() = 0;
+  // Of all that has been prepared; false without a pivot.
+  virtual bool factor_prepared() = 0;
+  // Whether solutions by the last factors were refined.
+  virtual bool was_refined() const = 0;
+  virtual std::unique_ptr<Interface> make_klu() const = 0;
+  // What is to be factored, given to KLU, which is empty.
+  virtual FactorStatus factor_same(Interface& klu) const = 0;
+
+  FactorStatus factor_by_blocks() {
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      if (state_ == State::blocks) choice_.refined(was_refined());
+      if (choice_.order != prepared_order_) prepare();
+      state_ = State::none;
+      if (factor_prepared()) {
+        state_ = State::blocks;
+        return FactorStatus::ok;
+      }
+      const PivotOrder before = choice_.order;
+      choice_.failed(zero_pivot);
+      if (choice_.order == before) break;
+    }
+    return factor_by_klu();
+  }
+
+  FactorStatus factor_by_klu() const {
+    ++choice_.facts.fallbacks;
+    if (!klu_) {
+      klu_ = make_klu();
+      klu_->analyze(graph_);
+    }
+    klu_->set_zero();
+    const FactorStatus status = factor_same(*klu_);
+    state_ = status == FactorStatus::ok ? State::klu : State::none;
+    return status;
+  }
+
+  // A: what `judged` has factored; a nullptr: it is no longer there.
+  template <class T>
+  void solve_with(std::span<T> b, Judged<T>* judged, const T* A) const {
+    if (state_ == State::klu) return klu_->solve(b);
+    if (state_ == State::none) return make_nan(b);
+    if (b.empty() || judged->solve(b, A, choice_.facts.refinements)) return;
+    choice_.failed(inaccurate);
+    factor_by_klu();
+    if (state_ == State::klu)
+      klu_->solve(b);
+    else
+      make_nan(b);
+  }
+
+  BlockGraph graph_;
+  PivotOrder prepared_order_ = PivotOrder::nodes_first;
+  std::unique_ptr<Prepared> prepared_;
+  // A solution that is no good makes KLU factorise.
+  mutable std::unique_ptr<Interface> klu_;
+  mutable Choice choice_;
+  mutable State state_ = State::none;
+};
+
+class BlockSolver final : public BlockBacked<LinearSolver> {
+ public:
+  explicit BlockSolver(PivotOrder order) : BlockBacked(order) {}
+
+  void analyze(const BlockGraph& graph) override {
+    begin(graph);
+    columns_.analyze(graph);
+    columns_.allocate(values_, trash_, slots_);
+    prepare();
+  }
+
+  std::span<const Slot> slots() const override { return slots_; }
+  void set_zero() override {
+    std::fill(values_.begin(), values_.end(), 0.0);
+    unchanged_ = false;
+  }
+
+  FactorStatus factor() override {
+    ++choice_.facts.factorizations;
+    unchanged_ = true;
+    return choice_.rests() ? factor_by_klu() : factor_by_blocks();
+  }
+
+  void solve(std::span<double> x) const override {
+    solve_with(x, judged_.get(), unchanged_ ? values_.data() : nullptr);
+  }
+
+  double reciprocal_condition() const override {
+    judge();
+    if (state_ == State::klu) return klu_->reciprocal_condition();
+    if (state_ == State::none) return 0.0;
+    return columns_.n == 0 ? 1.0 : mbd::reciprocal_condition(columns_, values_.data(), judged_->lu);
+  }
+
+  int determinant_sign() const override {
+    judge();
+    if (state_ == State::klu) return klu_->determinant_sign();
+    return state_ == State::none ? 0 : judged_->lu.determinant_sign();
+  }
+
+  Index nonzeros() const override { return columns_.nonzeros; }
+  std::unique_ptr<LinearSolver> another() const override { return make_klu_solver(); }
+
+ private:
+  void prepare() override {
+    prepared_order_ = choice_.order;
+    judged_.reset();
+    prepared_ = std::make_unique<Prepared>(graph_, columns_, prepared_order_);
+    judged_ = std::make_unique<Judged<double>>(prepared_->plan, columns_);
+  }
+  bool factor_prepared() override {
+    if (!prepared_->factor(judged_->lu, values_.data())) return false;
+    judged_->begin();
+    return true;
+  }
+  bool was_refined() const override { return judged_->was_refined(); }
+  std::unique_ptr<LinearSolver> make_klu() const override { return make_klu_solver(); }
+  FactorStatus factor_same(LinearSolver& klu) const override {
+    copy_blocks(graph_, slots_, klu.slots());
+    return klu.factor();
+  }
+
+  // What is said of factors is said of good ones: by a solution of any right-hand side, if none has been asked for.
+  void judge() const {
+    if (state_ != State::blocks || columns_.n == 0 || !unchanged_ || judged_->is_judged()) return;
+    probe_.resize(static_cast<std::size_t>(columns_.n));
+    for (std::size_t i = 0; i < probe_.size(); ++i)
+      probe_[i] = std::sin(1.0 + 2.7 * static_cast<double>(i % 1009));
+    solve(probe_);
+  }
+
+  BlockColumns columns_;
+  std::vector<double> values_, trash_;
+  std::vector<Slot> slots_;
+  bool unchanged_ = false;  // the values, since they were factored
+  std::unique_ptr<Judged<double>> judged_;
+  mutable std::vector<double> probe_;
+};
+
+class BlockPencilSolver final : public BlockBacked<PencilSolver> {
+ public:
+  explicit BlockPencilSolver(PivotOrder order) : BlockBacked(order) {}
+
+  void analyze(const BlockGraph& graph) override {
+    begin(graph);
+    blocks_.analyze(graph);
+    real_.assign(blocks_.P[0].size(), 0.0);
+    complex_.assign(blocks_.P[0].size(), 0.0);
+    own_.clear();
+    const BlockColumns& columns = blocks_.columns;
+    for (int c = 0; c < columns.blocks(); ++c) {
+      const auto C = static_cast<std::size_t>(c);
+      if (columns.kinds[C] != 0) continue;
+      for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e)
+        if (columns.entries[e].row == c)
+          for (int i = 0; i < columns.size(c); ++i)
+            own_.push_back(columns.entries[e].offset + i * (columns.height[C] + 1));
+    }
+    prepare();
+  }
+
+  std::span<const Slot> slots(int power) const override { return blocks_.slots(power); }
+  void set_zero() override { blocks_.set_zero(); }
+  void multiply(int power, std::span<const double> x, std::span<double> y) const override {
+    blocks_.multiply(power, x, y);
+  }
+
+  FactorStatus factor(double s, double x, std::complex<double> z) override {
+    ++choice_.facts.factorizations;
+    s_ = s;
+    x_ = x;
+    z_ = z;
+    if (is_tolerant()) {
+      choice_.facts.reason = tolerant_diagonal;
+      return factor_by_klu();
+    }
+    if (choice_.rests()) return factor_by_klu();
+    combine();
+    return factor_by_blocks();
+  }
+
+  void solve(std::span<double> b) const override { solve_with(b, of_real_.get(), real_.data()); }
+  void solve(std::span<std::complex<double>> b) const override {
+    solve_with(b, of_complex_.get(), complex_.data());
+  }
+
+  double reciprocal_condition() const override {
+    if (state_ == State::klu) return klu_->reciprocal_condition();
+    if (state_ == State::none) return 0.0;
+    const BlockColumns& columns = blocks_.columns;
+    return columns.n == 0 ? 1.0 : mbd::reciprocal_condition(columns, real_.data(), of_real_->lu);
+  }
+
+ private:
+  void prepare() override {
+    prepared_order_ = choice_.order;
+    of_real_.reset();
+    of_complex_.reset();
+    prepared_ = std::make_unique<Prepared>(graph_, blocks_.columns, prepared_order_);
+    of_real_ = std::make_unique<Judged<double>>(prepared_->plan, blocks_.columns);
+    of_complex_ = std::make_unique<Judged<std::complex<double>>>(prepared_->plan, blocks_.columns);
+  }
+  bool factor_prepared() override {
+    if (!prepared_->factor(of_real_->lu, real_.data())) return false;
+    of_real_->begin();
+    if (!prepared_->factor(of_complex_->lu, complex_.data())) return false;
+    of_complex_->begin();
+    return true;
+  }
+  bool was_refined() const override {
+    return of_real_->was_refined() || of_complex_->was_refined();
+  }
+  std::unique_ptr<PencilSolver> make_klu() const override { return make_klu_pencil_solver(); }
+  FactorStatus factor_same(PencilSolver& klu) const override {
+    for (int power = 0; power < 3; ++power)
+      copy_blocks(graph_, blocks_.slots(power), klu.slots(power));
+    return klu.factor(s_, x_, z_);
+  }
+
+  // A diagonal that is neither empty nor that of an idle row.
+  bool is_tolerant() const {
+    for (const Index i : own_) {
+      const double x = blocks_.P[0][static_cast<std::size_t>(i)];
+      if (x != 0.0 && x != -1.0) return true;
+    }
+    return false;
+  }
+
+  void combine() {
+    const BlockColumns& columns = blocks_.columns;
+    const auto& P = blocks_.P;
+    const std::complex<double> z1 = s_ * z_, z2 = s_ * z_ * z_;
+    const double x1 = s_ * x_, x2 = s_ * x_ * x_;
+    for (int c = 0; c < columns.blocks(); ++c) {
+      const auto C = static_cast<std::size_t>(c);
+      for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e) {
+        const auto R = static_cast<std::size_t>(columns.entries[e].row);
+        const bool nodes = columns.kinds[C] != 0 && columns.kinds[R] != 0;
+        const int rows = columns.size(columns.entries[e].row);
+        for (int j = 0; j < columns.size(c); ++j) {
+          const auto start =
+              static_cast<std::size_t>(columns.entries[e].offset + j * columns.height[C]);
+          for (std::size_t i = start; i < start + static_cast<std::size_t>(rows); ++i) {
+            const double p0 = P[0][i];
+            if (nodes) {
+              const double p1 = P[1][i], p2 = P[2][i];
+              real_[i] = s_ * p0 + x1 * p1 + x2 * p2;
+              complex_[i] = {s_ * p0 + z1.real() * p1 + z2.real() * p2,
+                             z1.imag() * p1 + z2.imag() * p2};
+            } else {
+              real_[i] = p0;
+              complex_[i] = p0;
+            }
+          }
+        }
+      }
+    }
+  }
+
+  PencilBlocks blocks_;
+  std::vector<double> real_;
+  std::vector<std::complex<double>> complex_;
+  std::vector<Index> own_;  // places of the diagonals of multipliers
+  double s_ = 0.0, x_ = 0.0;
+  std::complex<double> z_ = 0.0;
+  std::unique_ptr<Judged<double>> of_real_;
+  std::unique_ptr<Judged<std::complex<double>>> of_complex_;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_block_solver(PivotOrder order) {
+  return std::make_unique<BlockSolver>(order);
+}
+
+std::unique_ptr<PencilSolver> make_block_pencil_solver(PivotOrder order) {
+  return std::make_unique<BlockPencilSolver>(order);
+}
+
+std::unique_ptr<LinearSolver> make_linear_solver(LinearMethod method, PivotOrder order) {
+  return method == LinearMethod::klu ? make_klu_solver() : make_block_solver(order);
+}
+
+std::unique_ptr<PencilSolver> make_pencil_solver(LinearMethod method) {
+  return method == LinearMethod::klu ? make_klu_pencil_solver() : make_block_pencil_solver();
+}
+
+std::string describe_linear_solver(LinearMethod method, PivotOrder order, const BlockGraph& graph) {
+  if (method == LinearMethod::klu) return "KLU";
+  const Elimination elimination = eliminate(graph, order);
+  int most = 0;
+  for (const auto& pivot : elimination.pivots) most = std::max(most, pivot.size);
+  return fmt::format("block LU, {}: {} pivots of at most {} unknowns, {:.2g} flops a factorisation",
+                     name_of(order), elimination.pivots.size(), most, elimination.flops);
+}
+
+}  // namespace mbd

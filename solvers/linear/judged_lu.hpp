@@ -1,0 +1,145 @@
+// Block LU with what goes with it: its plan, units of multipliers, and a judgement of its solutions (block_solver.hpp).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "solvers/linear/backward_error.hpp"
+#include "solvers/linear/block_lu.hpp"
+
+namespace mbd {
+
+// Multipliers in units in which their columns are as large as the diagonals of their nodes, so that pivots that they share
+// are compared in one unit. Powers of two: nothing is rounded.
+class MultiplierScales {
+ public:
+  explicit MultiplierScales(const BlockColumns& columns)
+      : scales_(static_cast<std::size_t>(columns.n), 1.0) {
+    for (int c = 0; c < columns.blocks(); ++c) {
+      const auto C = static_cast<std::size_t>(c);
+      if (columns.kinds[C] == 0) continue;
+      Index diagonal = -1;
+      for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e)
+        if (columns.entries[e].row == c) diagonal = columns.entries[e].offset;
+      for (std::size_t e = columns.begin[C]; diagonal >= 0 && e < columns.begin[C + 1]; ++e) {
+        const int row = columns.entries[e].row;
+        if (columns.kinds[static_cast<std::size_t>(row)] == 0)
+          gradients_.push_back({columns.first[static_cast<std::size_t>(row)], columns.size(row),
+                                columns.size(c), columns.entries[e].offset, diagonal,
+                                columns.height[C]});
+      }
+    }
+    most_.resize(scales_.size());
+    weighted_.resize(scales_.size());
+  }
+
+  template <class T>
+  const double* of(const T* A) {
+    for (const Gradient& g : gradients_)
+      for (int i = 0; i < g.rows; ++i) {
+        const auto row = static_cast<std::size_t>(g.first_row + i);
+        most_[row] = weighted_[row] = 0.0;
+      }
+    for (const Gradient& g : gradients_)
+      for (int j = 0; j < g.columns; ++j) {
+        const double K = std::abs(A[g.diagonal + j * (g.height + 1)]);
+        for (int i = 0; i < g.rows; ++i) {
+          const auto row = static_cast<std::size_t>(g.first_row + i);
+          const double B = std::abs(A[g.offset + j * g.height + i]);
+          most_[row] = std::max(most_[row], B);
+          weighted_[row] = std::max(weighted_[row], B * K);
+        }
+      }
+    for (const Gradient& g : gradients_)
+      for (int i = 0; i < g.rows; ++i) {
+        const auto row = static_cast<std::size_t>(g.first_row + i);
+        const double scale = weighted_[row] / (most_[row] * most_[row]);
+        scales_[row] =
+            scale > 1e-200 && scale < 1e200 ? std::exp2(std::round(std::log2(scale))) : 1.0;
+      }
+    return scales_.data();
+  }
+
+ private:
+  struct Gradient {
+    int first_row, rows, columns;
+    Index offset, diagonal, height;
+  };
+  std::vector<Gradient> gradients_;
+  std::vector<double> scales_, most_, weighted_;
+};
+
+// A plan with what it needs to be carried out.
+struct Prepared {
+  Prepared(const BlockGraph& graph, const BlockColumns& columns, PivotOrder order)
+      : plan(columns, eliminate(graph, order)) {
+    if (order == PivotOrder::merged) scales.emplace(columns);
+  }
+  template <class T>
+  bool factor(BlockLu<T>& lu, const T* A, PivotInertia* inertia = nullptr) {
+    return lu.factor(A, scales ? scales->of(A) : nullptr, inertia);
+  }
+  BlockLuPlan plan;
+  std::optional<MultiplierScales> scales;
+};
+
+// Solutions by one factorisation: the first is judged, and how often it was refined, others are too.
+template <class T>
+class Judged {
+ public:
+  Judged(const BlockLuPlan& plan, const BlockColumns& columns) : lu(plan), columns_(columns) {}
+
+  void begin() {
+    judged_ = false;
+    refinements_ = 0;
+  }
+
+  // False: x is left as it was, it cannot be found. A nullptr: nothing to judge by.
+  bool solve(std::span<T> x, const T* A, long& refined) {
+    if (A == nullptr || (judged_ && refinements_ == 0)) {
+      lu.solve(x.data());
+      return true;
+    }
+    b_.assign(x.begin(), x.end());
+    lu.solve(x.data());
+    for (int k = 0;; ++k) {
+      const double error = error_(columns_, A, b_.data(), x.data(), r_);
+      if (error <= accurate) {
+        // A solution of nothing says nothing.
+        judged_ = judged_ || error > 0.0;
+        refinements_ = std::max(refinements_, k);
+        return true;
+      }
+      if (k == most_refinements || !(error < refinable)) break;
+      ++refined;
+      lu.solve(r_.data());
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] += r_[i];
+    }
+    std::copy(b_.begin(), b_.end(), x.begin());
+    return false;
+  }
+
+  // By the last factorisation.
+  bool is_judged() const { return judged_; }
+  bool was_refined() const { return refinements_ > 0; }
+
+  BlockLu<T> lu;
+
+ private:
+  static constexpr double accurate = 1e-10;  // backward error
+  // What is further off, or stays so, is near a singular matrix, and KLU is asked: with all errors refined, windows went
+  // through its change points unnoticed, at twice the error; with none, four_bar pays both solvers.
+  static constexpr double refinable = 1e-9;
+  static constexpr int most_refinements = 1;
+
+  const BlockColumns& columns_;
+  BackwardError<T> error_;
+  std::vector<T> b_, r_;
+  bool judged_ = false;
+  int refinements_ = 0;
+};
+
+}  // namespace mbd

@@ -1,0 +1,443 @@
+#include "solvers/modes/eigenmodes.hpp"
+
+#include <Spectra/GenEigsSolver.h>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "solvers/statics/stability.hpp"
+
+namespace mbd {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr Index few = 120;           // unknowns of T: all its eigenvalues are found
+constexpr double infinite = 1e-13;   // theta of an infinite eigenvalue, of the largest
+constexpr double converged = 1e-12;  // of Arnoldi's method: residual, relative
+constexpr double tiny = 1e-4;        // |l| that is not well seen, of the shift
+constexpr double aside = 1e-3;       // shift, of a frequency that is expected
+constexpr double unseen = 1e-14;     // share of what cancels in K that is round-off
+constexpr int most_starts = 40;
+
+// T of (2) or (3). Motions are measured in lengths of the scene and radians, w in those times `omega`.
+class ShiftInvert {
+ public:
+  ShiftInvert(const MotionPencil& motions, Complex shift, double omega)
+      : motions_(motions),
+        shift_(shift),
+        omega_(omega),
+        first_order_(motions.is_damped_or_turns()) {
+    const Index n = motions.motions();
+    scale_.setOnes(n);
+    for (Index i = 0; i < n; i += 6) scale_.segment<3>(i).setConstant(motions.length_scale());
+  }
+
+  bool first_order() const { return first_order_; }
+  // Complex arithmetic is needed, and done in real vectors [Re; Im]: T has each eigenvalue and its conjugate then.
+  bool is_doubled() const { return first_order_ && shift_.imag() != 0.0; }
+  Index size() const {
+    return (first_order_ ? 2 : 1) * (is_doubled() ? 2 : 1) * motions_.motions();
+  }
+
+  VecX operator()(const VecX& x) const {
+    if (is_doubled()) {
+      const Index half = x.size() / 2;
+      VecXc z(half);
+      z.real() = x.head(half);
+      z.imag() = x.tail(half);
+      z = first(z);
+      VecX y(x.size());
+      y << z.real(), z.imag();
+      return y;
+    }
+    if (first_order_) return first(x);
+    const VecX scaled = scale_.cwiseProduct(x);
+    VecX b = motions_.mass_times(scaled);
+    if (shift_.imag() == 0.0) {
+      motions_.solve(b);
+    } else {
+      VecXc c = b;  // Q(s) = K - |s|^2 M is real
+      motions_.solve(c);
+      b = c.real();
+    }
+    return b.cwiseQuotient(scale_);
+  }
+
+  // Eigenvalues of (1) that belong to one of T.
+  std::vector<Complex> eigenvalues(Complex theta) const {
+    if (first_order_) return {shift_ + 1.0 / theta};
+    const Complex root = std::sqrt(shift_ * shift_ - 1.0 / theta);
+    return {root, -root};
+  }
+  // x of an eigenvector of T.
+  VecXc shape(const VecXc& v) const {
+    const Index n = motions_.motions();
+    VecXc x(n);
+    if (is_doubled())
+      x = v.head(n) + Complex(0.0, 1.0) * v.segment(2 * n, n);
+    else
+      x = v.head(n);
+    return x.cwiseProduct(scale_.cast<Complex>());
+  }
+
+ private:
+  // (3); Scalar is double or Complex.
+  template <class V>
+  V first(const V& z) const {
+    using Scalar = typename V::Scalar;
+    const Index n = motions_.motions();
+    const Scalar s = scalar<Scalar>();
+    const V x = z.head(n).cwiseProduct(scale_), w = omega_ * z.tail(n).cwiseProduct(scale_);
+    V b = motions_.mass_times(V(w + s * x));
+    b += motions_.rate_times(x);
+    b = -b;
+    motions_.solve(b);
+    V result(2 * n);
+    result.head(n) = b.cwiseQuotient(scale_);
+    result.tail(n) = (x + s * b).cwiseQuotient(scale_) / omega_;
+    return result;
+  }
+  template <class Scalar>
+  Scalar scalar() const {
+    if constexpr (std::is_same_v<Scalar, double>)
+      return shift_.real();
+    else
+      return shift_;
+  }
+  const MotionPencil& motions_;
+  Complex shift_;
+  double omega_;
+  bool first_order_;
+  VecX scale_;
+};
+
+// T between the orthogonal complements of a subspace.
+class Deflated {
+ public:
+  using Scalar = double;
+  Deflated(const ShiftInvert& T, const Eigen::MatrixXd& Q) : T_(T), Q_(Q) {}
+  Index rows() const { return T_.size(); }
+  Index cols() const { return T_.size(); }
+  void perform_op(const double* x_in, double* y_out) const {
+    VecX x = Eigen::Map<const VecX>(x_in, rows());
+    project(x);
+    VecX y = T_(x);
+    project(y);
+    Eigen::Map<VecX>(y_out, rows()) = y;
+  }
+  void project(VecX& x) const {
+    if (Q_.cols() > 0) x -= Q_ * (Q_.transpose() * x);
+  }
+
+ private:
+  const ShiftInvert& T_;
+  const Eigen::MatrixXd& Q_;
+};
+
+struct Pairs {
+  VecXc values;  // the largest first
+  Eigen::MatrixXcd vectors;
+  std::vector<double> residuals;
+  bool all = false;  // there are no others
+  std::string failure;
+};
+
+// By size, the largest first.
+std::vector<Index> order_of(const VecXc& values) {
+  std::vector<Index> order(static_cast<std::size_t>(values.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return std::abs(values(a)) > std::abs(values(b)); });
+  return order;
+}
+
+// Eigenpairs of T in the span of orthonormal columns that it maps into itself.
+Pairs within(const ShiftInvert& T, const Eigen::MatrixXd& Q) {
+  Pairs pairs;
+  Eigen::MatrixXd TQ(Q.rows(), Q.cols());
+  for (Index i = 0; i < Q.cols(); ++i) TQ.col(i) = T(Q.col(i));
+  const Eigen::MatrixXd H = Q.transpose() * TQ;
+  const Eigen::EigenSolver<Eigen::MatrixXd> dense(H);
+  if (dense.info() != Eigen::Success) {
+    pairs.failure = "the eigenvalues of a small dense matrix do not converge";
+    return pairs;
+  }
+  const std::vector<Index> order = order_of(dense.eigenvalues());
+  pairs.values.resize(Q.cols());
+  pairs.vectors.resize(Q.rows(), Q.cols());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto i = static_cast<Index>(k);
+    const VecXc y = dense.eigenvectors().col(order[k]);
+    const Complex theta = dense.eigenvalues()(order[k]);
+    pairs.values(i) = theta;
+    pairs.vectors.col(i) = Q * y;
+    const VecXc left = TQ * y - theta * pairs.vectors.col(i);
+    pairs.residuals.push_back(left.norm() / (std::abs(theta) * pairs.vectors.col(i).norm() +
+                                             std::numeric_limits<double>::min()));
+  }
+  return pairs;
+}
+
+// Adds what of the columns is independent of Q.
+void extend(Eigen::MatrixXd& Q, const Eigen::MatrixXcd& vectors) {
+  constexpr double independent = 1e-6;
+  for (Index i = 0; i < vectors.cols(); ++i)
+    for (VecX x : {VecX(vectors.col(i).real()), VecX(vectors.col(i).imag())}) {
+      if (!(x.norm() > independent * vectors.col(i).norm())) continue;
+      x.normalize();
+      for (int twice = 0; twice < 2; ++twice)
+        if (Q.cols() > 0) x -= Q * (Q.transpose() * x);
+      if (!(x.norm() > independent)) continue;
+      Q.conservativeResize(vectors.rows(), Q.cols() + 1);
+      Q.col(Q.cols() - 1) = x.normalized();
+    }
+}
+
+// The `wanted` largest eigenvalues of T, or more.
+Pairs largest(const ShiftInvert& T, Index wanted) {
+  const Index n = T.size();
+  wanted = std::min(wanted, n);
+  if (n <= few || 3 * wanted >= n) {
+    Pairs pairs = within(T, Eigen::MatrixXd::Identity(n, n));
+    pairs.all = true;
+    return pairs;
+  }
+  std::mt19937 random(1);  // the same start in every run
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  Eigen::MatrixXd Q(n, 0);
+  Pairs pairs;
+  for (int start = 0; start < most_starts; ++start) {
+    Deflated op(T, Q);
+    const Index left = n - Q.cols();
+    const Index ask = std::min(start == 0 ? wanted : Index{4}, left - 2);
+    if (ask < 1) break;
+    const Index dimension = std::min(std::max(2 * ask + 1, Index{20}), left);
+    Spectra::GenEigsSolver<Deflated> arnoldi(op, ask, dimension);
+    VecX x(n);
+    for (double& entry : x) entry = number(random);
+    x = T(x);  // into the null space of the constraints
+    op.project(x);
+    if (!x.allFinite()) {
+      pairs.failure = "the matrix of the shift is singular";
+      return pairs;
+    }
+    if (!(x.norm() > 0.0)) break;
+    arnoldi.init(x.data());
+    constexpr Index most_restarts = 1000;
+    arnoldi.compute(Spectra::SortRule::LargestMagn, most_restarts, converged);
+    const VecXc found = arnoldi.eigenvalues();
+    if (found.size() == 0) {
+      if (start == 0) pairs.failure = "Arnoldi's method does not converge";
+      return pairs;
+    }
+    const double nothing = pairs.values.size() > 0
+                               ? std::abs(pairs.values(std::min(wanted, pairs.values.size()) - 1))
+                               : 0.0;
+    // What is as large as the last of those wanted may be its twin.
+    const bool more = found.cwiseAbs().maxCoeff() > (1.0 - 1e-9) * nothing;
+    if (!more && pairs.values.size() >= wanted) return pairs;
+    const Index before = Q.cols();
+    extend(Q, arnoldi.eigenvectors());
+    if (Q.cols() == before) return pairs;
+    pairs = within(T, Q);
+    if (!pairs.failure.empty()) return pairs;
+  }
+  return pairs;
+}
+
+// Modes near a shift that has been factored, of which conjugates are left out.
+ModesFound modes_at(const MotionPencil& motions, Complex shift, double omega, int count) {
+  ModesFound result;
+  const ShiftInvert T(motions, shift, omega);
+  const Index each = T.first_order() ? 2 : 1;  // of T: conjugates, or their doubles
+  const Pairs pairs = largest(T, each * count + (T.first_order() ? 2 : 1));
+  result.failure = pairs.failure;
+  if (!pairs.failure.empty() || pairs.values.size() == 0) return result;
+  const double most = std::abs(pairs.values(0));
+  for (Index i = 0; i < pairs.values.size(); ++i) {
+    const Complex theta = pairs.values(i);
+    if (!(std::abs(theta) > infinite * most)) continue;
+    VecXc x = T.shape(pairs.vectors.col(i));
+    const double whole = pairs.vectors.col(i).norm();
+    // The conjugate of a doubled eigenvector is none.
+    constexpr double is_none = 1e-6;
+    VecXc in_lengths = x;
+    for (Index k = 0; k < x.size(); k += 6) in_lengths.segment<3>(k) /= motions.length_scale();
+    if (!(in_lengths.norm() > is_none * whole) && T.is_doubled()) continue;
+    Index at = 0;
+    const double size = in_lengths.cwiseAbs().maxCoeff(&at);
+    if (!(size > 0.0)) continue;
+    x /= in_lengths(at);
+    for (const Complex value : T.eigenvalues(theta)) {
+      const double slack = 1e-9 * std::abs(value);
+      const Complex l = T.first_order()
+                            ? value
+                            : Complex(std::abs(value.real()) < slack ? 0.0 : value.real(),
+                                      std::abs(value.imag()) < slack ? 0.0 : value.imag());
+      if (l.imag() < 0.0) continue;
+      result.modes.push_back({l, x, pairs.residuals[static_cast<std::size_t>(i)]});
+    }
+  }
+  return result;
+}
+
+// Whether an eigenvalue is round-off of what cancels in K, or of the shift.
+bool is_hidden(const SmallMotions& motions, const Eigen::SparseMatrix<double>& sizes,
+               const Mode& mode, double shift) {
+  const double mass = mode.shape.dot(motions.mass_times(mode.shape)).real();
+  const VecX size = mode.shape.cwiseAbs();
+  const double hidden = std::sqrt(unseen * size.dot(sizes * size) / std::max(mass, 1e-300));
+  constexpr double of_shift = 1e-9;  // what is left of it where 1/theta takes it off
+  return std::abs(mode.eigenvalue) <= std::max(hidden, of_shift * shift);
+}
+
+// Whether nothing answers a motion: its eigenvalue is hidden, and it strains no beam (one may be so slender that its bending
+// is as soft as round-off).
+bool is_rigid(const SmallMotions& motions, const Eigen::SparseMatrix<double>& sizes,
+              const Mode& mode, double shift) {
+  if (!is_hidden(motions, sizes, mode, shift)) return false;
+  constexpr double none = 1e-3;
+  const auto strains = [&](VecX x) {
+    if (!(x.norm() > none * mode.shape.norm())) return false;
+    x.conservativeResizeLike(VecX::Zero(motions.unknowns()));
+    return strains_beams(motions.system(), motions.state(), x);
+  };
+  return !strains(mode.shape.real()) && !strains(mode.shape.imag());
+}
+
+// Rigid motions come in pairs (a place and a velocity, a defective eigenvalue 0), and in any combination: leaves as many
+// as there are.
+void leave_independent_rigid_ones(std::vector<Mode>& modes) {
+  constexpr double independent = 1e-3;
+  std::vector<VecXc> basis;
+  std::vector<Mode> kept;
+  for (Mode& mode : modes) {
+    if (mode.rigid) {
+      VecXc rest = mode.shape.normalized();
+      for (const VecXc& q : basis) rest -= q * q.dot(rest);
+      if (!(rest.norm() > independent)) continue;
+      basis.push_back(rest.normalized());
+    }
+    kept.push_back(std::move(mode));
+  }
+  modes = std::move(kept);
+}
+
+}  // namespace
+
+double Mode::frequency() const {
+  return eigenvalue.imag() > 0.0 ? std::abs(eigenvalue) / (2.0 * std::numbers::pi) : 0.0;
+}
+double Mode::damping_ratio() const {
+  const double size = std::abs(eigenvalue);
+  return size > 0.0 ? -eigenvalue.real() / size : 0.0;
+}
+
+ModesFound find_modes_near(MotionPencil& motions, Complex shift, double expected, int count) {
+  const bool ok = shift.imag() == 0.0 ? motions.factor(shift.real()) : motions.factor(shift);
+  if (ok) return modes_at(motions, shift, expected, count);
+  ModesFound none;
+  none.failure = "the matrix of the shift is singular";
+  return none;
+}
+
+ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
+  ModesFound result;
+  if (motions.motions() == 0 || !(motions.mass() > 0.0)) {
+    result.failure = "nothing that moves has mass";
+    return result;
+  }
+  const double fastest = std::sqrt(motions.stiffness() / motions.mass());
+  double omega = options.expected > 0.0 ? options.expected
+                 : options.near > 0.0   ? options.near
+                 : fastest > 0.0        ? 1e-3 * fastest
+                                        : 1.0;
+  const auto by_distance = [&](std::vector<Mode>& modes) {
+    const Complex target(0.0, options.near);
+    std::stable_sort(modes.begin(), modes.end(), [&](const Mode& a, const Mode& b) {
+      return std::abs(a.eigenvalue - target) < std::abs(b.eigenvalue - target);
+    });
+  };
+  const auto at = [&](Complex shift, int count) {
+    ModesFound found = find_modes_near(motions, shift, omega, count);
+    by_distance(found.modes);
+    return found;
+  };
+  const auto cut = [&](ModesFound& found) {
+    if (found.modes.size() > static_cast<std::size_t>(options.count))
+      found.modes.resize(static_cast<std::size_t>(options.count));
+  };
+  if (options.near > 0.0) {
+    result = at({0.0, options.near}, options.count);
+    if (!result.failure.empty()) result = at({0.0, options.near * (1.0 + 1e-5)}, options.count);
+    cut(result);
+    return result;
+  }
+
+  // About 0 first. Motions that nothing answers make that singular, or nearly, and hide the others, or give them any shape:
+  // then about something of the size of the slowest that is answered.
+  result = at(0.0, options.count);
+  if (!options.rigid_motions) {
+    // A free motion is all that one sees from 0.
+    if (!result.failure.empty() || result.modes.size() < static_cast<std::size_t>(options.count))
+      result = at(aside * omega, options.count);
+    cut(result);
+    return result;
+  }
+  const Eigen::SparseMatrix<double> sizes = motions.sizes_of_stiffness();
+  const auto find_rigid = [&](ModesFound& found, double at_shift) {
+    for (Mode& mode : found.modes) mode.rigid = is_rigid(motions, sizes, mode, at_shift);
+  };
+  const bool is_clear =
+      result.failure.empty() && result.modes.size() >= static_cast<std::size_t>(options.count) &&
+      std::none_of(result.modes.begin(), result.modes.end(),
+                   [&](const Mode& mode) { return is_hidden(motions, sizes, mode, 0.0); });
+  if (!is_clear) {
+    double shift = omega;
+    ModesFound better;
+    constexpr int passes = 12;
+    for (int pass = 0; pass < passes; ++pass) {
+      better = at(shift, options.count + 6);
+      if (!better.failure.empty()) return better;
+      find_rigid(better, shift);
+      double slowest = std::numeric_limits<double>::infinity();
+      for (const Mode& mode : better.modes)
+        if (!mode.rigid && std::abs(mode.eigenvalue) > tiny * shift)
+          slowest = std::min(slowest, std::abs(mode.eigenvalue));
+      if (!std::isfinite(slowest)) {
+        shift *= 100.0;
+        if (shift > 100.0 * fastest) break;
+        continue;
+      }
+      if (slowest > 0.2 * shift && slowest < 5.0 * shift) break;
+      omega = shift = 0.5 * slowest;
+    }
+    // Of what is far below the shift and no free motion, the shift is lowered to see it better.
+    ModesFound lower;
+    for (Mode& mode : better.modes) {
+      if (mode.rigid || std::abs(mode.eigenvalue) > tiny * shift) continue;
+      if (lower.modes.empty()) lower = at(tiny * shift, options.count + 6);
+      double match = 0.0;
+      for (const Mode& other : lower.modes) {
+        const double overlap =
+            std::abs(other.shape.dot(mode.shape)) / (other.shape.norm() * mode.shape.norm());
+        if (overlap > match) match = overlap, mode.eigenvalue = other.eigenvalue;
+      }
+      mode.rigid = is_rigid(motions, sizes, mode, tiny * shift);
+    }
+    result = std::move(better);
+  }
+  for (Mode& mode : result.modes)
+    if (mode.rigid) mode.eigenvalue = 0.0;
+  by_distance(result.modes);
+  leave_independent_rigid_ones(result.modes);
+  cut(result);
+  return result;
+}
+
+}  // namespace mbd

@@ -1,0 +1,57 @@
+// Eigenvalues and mode shapes of small motions (small_motions.hpp): u = Re(x exp(l t)),
+//   (l^2 M + l C + K) x + B^T y = 0,   B x = 0.                                                      (1)
+// Shift and invert, so that no mass matrix is inverted and multipliers (infinite eigenvalues of (1)) do not take part:
+// with x in the null space of B, and w = l x, an operator T on motions,
+//   C = 0:  T x = Q(s)^-1 M x,                  1/theta = s^2 - l^2                                  (2)
+//   else:   T [x; w] = [x'; x + s x'],  Q(s) x' = -(M w + C x + s M x),   1/theta = l - s            (3)
+// Its largest eigenvalues theta belong to the l nearest to s: by Arnoldi's method with implicit restarts (Spectra),
+// or all of them (Eigen) where there are few unknowns. Repeated eigenvalues, of which one start vector finds one
+// each, are found by starting again beside the invariant subspace that is known, until nothing larger turns up.
+// s = 0, or i times the frequency asked for; small and positive where motions are free, which makes Q(0) singular.
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "solvers/modes/small_motions.hpp"
+
+namespace mbd {
+
+struct Mode {
+  // [1/s]: real part growth (negative: decay), imaginary part frequency [rad/s], not negative: of a conjugate pair one.
+  std::complex<double> eigenvalue;
+  VecXc
+      shape;  // x: increments of the nodes but the ground, body axes [m, rad]; largest displacement or turn of one
+  double residual = 0.0;  // |T x - theta x| / |theta x|, T at the shift
+  bool rigid = false;     // nothing answers the motion: the eigenvalue is 0
+
+  double frequency()
+      const;  // |l|/(2 pi) of an oscillation [Hz], undamped; 0 of what does not oscillate
+  double damping_ratio() const;  // -Re l/|l|; of a rigid mode 0
+};
+
+struct ModeOptions {
+  int count = 10;         // conjugate pairs count as one
+  double near = 0.0;      // [rad/s] modes nearest to this frequency
+  double expected = 0.0;  // [rad/s] a typical frequency, if one is known: scales (3)
+  // Whether free motions are looked for, and given the eigenvalue 0; false: what is near 0 is to be known to its last
+  // digit, as near a critical speed.
+  bool rigid_motions = true;
+};
+
+struct ModesFound {
+  std::vector<Mode>
+      modes;  // by distance from `near`, the nearest first; fewer than asked for where there are no more
+  std::string failure;  // empty: none
+};
+
+// The `count` eigenvalues nearest to a shift [1/s], or more; of conjugate pairs one. `expected` scales (3), a typical
+// frequency [rad/s]. Free motions are not looked for.
+ModesFound find_modes_near(MotionPencil& motions, std::complex<double> shift, double expected,
+                           int count);
+
+// Modes of what `motions` has been assembled about; its factors are used.
+ModesFound find_modes(SmallMotions& motions, const ModeOptions& options);
+
+}  // namespace mbd

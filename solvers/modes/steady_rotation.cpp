@@ -1,0 +1,263 @@
+#include "solvers/modes/steady_rotation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "libmbd/core/se3.hpp"
+#include "solvers/newton/increments.hpp"
+#include "solvers/statics/equilibrium.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr double same =
+    1e-7;  // of the scene's length and 1 rad; ten times that of what the answer is
+constexpr double largest_turn = 0.5;    // of an increment [rad]
+constexpr double smallest_step = 1e-4;  // of the rate
+constexpr double slightly = 1e-6;       // shift beside the fastest motion
+
+// Motions of the nodes by one radian of the rotation.
+VecX turning(const SmallMotions& motions, SteadyRotation rotation, const State& state) {
+  rotation.rate = 1.0;
+  VecX z = VecX::Zero(motions.motions());
+  for (std::size_t n = 1; n < state.pose.size(); ++n)
+    if (rotation.turns(n))
+      z.segment<6>(6 * static_cast<Index>(n - 1)) = rotation.twist(state.pose[n]);
+  return z;
+}
+
+// Whether no constraint holds the angle about the axis, as a drive does. K is singular then.
+bool is_free_to_turn(const SmallMotions& motions, const VecX& z) {
+  constexpr double none = 1e-9;
+  const VecX open = motions.opening(z);
+  return open.size() == 0 ||
+         open.cwiseAbs().maxCoeff() < none * std::max(1.0, motions.system().length_scale());
+}
+
+// The turn of a node that is the largest of z.
+Index most_turned(const VecX& z) {
+  Index best = 3;
+  for (Index i = 0; i < z.size(); ++i)
+    if (i % 6 >= 3 && std::abs(z(i)) > std::abs(z(best))) best = i;
+  return best;
+}
+
+// Newton's method at one rate.
+bool solve_at(SmallMotions& motions, const SteadyRotation& rotation, const NewtonOptions& options,
+              State& state, Counters& counters, std::string& failure) {
+  const System& system = motions.system();
+  IncrementNorm norm(system, options);
+  double previous = 0.0;
+  for (int k = 0; k < options.max_iterations; ++k) {
+    turn_steadily(rotation, state);
+    if (!motions.about(state)) {
+      failure = range_failure(system.out_of_range(state));
+      return false;
+    }
+    ++counters.iterations;
+    ++counters.residuals;
+    ++counters.tangents;
+    ++counters.factorizations;
+    if (k == 0) norm.set_floor(state, motions.stiffness());
+    // No torque acts about the axis where nothing holds the angle, so what holds it in the tangent feels none.
+    const VecX z = turning(motions, rotation, state);
+    if (is_free_to_turn(motions, z)) motions.hold(most_turned(z));
+    VecX x = -motions.residual().tail(motions.unknowns());
+    if (!motions.factor(0.0)) {
+      failure = "the tangent is singular";
+      return false;
+    }
+    motions.solve_all(x);
+    const double turn = largest_rotation_in(system, x);
+    const double e = norm({x.data(), static_cast<std::size_t>(x.size())}, 1.0);
+    if (!std::isfinite(e)) {
+      failure = "the tangent is singular, or the residual not finite";
+      return false;
+    }
+    const double share = turn > largest_turn ? largest_turn / turn : 1.0;
+    retract(system, state, x, share);
+    norm.observe(state.lambda);
+    if (share == 1.0 && has_converged(e, previous)) {
+      turn_steadily(rotation, state);
+      if (const std::string element = system.out_of_range(state); !element.empty()) {
+        failure = range_failure(element);
+        return false;
+      }
+      return motions.about(state);
+    }
+    previous = e;
+  }
+  failure = "Newton's iterations do not converge";
+  return false;
+}
+
+}  // namespace
+
+Vec6 SteadyRotation::twist(const Pose<double>& H) const {
+  const Vec3 w = rate * axis;
+  const auto to_body = H.p.conjugate();
+  return six<double>(to_body * Vec3(w.cross(H.r - through)), to_body * w);
+}
+
+void turn_steadily(const SteadyRotation& rotation, State& state) {
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    state.V[n] = rotation.turns(n) ? rotation.twist(state.pose[n]) : Vec6(Vec6::Zero());
+    state.Vdot[n].setZero();
+  }
+}
+
+bool about_rotation(SmallMotions& motions, const SteadyRotation& rotation, ModeAxes axes,
+                    const State& state) {
+  std::vector<Vec6> W(state.pose.size(), Vec6::Zero());
+  if (axes == ModeAxes::turning)
+    for (std::size_t n = 1; n < W.size(); ++n) W[n] = rotation.twist(state.pose[n]);
+  return motions.about(state, W);
+}
+
+SteadyReport find_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation,
+                                  double from, const NewtonOptions& options, State& state) {
+  SteadyReport report;
+  double reached = 0.0, step = 1.0;  // shares of the way from `from`
+  const auto at = [&](double share) {
+    SteadyRotation here = rotation;
+    here.rate = from + share * (rotation.rate - from);
+    return here;
+  };
+  report.rate = from;
+  State last = state;
+  while (reached < 1.0) {
+    const double share = std::min(1.0, reached + step);
+    State trial = last;
+    std::string failure;
+    if (solve_at(motions, at(share), options, trial, report.counters, failure)) {
+      last = std::move(trial);
+      reached = share;
+      ++report.steps;
+      report.rate = at(share).rate;
+      step *= 2.0;
+      continue;
+    }
+    step *= 0.5;
+    if (step < smallest_step) {
+      report.failure =
+          fmt::format("no steady rotation was found beyond {:.6g} rad/s: {}", report.rate, failure);
+      break;
+    }
+  }
+  state = std::move(last);
+  report.converged = reached >= 1.0;
+  if (!report.converged) {
+    turn_steadily(at(reached), state);
+    motions.about(state);
+  }
+  return report;
+}
+
+std::string held_fast(const SmallMotions& motions, const SteadyRotation& rotation,
+                      const State& state, const IsDriven& driven) {
+  const System& system = motions.system();
+  const VecX open = motions.opening(turning(motions, rotation, state));
+  for (Index row = 0; row < open.size(); ++row)
+    if (std::abs(open(row)) > same * std::max(1.0, system.length_scale()) && !driven(row))
+      return fmt::format("{} does not let it turn about the axis",
+                         system.name_of(row + motions.motions() + 6));
+  return {};
+}
+
+std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotation, ModeAxes axes,
+                            const State& state, const IsDriven& driven) {
+  const std::string singular = "small motions turned about the axis are singular";
+  const System& system = motions.system();
+  const Index n = motions.motions();
+  const double length = system.length_scale();
+  const double s = std::max({std::abs(rotation.rate),
+                             slightly * std::sqrt(motions.stiffness() / motions.mass()), 1e-300});
+  VecX force(n);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  for (double& entry : force) entry = number(random);
+  for (Index i = 0; i < n; i += 6) force.segment<3>(i) /= length;
+
+  VecX first;
+  std::vector<VecX> answers;
+  double noise = 0.0;  // round-off, of another angle that is nearly the same
+  std::string broken;
+  constexpr double hardly = 1e-9;
+  for (const double angle : {0.0, 0.7, 0.7 + hardly, -1.1}) {
+    State turned = state;
+    const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, rotation.axis));
+    // g of small_motions.hpp, by node.
+    std::vector<Pose<double>> to_body(state.pose.size());
+    for (std::size_t k = 1; k < turned.pose.size(); ++k) {
+      const Pose<double>& H = state.pose[k];
+      Pose<double> after = H;
+      after.r = rotation.through + by * (H.r - rotation.through);
+      after.p = by * H.p;
+      if (rotation.turns(k)) turned.pose[k] = after;
+      to_body[k] = relative(axes == ModeAxes::turning ? after : H, turned.pose[k]);
+    }
+    const auto assemble = [&] {
+      turn_steadily(rotation, turned);
+      if (!about_rotation(motions, rotation, axes, turned)) return false;
+      // A spin that nothing holds would answer more than all else.
+      const VecX z = turning(motions, rotation, turned);
+      if (is_free_to_turn(motions, z)) motions.hold(most_turned(z));
+      return motions.factor(s);
+    };
+    if (!assemble()) return singular;
+    VecX x = -motions.residual().tail(motions.unknowns());
+    for (Index row = n; row < x.size(); ++row) {
+      if (std::abs(x(row)) > same * std::max(1.0, length) && !driven(row - n))
+        return fmt::format("{} does not let it turn about the axis", system.name_of(row + 6));
+      x(row) = 0.0;
+    }
+    // Multipliers in axes that do not turn are others there; motion must not answer.
+    motions.solve_all(x);
+    double most = 0.0;
+    Index where = 0;
+    for (Index k = 0; k < n; ++k) {
+      const double size = std::abs(x(k)) / (k % 6 < 3 ? length : 1.0);
+      if (size > most) most = size, where = k;
+    }
+    if (!(most < same)) {
+      broken = fmt::format(
+          "forces in inertial axes act on what turns, most on {} (weight, dead loads, springs or "
+          "drag of the surroundings)",
+          system.name_of(where + 6));
+      break;
+    }
+    turned.lambda += x.tail(turned.lambda.size());
+    if (!assemble()) return singular;
+    VecX answer = force;
+    for (Index i = 0; i < n; i += 6)
+      answer.segment<6>(i) =
+          adjoint(to_body[static_cast<std::size_t>(i / 6 + 1)]).matrix().transpose() *
+          answer.segment<6>(i);
+    motions.solve(answer);
+    for (Index i = 0; i < n; i += 6)
+      answer.segment<6>(i) =
+          adjoint(to_body[static_cast<std::size_t>(i / 6 + 1)]).matrix() * answer.segment<6>(i);
+    if (angle == 0.0) {
+      first = answer;
+      continue;
+    }
+    const double size = first.cwiseAbs().maxCoeff();
+    if (angle == 0.7 + hardly) noise = (answer - answers.back()).cwiseAbs().maxCoeff() / size;
+    answers.push_back(std::move(answer));
+  }
+  for (const VecX& answer : answers) {
+    Index worst = 0;
+    const double change =
+        (answer - first).cwiseAbs().maxCoeff(&worst) / first.cwiseAbs().maxCoeff();
+    if (broken.empty() && !(change < std::max(10.0 * same, 30.0 * noise)))
+      broken = fmt::format("it is not the same in all directions about the axis, most felt by {}",
+                           system.name_of(worst + 6));
+  }
+  about_rotation(motions, rotation, axes, state);
+  return broken;
+}
+
+}  // namespace mbd

@@ -1,0 +1,552 @@
+// Pages of `mbd view`: in headless Chromium, which says what it shows, and as files. Without Chromium, or in a build
+// without pages, what needs them is skipped.
+//
+// Tried in the page and in the library, and killed: the frame after the one that is set; single precision from the origin
+// in place of the scene's centre; quaternions w first; parts numbered from 1; resultants from the second number on; speeds
+// without rotation; nothing drawn; parts that stay when hidden; pages of any size. In the tests themselves: a script from
+// elsewhere, and something wider than a phone.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "libmbd/results/history.hpp"
+#include "tests/support/machine.hpp"
+#include "tests/support/shell.hpp"
+#include "tests/support/this_build.hpp"
+
+namespace mbd::test::test_view {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+const fs::path models = fs::path(MBD_SOURCE_DIR) / "models";
+
+// An arm of two beams 20 km from the origin and in mm, turned and bent.
+constexpr const char* far_away = R"(<mbd name="far">
+  <section name="s"><stiffness EA="100 kN" GA2="40 kN" GA3="40 kN" GJ="80 N.mm2" EI2="0.5" EI3="0.5"/>
+    <mass per_length="1 g/mm" inertia="1e-4 5e-5 5e-5"/></section>
+  <beam name="one" section="s" from="2e7-400 0 1e7 mm" to="2e7 0 1e7 mm" normal="0 0 1" elements="2"/>
+  <beam name="two" section="s" from="2e7 0 1e7 mm" to="2e7 300 1e7 mm" normal="0 0 1"/>
+  <revolute name="root" between="ground one.start" at="2e7-400 0 1e7 mm" axis="0 1 0"/>
+  <fixed name="corner" between="one.end two.start"/>
+  <gravity acceleration="0 0 -9.81"/>
+  <transient duration="0.2" step="2 ms" rho_infinity="0.8"/>
+  <record name="tip" at="two.end" quantities="displacement position"/>
+</mbd>)";
+
+class ViewFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Output made = mbd("view " + quote((models / "pendulum.xml").string()) + " --out p.html");
+    if (made.text.find("built without three.js") != std::string::npos)
+      GTEST_SKIP() << "this mbd makes no pages: " << made.text;
+    ASSERT_EQ(made.status, 0) << made.text;
+  }
+
+  fs::path file(const std::string& name) const { return directory_.path() / name; }
+  Output mbd(const std::string& words) const {
+    return shell("cd " + quote(directory_.path().string()) + " && " + quote(mbd_program) + " " +
+                 words);
+  }
+  // Its results are in a directory of that name.
+  void run_view(const std::string& name, const std::string& options = "") const {
+    const fs::path own = file(name + ".xml");
+    const std::string model = fs::exists(own) ? own.string() : (models / (name + ".xml")).string();
+    const Output ran =
+        mbd("run " + quote(model) + " --view --no-estimate --quiet --out " + name + " " + options);
+    ASSERT_EQ(ran.status, 0) << ran.text;
+  }
+
+  TemporaryDirectory directory_;
+};
+
+class ViewPageSlow : public ViewFile {
+ protected:
+  void SetUp() override {
+    if (shell("command -v chromium").status != 0)
+      GTEST_SKIP() << "there is no Chromium to look at pages with; install it with "
+                      "tools/install-dependencies --with-browser";
+    ViewFile::SetUp();
+  }
+
+  // What `script`, appended to the page, returns: in the element #answer, as JSON. It may be a promise. `mutation`: what
+  // stands in the page, and what shall instead.
+  Json ask(const fs::path& page, const std::string& script, const std::string& window = "1000,700",
+           const std::pair<std::string, std::string>& mutation = {}) const {
+    std::string text = read_text(page);
+    if (!mutation.first.empty()) {
+      const std::size_t at = text.find(mutation.first);
+      EXPECT_NE(at, std::string::npos) << mutation.first;
+      text.replace(at, mutation.first.size(), mutation.second);
+    }
+    // Pictures by the page's virtual clock: a busy machine draws none within the time that is given.
+    text.insert(text.find("<style>"),
+                "<script>requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), "
+                "16);</script>");
+    const std::size_t end = text.rfind("</body>");
+    text.insert(
+        end,
+        "<pre id=\"answer\"></pre><script>(async () => { let a; try { a = await (async () "
+        "=> {" +
+            script +
+            "})(); } catch (e) { a = {error: String(e)}; } "
+            "document.getElementById('answer').textContent = JSON.stringify(a); })();</script>");
+    write_text(file("asked.html"), text);
+    return answer_of(file("asked.html"), window);
+  }
+  Json answer_of(const fs::path& page, const std::string& window) const {
+    const Output dom =
+        shell("cd " + quote(directory_.path().string()) + " && timeout " +
+              std::to_string(whole_guard(200)) +
+              " chromium --headless --no-sandbox --hide-scrollbars --disable-gpu "
+              "--enable-unsafe-swiftshader --user-data-dir=profile --host-resolver-rules='MAP * "
+              "~NOTFOUND' --virtual-time-budget=2000 --window-size=" +
+              window + " --dump-dom " + quote("file://" + page.string()) +
+              " 2>stderr | grep -o '<pre id=\"answer\">.*'");
+    constexpr std::string_view before = "<pre id=\"answer\">";
+    std::string text = dom.text.substr(0, dom.text.find("</pre>"));
+    if (text.size() <= before.size()) {
+      ADD_FAILURE() << "no answer: " << text.substr(0, 500) << read_text(file("stderr"));
+      return {};
+    }
+    text.erase(0, before.size());
+    for (const auto& [entity, letter] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}})
+      for (std::size_t at; (at = text.find(entity)) != std::string::npos;)
+        text.replace(at, std::string(entity).size(), letter);
+    return Json::parse(text);
+  }
+};
+
+// Frame k set, positions and displacements of records read from the page are the rows of history.csv, to single precision
+// of what lies about the scene's centre: 1e-7 of the scene's size and the displacement, every coordinate, some frames.
+// And the beam that ends there is drawn there.
+struct Placed {
+  const char *model, *record, *beam;
+};
+class ViewPositionsSlow : public ViewPageSlow, public testing::WithParamInterface<Placed> {};
+
+TEST_P(ViewPositionsSlow, AreThoseOfTheHistory) {
+  write_text(file("far.xml"), far_away);
+  const Placed& c = GetParam();
+  run_view(c.model);
+  const mbd::History history = read_history(file(c.model));
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i <= 6; ++i) frames.push_back((history.rows() - 1) * i / 6);
+  const Json answer =
+      ask(file(c.model) / "view.html", fmt::format(R"(
+      const all = {}, beam = mbdView.parts.find(p => p.kind === 'beam' && p.name === '{}');
+      return {{frames: mbdView.frames, size: JSON.parse(document.getElementById('drawing').textContent).size,
+        rows: all.map(k => {{
+          mbdView.setFrame(k);
+          const r = mbdView.record('{}');
+          let drawn = null;
+          if (beam) {{
+            const p = beam.objects[0].geometry.attributes.position.array, n = beam.fine.length, m = p.length / 3 / (n + 2);
+            drawn = [0, 0, 0];
+            for (let i = 0; i < m; ++i) for (let j = 0; j < 3; ++j) drawn[j] += p[3 * ((n - 1) * m + i) + j] / m;
+          }}
+          return {{frame: mbdView.frame(), key: mbdView.keys[k], ...r, drawn}};
+        }}), centre: JSON.parse(document.getElementById('drawing').textContent).centre}};)",
+                                                   Json(frames).dump(), c.beam, c.record));
+  ASSERT_TRUE(answer.contains("rows")) << answer.dump();
+  EXPECT_EQ(answer.at("frames"), history.rows());
+  const auto columns =
+      choose_columns(history, std::vector{std::string(c.record) + ".displacement"});
+  double most = answer.at("size");
+  for (const std::size_t k : columns)
+    for (const double value : history.values[k]) most = std::max(most, std::abs(value));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Json& row = answer.at("rows").at(i);
+    EXPECT_EQ(row.at("frame"), frames[i]);
+    EXPECT_EQ(row.at("key").get<double>(), history.values[0][frames[i]]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(row.at("displacement").at(k).get<double>(), history.values[columns[k]][frames[i]],
+                  1e-7 * most)
+          << frames[i];
+      if (c.beam[0] != '\0') {
+        EXPECT_NEAR(row.at("drawn").at(k).get<double>() + answer.at("centre").at(k).get<double>(),
+                    row.at("position").at(k).get<double>(), 1e-6 * most);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, ViewPositionsSlow,
+                         testing::Values(Placed{"four_bar", "C", "bar2"}, Placed{"shaft", "M", ""},
+                                         Placed{"swept_cantilever", "tip", "blade"},
+                                         Placed{"portal_frame", "B", "left"},
+                                         Placed{"shallow_arch", "crown", ""},
+                                         Placed{"far", "tip", "two"}),
+                         [](const auto& of) { return std::string(of.param.model); });
+
+// How many colours the picture has.
+constexpr const char* colours = R"(
+  const colours = () => {
+    const c = document.getElementById('canvas'), d = document.createElement('canvas');
+    d.width = c.width; d.height = c.height;
+    const g = d.getContext('2d');
+    g.drawImage(c, 0, 0);
+    return new Set(new Uint32Array(g.getImageData(0, 0, d.width, d.height).data.buffer));
+  };)";
+
+TEST_F(ViewPageSlow, DrawsAndHides) {
+  run_view("pendulum", "--frames 20");
+  const Json answer = ask(file("pendulum/view.html"), std::string(colours) + R"(
+    const all = colours().size, first = document.getElementById('canvas').toDataURL();
+    mbdView.setFrame(10);
+    const moved = document.getElementById('canvas').toDataURL() !== first;
+    for (const b of document.querySelectorAll('#parts .kind input')) if (b.checked) b.click();
+    document.getElementById('grid').click();
+    return {all, moved, none: colours().size};)");
+  EXPECT_GT(answer.at("all"), 100) << answer.dump();
+  EXPECT_EQ(answer.at("moved"), true);
+  EXPECT_EQ(answer.at("none"), 1);  // so many colours has a picture with nothing in it
+}
+
+// A click on a part of the picture, and on its name, shows its name, its line and what stands there; beside it nothing.
+TEST_F(ViewPageSlow, ClicksNameTheParts) {
+  run_view("four_bar", "--frames 30");
+  const Json answer = ask(file("four_bar/view.html"), R"(
+    mbdView.setFrame(9);
+    mbdView.fit(mbdView.views.z);
+    const canvas = document.getElementById('canvas'), said = {};
+    const click = (x, y) => {
+      for (const type of ['pointerdown', 'click'])
+        canvas.dispatchEvent(new MouseEvent(type, {clientX: x, clientY: y, bubbles: true}));
+      return document.getElementById('details').textContent;
+    };
+    for (const p of mbdView.parts.filter(p => p.kind === 'beam' || p.kind === 'joint')) {
+      const details = click(...mbdView.screen(p));
+      said[p.name] = [mbdView.chosen(), details.includes(p.element + ' ' + p.name), details.includes('four_bar.xml:' + p.line)];
+    }
+    const r = canvas.getBoundingClientRect();
+    const nothing = [click(r.left + 3, r.bottom - 3), mbdView.chosen()];
+    const row = [...document.querySelectorAll('#parts button')].find(b => b.textContent === 'bar2');
+    row.click();
+    return {said, nothing, by_name: document.getElementById('details').textContent};)");
+  for (const std::string name : {"bar1", "bar2", "bar3", "A", "B", "C", "D"})
+    EXPECT_EQ(answer.at("said").at(name), Json({name, true, true})) << answer.dump();
+  EXPECT_EQ(answer.at("said").size(), 7U);
+  EXPECT_TRUE(answer.at("nothing").at(1).is_null());
+  const std::string details = answer.at("by_name");
+  EXPECT_NE(details.find("beam bar2"), std::string::npos);
+  EXPECT_NE(details.find(R"(<beam name="bar2" section="box16")"), std::string::npos) << details;
+  EXPECT_NE(details.find("0.24 m"), std::string::npos) << details;
+}
+
+// Nothing is asked for elsewhere; a page that would is found out.
+TEST_F(ViewPageSlow, LoadsNothing) {
+  run_view("pendulum", "--frames 20");
+  const std::string count = R"(
+    document.getElementById('speed').value = '10';
+    mbdView.play(true);
+    await new Promise(done => setTimeout(done, 800));
+    return {requests: performance.getEntriesByType('resource').length + blocked.length, frame: mbdView.frame()};)";
+  const std::pair<std::string, std::string> watch{
+      "<style>",
+      "<script>const blocked = []; document.addEventListener('securitypolicyviolation', e => "
+      "blocked.push(e.blockedURI));</script><style>"};
+  const Json answer = ask(file("pendulum/view.html"), count, "1000,700", watch);
+  EXPECT_EQ(answer.at("requests"), 0) << answer.dump();
+  EXPECT_GT(answer.at("frame"), 0);  // it plays
+  EXPECT_GT(ask(file("pendulum/view.html"), count, "1000,700",
+                {watch.first, watch.second.substr(0, watch.second.size() - 7) +
+                                  "<script src=\"https://example.org/x.js\"></script><style>"})
+                .at("requests"),
+            0);
+}
+
+// At 390 pixels nothing stands beyond the edge, all that opens being open, with a part chosen, in light and dark.
+TEST_F(ViewPageSlow, FitsAPhone) {
+  run_view("swept_cantilever");
+  for (const bool too_wide : {false, true}) {
+    std::string page = read_text(file("swept_cantilever/view.html")), escaped;
+    if (too_wide) page.insert(page.find("<main>"), "<div style='width:420px'>wide</div>");
+    for (const char c : page)
+      escaped += c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+    write_text(file("phone.html"),
+               R"html(<!DOCTYPE html><title>phone</title><pre id="answer"></pre><script>
+      async function measure(f) {
+        const w = f.contentWindow, d = f.contentDocument, all = [];
+        for (let i = 0; i < 50 && !w.mbdView; ++i) await new Promise(done => setTimeout(done, 50));
+        for (const e of d.querySelectorAll('details')) e.open = true;
+        for (let i = 0; i < 2; ++i) {
+          w.mbdView.choose(w.mbdView.parts[i]);
+          d.getElementById('theme').click();
+          all.push(d.documentElement.scrollWidth);
+        }
+        document.getElementById('answer').textContent = JSON.stringify({inner: w.innerWidth, all,
+          canvas: d.getElementById('canvas').clientWidth});
+      }</script><iframe onload="measure(this)" style="border:0;width:390px;height:800px" srcdoc=")html" +
+                   escaped + "\"></iframe>");
+    const Json answer = answer_of(file("phone.html"), "1000,900");
+    EXPECT_EQ(answer.at("inner"), 390);
+    for (const Json& wide : answer.at("all")) {
+      if (too_wide)
+        EXPECT_GT(wide, 390);
+      else
+        EXPECT_LE(wide, 390);
+    }
+    EXPECT_GT(answer.at("canvas"), 330);
+  }
+}
+
+// The legend against closed forms: a strip under a tip moment (M the same everywhere, the tip at the end of an arc), and
+// a stiff arm at 3 rad/s.
+TEST_F(ViewPageSlow, LegendIsThatOfClosedForms) {
+  write_text(file("arc.xml"), R"(<mbd name="arc"><section name="s">
+      <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/></section>
+    <beam name="b" section="s" from="0 0 0" to="2 0 0" normal="0 0 1" elements="4"/>
+    <fixed name="clamp" between="ground b.start"/><load at="b.end" moment="0 -25 0"/><static/>
+    <record name="tip" at="b.end" quantities="displacement"/></mbd>)");
+  run_view("arc");
+  const std::string legend = R"(
+    const said = {};
+    for (const o of document.querySelectorAll('#colour option')) {
+      mbdView.colourBy(o.value);
+      if (o.value) said[o.value] = [document.getElementById('legend-title').textContent,
+        Number(document.getElementById('legend-low').textContent), Number(document.getElementById('legend-high').textContent)];
+    }
+    return said;)";
+  Json answer = ask(file("arc/view.html"), legend);
+  EXPECT_EQ(answer.at("M").at(0), "bending moment |M| [N.m]");
+  EXPECT_EQ(answer.at("M").at(1), 0.0);  // no load
+  EXPECT_EQ(answer.at("M").at(2), 25.0);
+  const double radius = 4.0, angle = 0.5;
+  const double moved = std::hypot(radius * std::sin(angle) - 2.0, radius * (1.0 - std::cos(angle)));
+  EXPECT_EQ(answer.at("displacement").at(0), "displacement [m]");
+  EXPECT_NEAR(answer.at("displacement").at(2).get<double>(), moved, 1e-3 * moved);
+  EXPECT_FALSE(answer.contains("velocity"));
+
+  write_text(file("arm.xml"), R"(<mbd name="arm"><section name="s">
+      <stiffness EA="1e8" GA2="4e7" GA3="4e7" GJ="1e6" EI2="1e6" EI3="1e6"/>
+      <mass per_length="1" inertia="1e-3 5e-4 5e-4"/></section>
+    <body name="hub" mass="1" inertia="1 1 1"/>
+    <beam name="b" section="s" from="1 0 0" to="2 0 0" normal="0 0 1"/>
+    <fixed name="on" between="hub b.start"/>
+    <revolute name="r" between="ground hub" at="0 0 0" axis="0 0 1"/>
+    <drive joint="r" rate="t &lt; 1 ? 3*t*t*(3 - 2*t) : 3"/>
+    <transient duration="2" step="0.01"/>
+    <record name="tip" at="b.end" quantities="velocity"/></mbd>)");
+  run_view("arm");
+  answer = ask(file("arm/view.html"), legend);
+  EXPECT_EQ(answer.at("velocity").at(0), "velocity [m/s]");
+  EXPECT_EQ(answer.at("velocity").at(1), 0.0);  // at rest at the start
+  EXPECT_NEAR(answer.at("velocity").at(2).get<double>(), 6.0, 0.005);
+  // N = m w^2 (L^2 - x^2)/2 at the first quadrature point, x = 1 + (1 - sqrt(0.6))/2.
+  EXPECT_NEAR(answer.at("N").at(2).get<double>(), 12.43, 0.2);
+  answer = ask(file("arm/view.html"),
+               "mbdView.setFrame(200); document.getElementById('now').click();" + legend);
+  EXPECT_NEAR(answer.at("velocity").at(1).get<double>(), 3.0, 0.003);
+  EXPECT_NEAR(answer.at("velocity").at(2).get<double>(), 6.0, 0.005);
+}
+
+// At the start a beam is drawn on its reference shape; later its displacements are drawn times the scale. 1e-6 of the size.
+TEST_F(ViewPageSlow, ScalesDisplacements) {
+  write_text(file("far.xml"), far_away);
+  run_view("far");
+  const Json answer = ask(file("far/view.html"), R"(
+    const beam = mbdView.parts.find(p => p.kind === 'beam' && p.name === 'two');
+    const off = () => beam.now.r.map((r, i) => r.map((c, j) => c - beam.reference[i][j]));
+    const most = all => Math.max(...all.flat().map(Math.abs));
+    const start = most(off());
+    mbdView.setFrame(80);
+    const once = off(), input = document.getElementById('scale');
+    const at = factor => {
+      input.value = factor;
+      input.dispatchEvent(new Event('change'));
+      return off();
+    };
+    const thrice = at(3).pop(), none = most(at(0)), again = most(at(1));
+    return {start, once: most(once), end: once.pop(), thrice, none, again};)");
+  EXPECT_LT(answer.at("start"), 1e-6);
+  EXPECT_GT(answer.at("once"), 0.01);
+  EXPECT_LT(answer.at("none"), 1e-6);
+  EXPECT_EQ(answer.at("again"), answer.at("once"));
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(answer.at("thrice").at(k).get<double>(), 3.0 * answer.at("end").at(k).get<double>(),
+                1e-9);
+}
+
+// Two runs: at a frame of the first, records of the second are where its history is at that time, linear between rows (1e-6
+// of the size), and stay where it ends; a legend names both, and hides either. A model stands beside a run in the same way.
+// Tried, and killed: the row of the same number; no interpolation; nodes of the second numbered as those of the first.
+TEST_F(ViewPageSlow, OverlaysTwoRuns) {
+  std::string other = far_away;
+  for (const auto& [from, to] :
+       {std::pair{"0 0 -9.81", "0 0 -4"},
+        {"duration=\"0.2\" step=\"2 ms\"", "duration=\"0.12\" step=\"4 ms\""}})
+    other.replace(other.find(from), std::string(from).size(), to);
+  write_text(file("far.xml"), far_away);
+  write_text(file("less.xml"), other);
+  run_view("far");
+  run_view("less");
+  const mbd::History first = read_history(file("far")), second = read_history(file("less"));
+  const auto tip = choose_columns(first, std::vector<std::string>{"tip.displacement"});
+  const std::string say = R"(
+      const at = k => { mbdView.setFrame(k); return ['tip', SECOND].map(n => mbdView.record(n).displacement); };
+      const shown = () => [0, 1].map(run => mbdView.parts.filter(p => p.kind === 'beam' && (p.run || 0) === run)
+        .every(p => p.visible && p.objects.every(o => o.visible)));
+      const rows = [3, 25, 58, 90].map(k => at(k)), legend = document.getElementById('runs');
+      const boxes = legend.querySelectorAll('input');
+      boxes[1].click();
+      const without = shown();
+      boxes[1].click();
+      boxes[0].click();
+      return {frames: mbdView.frames, rows, names: legend.textContent, without, only: shown(), wide: legend.offsetWidth,
+        stated: mbdView.parts.filter(p => p.run && p.name.endsWith('two'))[0].file};)";
+  const auto ask_for = [&](const std::string& page, const std::string& record) {
+    std::string script = say;
+    script.replace(script.find("SECOND"), 6, "'" + record + "'");
+    return ask(file(page), script);
+  };
+  const Output made = mbd("view far less");
+  ASSERT_EQ(made.status, 0) << made.text;
+  Json answer = ask_for("far/overlay.html", "less: tip");
+  ASSERT_TRUE(answer.contains("rows")) << answer.dump();
+  EXPECT_EQ(answer.at("frames"), 101);
+  EXPECT_EQ(answer.at("names"), "farless");
+  EXPECT_GT(answer.at("wide"), 50);
+  EXPECT_EQ(answer.at("without"), Json({true, false}));
+  EXPECT_EQ(answer.at("only"), Json({false, true}));
+  EXPECT_NE(answer.at("stated").get<std::string>().find("less.xml"), std::string::npos);
+  const std::size_t frames[] = {3, 25, 58, 90};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double time = std::min(first.values[0][frames[i]], second.values[0].back());
+    const std::size_t row =
+        std::min(static_cast<std::size_t>(time / 0.004 + 1e-9), second.rows() - 2);
+    const double u = (time - second.values[0][row]) / 0.004;
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(answer.at("rows").at(i).at(0).at(k).get<double>(),
+                  first.values[tip[k]][frames[i]], 1e-6);
+      EXPECT_NEAR(answer.at("rows").at(i).at(1).at(k).get<double>(),
+                  (1.0 - u) * second.values[tip[k]][row] + u * second.values[tip[k]][row + 1], 1e-6)
+          << frames[i];
+    }
+  }
+  // The model, which stands still, before and after the run.
+  ASSERT_EQ(mbd("view far far.xml --out both.html").status, 0);
+  answer = ask_for("both.html", "far (model): tip");
+  ASSERT_TRUE(answer.contains("rows")) << answer.dump();
+  ASSERT_EQ(mbd("view far.xml less --out swapped.html").status, 0);
+  const Json swapped = ask_for("swapped.html", "less: tip");
+  ASSERT_TRUE(swapped.contains("rows")) << swapped.dump();
+  EXPECT_EQ(swapped.at("frames"), 31);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(answer.at("rows").at(2).at(1).at(k).get<double>(), 0.0, 1e-6);
+    EXPECT_NEAR(answer.at("rows").at(2).at(0).at(k).get<double>(), first.values[tip[k]][58], 1e-6);
+    EXPECT_NEAR(swapped.at("rows").at(1).at(0).at(k).get<double>(), 0.0, 1e-6);
+    EXPECT_NEAR(swapped.at("rows").at(1).at(1).at(k).get<double>(), second.values[tip[k]][25],
+                1e-6);
+  }
+}
+
+// A model before a run, and one whose joints do not close, with the gap.
+TEST_F(ViewPageSlow, ShowsGaps) {
+  write_text(file("open.xml"), R"(<mbd name="open"><section name="s">
+      <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/></section>
+    <beam name="a" section="s" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+    <beam name="b" section="s" from="1.03 0.04 0" to="2 0 0" normal="0 0 1"/>
+    <fixed name="clamp" between="ground a.start"/>
+    <revolute name="hinge" between="a.end b.start" axis="0 0 1"/><static/></mbd>)");
+  const Output made = mbd("view open.xml --out open.html");
+  EXPECT_EQ(made.status, 1);
+  EXPECT_NE(made.text.find("hinge"), std::string::npos) << made.text;
+  const Json answer = ask(file("open.html"), R"(
+    const hinge = mbdView.parts.find(p => p.name === 'hinge');
+    mbdView.choose(hinge);
+    return {fault: document.getElementById('fault').textContent, hidden: document.getElementById('fault').hidden,
+      gap: hinge.gap, others: mbdView.parts.filter(p => p.gap).length, details: document.getElementById('details').textContent,
+      transport: document.getElementById('transport').offsetHeight};)");
+  EXPECT_NEAR(answer.at("gap").get<double>(), 0.05, 1e-12);
+  EXPECT_EQ(answer.at("others"), 1);
+  EXPECT_EQ(answer.at("hidden"), false);
+  EXPECT_NE(answer.at("fault").get<std::string>().find("open.xml:6"), std::string::npos)
+      << answer.dump();
+  EXPECT_NE(answer.at("details").get<std::string>().find("0.05 m"), std::string::npos)
+      << answer.dump();
+  EXPECT_EQ(answer.at("transport"), 0);
+}
+
+// ---- files --------------------------------------------------------------------------------------
+
+// Every model can be shown before a run.
+TEST_F(ViewFile, OfEveryModel) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(models)) {
+    if (entry.path().extension() != ".xml") continue;
+    const Output made = mbd("view " + quote(entry.path().string()) + " --out m.html");
+    EXPECT_EQ(made.status, 0) << entry.path() << made.text;
+    const std::string page = read_text(file("m.html"));
+    EXPECT_LE(page.size(), 2'000'000U) << entry.path();
+    EXPECT_NE(page.find("Permission is hereby granted"), std::string::npos);
+    ++count;
+  }
+  EXPECT_GT(count, 30);
+}
+
+// Frames are left out evenly until the page has its size, at most; names that would end a script do not.
+TEST_F(ViewFile, KeepsItsSize) {
+  run_view("four_bar");
+  const Output small = mbd("view four_bar --size 2 --out small.html");
+  EXPECT_EQ(small.status, 0) << small.text;
+  const auto bytes = fs::file_size(file("small.html"));
+  EXPECT_LE(bytes, 2'000'000U);
+  EXPECT_GT(bytes, 1'800'000U);
+  EXPECT_NE(small.text.find(" of 4001 frames"), std::string::npos) << small.text;
+  EXPECT_LE(fs::file_size(file("four_bar/view.html")), 20'000'000U);
+  const Output few = mbd("view four_bar --frames 7 --out few.html");
+  EXPECT_NE(few.text.find("7 of 4001 frames"), std::string::npos) << few.text;
+  const std::string page = read_text(file("few.html"));
+  const std::size_t keys = page.find("\"keys\":[") + 7;
+  const Json shown = Json::parse(page.substr(keys, page.find(']', keys) + 1 - keys));
+  ASSERT_EQ(shown.size(), 7U);
+  for (int i = 0; i < 7; ++i) EXPECT_NEAR(shown.at(i).get<double>(), 6.0 * i, 0.0091);
+}
+
+TEST_F(ViewFile, SaysWhatIsWrong) {
+  struct Case {
+    std::string words;
+    std::vector<std::string> parts;
+  };
+  const std::string pendulum = quote((models / "pendulum.xml").string());
+  ASSERT_EQ(mbd("run " + pendulum + " --out bare --quiet --no-estimate").status, 0);
+  write_text(file("text.html"), "no model");
+  for (const auto& [model, results] :
+       {std::pair{"pendulum", "moved"}, {"roll_up", "steps"}, {"lee_frame", "path"}})
+    ASSERT_EQ(mbd("run " + quote((models / (std::string(model) + ".xml")).string()) +
+                  " --motion --quiet --no-estimate --out " + results)
+                  .status,
+              0);
+  for (const Case& c :
+       std::vector<Case>{{"view bare", {"bare/motion.bin", "--motion", "<motion_output/>"}},
+                         {"view nowhere.xml", {"nowhere.xml"}},
+                         {"view text.html", {"text.html"}},
+                         {"view " + pendulum + " --out p.svg", {"--out p.svg", ".html"}},
+                         {"view " + pendulum + " --size 0.1", {"--size 0.1", "between 1 and 1000"}},
+                         {"view " + pendulum + " --size 2MB", {"--size 2MB", "megabytes"}},
+                         {"view " + pendulum + " --frames 3", {"--frames 3", "--motion"}},
+                         {"view bare --set a=1", {"--set a=1", "results"}},
+                         {"view moved steps", {"moved goes in time, steps in load steps"}},
+                         {"view steps path", {"path/motion.bin", "comes back", "alone"}},
+                         {"view moved moved --set a=1", {"--set a=1", "results"}},
+                         {"view moved moved --image p.svg", {"--image", "of one of them"}},
+                         {"view moved nowhere.xml", {"nowhere.xml"}},
+                         {"view moved bare", {"bare/motion.bin", "--motion"}},
+                         {"view " + pendulum + " --frames 1", {"--frames 1"}}}) {
+    const Output output = mbd(c.words);
+    EXPECT_EQ(output.status, 1) << c.words << output.text;
+    for (const std::string& part : c.parts)
+      EXPECT_NE(output.text.find(part), std::string::npos) << c.words << ": " << output.text;
+  }
+}
+
+}  // namespace
+}  // namespace mbd::test::test_view

@@ -1,0 +1,67 @@
+"""Studies as data: what the program writes, without text."""
+
+import csv
+import io
+import json
+
+import numpy
+import pytest
+
+import mbd
+from conftest import PENDULUM, same_bits
+
+
+def test_modes(models, program, tmp_path):
+    found = mbd.modes(models / "swept_cantilever.xml", count=4)
+    program("modes", models / "swept_cantilever.xml", "--count", 4, "--out", tmp_path, "--quiet")
+    theirs = json.loads((tmp_path / "modes.json").read_text())
+    assert found["names"] == [one["name"] for one in theirs["modes"]]
+    # JSON has the digits it takes to read numbers back; eigenvalues are iterated, from the same start.
+    assert same_bits(found["frequencies"], [one["frequency"] for one in theirs["modes"]])
+    assert found["shapes"].shape == (4, len(theirs["nodes"]), 6) and found["shapes"].dtype == complex
+    shape = numpy.array(theirs["modes"][2]["shape"])
+    assert numpy.abs(found["shapes"][2] - (shape[..., 0] + 1j * shape[..., 1])).max() < 1e-15
+    assert same_bits(found["positions"], [node["position"] for node in theirs["nodes"]])
+    assert found["axes"] is None and numpy.isnan(found["inertial_frequencies"]).all()
+
+
+def test_modes_of_a_spring():
+    """A mass on a spring: f = sqrt(k/m)/(2 pi)."""
+    text = """<mbd name="m"> <parameter name="k" value="100"/>
+      <body name="b" at="1 0 0" mass="4" inertia="1 1 1"/>
+      <prismatic name="p" between="ground b" axis="1 0 0"/>
+      <spring name="s" between="ground b" at_a="0 0 0" stiffness="k"/>
+      <transient duration="1" step="0.01"/> </mbd>"""
+    for k in (100, 400):
+        found = mbd.modes(mbd.Model(text=text, set={"k": k}), count=1)
+        assert found["frequencies"][0] == pytest.approx(numpy.sqrt(k / 4) / (2 * numpy.pi), rel=1e-9)
+
+
+def test_campbell(models, program, tmp_path):
+    model = models / "internal_damping.xml"
+    found = mbd.campbell(model, ("0 rad/s", 400), count=4, points=21)
+    said = program("campbell", model, "--rates", "0:400", "--count", 4, "--points", 21, "--out", tmp_path)
+    text = (tmp_path / "campbell.csv").read_text()
+    rows = list(csv.DictReader(io.StringIO("\n".join(line for line in text.splitlines() if not line.startswith("#")))))
+    for k, branch in enumerate(found["branches"]):
+        theirs = [row for row in rows if row["mode"] == str(k + 1)]
+        assert same_bits(branch["rates"], [float(row["rate"]) for row in theirs])
+        assert same_bits(branch["eigenvalues"].imag, [float(row["im_eigenvalue"]) for row in theirs])
+    kinds = [one["kind"] for one in found["special"]]
+    assert kinds == ["critical", "unstable_above"]
+    for one in found["special"]:
+        assert f"{one['kind'].replace('_', ' ')}" in said.replace("critical speed", "critical")
+        assert f"{one['rate']:.13g} rad/s" in said
+    # The model says it: unstable above the first frequency by (1 + external/internal damping).
+    assert found["special"][1]["rate"] / found["special"][0]["rate"] == pytest.approx(1.25, rel=0.01)
+
+
+def test_effects_and_accuracy():
+    text = PENDULUM.replace('duration="0.5"', 'duration="0.1"')
+    effects = mbd.effects(mbd.Model(text=text), budget=5)
+    assert "gravity" in json.dumps(effects)
+    accuracy = mbd.accuracy(mbd.Model(text=text), vary={"method": "radau", "tolerance": [1e-3, 1e-5]}, budget=5,
+                            quantities="tip.displacement")
+    assert accuracy["quantities"][0]["name"] == "tip.displacement"
+    assert len(accuracy["points"] if "points" in accuracy else accuracy["trials"]) == 2
+    json.dumps([effects, accuracy])  # nothing but data

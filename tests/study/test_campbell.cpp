@@ -1,0 +1,143 @@
+// Campbell diagrams against closed forms and the paper's shaft.
+#include "libmbd/study/modes/campbell.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/read_text.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test::test_campbell {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+using Kind = SpecialSpeed::Kind;
+
+Scene balanced_shaft() {
+  Scene scene = model_scene("shaft");
+  scene.beams[0].elements = 12;
+  scene.beams[0].order = 5;
+  scene.gravity.reset();
+  scene.bodies[0].center.setZero();
+  return scene;
+}
+
+CampbellStudy study(const Scene& scene, double to, int points, int count) {
+  CampbellOptions options;
+  options.to = to;
+  options.points = points;
+  options.count = count;
+  return study_campbell(scene, options);
+}
+
+// Mutation seen: candidates without conjugates (the forward branch turns back at the critical speed).
+TEST(Campbell, CriticalSpeedOfTheShaft) {
+  const CampbellStudy result = study(balanced_shaft(), 81.0, 12, 5);
+  ASSERT_EQ(result.special.size(), 1U);
+  EXPECT_EQ(result.special[0].kind, Kind::critical);
+  EXPECT_NEAR(result.special[0].rate, 53.5976076840911, 1e-8);
+  const CampbellBranch& forward = result.branches[result.special[0].branch];
+  EXPECT_LT(forward.points.back().eigenvalue.imag() * forward.points.front().eigenvalue.imag(),
+            0.0);
+  for (const CampbellPoint& p : forward.points) EXPECT_NEAR(p.inertial.value(), 53.597, 0.003);
+  // Branches stay themselves: torsion does not know of the rotation, and forward whirl rises.
+  for (const CampbellBranch& branch : result.branches) {
+    ASSERT_EQ(branch.points.size(), result.rates.size());
+    if (!branch.name.starts_with("twist")) continue;
+    for (const CampbellPoint& p : branch.points)
+      EXPECT_NEAR(std::abs(p.eigenvalue.imag()), 111.113174815, 1e-7);
+  }
+}
+
+// Viscous forces of the material: the forward whirl grows above the critical speed.
+TEST(Campbell, ThresholdOfInternalDamping) {
+  Scene scene = balanced_shaft();
+  scene.sections[0].damping.emplace();
+  scene.sections[0].damping->stiffness_proportional = 1e-4;
+  const CampbellStudy result = study(scene, 70.0, 8, 3);
+  std::vector<double> limits;
+  for (const SpecialSpeed& special : result.special)
+    if (special.kind == Kind::unstable_above) limits.push_back(special.rate);
+  ASSERT_EQ(limits.size(), 1U);
+  EXPECT_NEAR(limits[0], 53.5976076840911, 1e-6);
+}
+
+// A shaft that is stiffer in one of its planes, without rotary inertia: criticals at both its frequencies at rest, and
+// between them it diverges.
+TEST(Campbell, UnequalShaftDivergesBetweenItsCriticals) {
+  const Scene scene = read(R"(
+    <section name="s"><stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e3" EI2="100" EI3="144"/>
+      <mass per_length="1" inertia="2e-9 1e-9 1e-9"/></section>
+    <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="6" order="5"/>
+    <spherical name="A" between="ground b.start"/><spherical name="B" between="ground b.end"/><static/>)");
+  const CampbellStudy result = study(scene, 150.0, 31, 4);
+  std::vector<double> criticals;
+  for (const SpecialSpeed& special : result.special)
+    if (special.kind == Kind::critical) criticals.push_back(special.rate);
+  ASSERT_EQ(criticals.size(), 2U);
+  const double first = 10.0 * pi * pi, second = 12.0 * pi * pi;
+  EXPECT_NEAR(criticals[0], first, 1e-5 * first);
+  EXPECT_NEAR(criticals[1], second, 1e-5 * second);
+  // l^4 + (w2^2 + w3^2 + 2 W^2) l^2 + (w2^2 - W^2)(w3^2 - W^2) = 0 in the turning plane.
+  for (std::size_t i = 0; i < result.rates.size(); ++i) {
+    const double W2 = result.rates[i] * result.rates[i], a = first * first, b = second * second;
+    const double p = a + b + 2.0 * W2, q = (a - W2) * (b - W2);
+    const double square = 0.5 * (-p + std::sqrt(p * p - 4.0 * q));
+    double nearest = 1e300;
+    for (const CampbellBranch& branch : result.branches)
+      nearest = std::min(
+          nearest,
+          std::abs((branch.points[i].eigenvalue * branch.points[i].eigenvalue).real() - square));
+    EXPECT_LT(nearest, 1e-5 * p) << result.rates[i];
+  }
+}
+
+// A rigid disk in two housings on springs that differ by direction (tests/study/test_modes.cpp), seen from what rests: an
+// unbalance meets translation at sqrt(2 k/m) and tilting at (T^2 - P^2) w^4 - T (A + B) w^2 + A B = 0, A, B = 2 k a^2.
+TEST(Campbell, UnequalBearings) {
+  constexpr double m = 20.0, T = 0.9, P = 0.5, a = 0.4, k2 = 3e5, k3 = 5e5;
+  std::string text = R"(<body name="disk" at="0 0 0" mass="20" inertia="0.5 0.9 0.9"/><static/>)";
+  for (const auto& [name, x] : {std::pair{"A", -a}, std::pair{"B", a}})
+    text += fmt::format(R"(
+      <body name="{0}" at="{1} 0 0" mass="1e-6" inertia="1e-9 1e-9 1e-9"/>
+      <bushing name="k{0}" between="ground {0}" at="{1} 0 0" stiffness="1e6 {2} {3}" angular_stiffness="1e4 1e4 1e4"/>
+      <spherical name="J{0}" between="{0} disk" at="{1} 0 0"/>)",
+                        name, x, k2, k3);
+  CampbellOptions options;
+  options.to = 700.0;
+  options.points = 15;
+  options.count = 5;
+  options.at_rest = {"A", "B"};
+  const CampbellStudy result = study_campbell(read(text), options);
+  EXPECT_EQ(result.axes, ModeAxes::resting);
+  const double A = 2.0 * k2 * a * a, B = 2.0 * k3 * a * a, S = T * T - P * P;
+  const double root = std::sqrt(T * T * (A + B) * (A + B) - 4.0 * S * A * B);
+  const double wanted[] = {std::sqrt(2.0 * k2 / m), std::sqrt(2.0 * k3 / m),
+                           std::sqrt((T * (A + B) - root) / (2.0 * S)),
+                           std::sqrt((T * (A + B) + root) / (2.0 * S))};
+  for (const double w : wanted) {
+    double nearest = 1.0;
+    for (const SpecialSpeed& special : result.special)
+      if (special.kind == Kind::critical)
+        nearest = std::min(nearest, std::abs(special.rate / w - 1.0));
+    EXPECT_LT(nearest, 1e-6) << w;
+  }
+}
+
+TEST(Campbell, RefusesRatesThatDoNotRise) {
+  EXPECT_THROW(study(balanced_shaft(), 0.0, 5, 3), Error);
+  EXPECT_THROW(study(balanced_shaft(), 10.0, 1, 3), Error);
+}
+
+TEST(Campbell, IsWritten) {
+  const CampbellStudy result = study(balanced_shaft(), 60.0, 4, 2);
+  EXPECT_SAYS(to_text(result), "critical speed: 53.597607");
+  EXPECT_SAYS(to_csv(result), "inertial_frequency");
+  EXPECT_SAYS(campbell_svg(result), "Campbell diagram");
+}
+
+}  // namespace
+}  // namespace mbd::test::test_campbell

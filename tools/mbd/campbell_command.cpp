@@ -1,0 +1,108 @@
+#include "tools/mbd/campbell_command.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libmbd/language/reader.hpp"
+#include "libmbd/study/effects/ablation.hpp"
+#include "libmbd/study/modes/campbell.hpp"
+#include "libmbd/text/files.hpp"
+#include "tools/mbd/command_line.hpp"
+#include "tools/mbd/interrupt.hpp"
+#include "tools/mbd/overrides.hpp"
+#include "tools/mbd/rotation_options.hpp"
+
+namespace mbd {
+namespace {
+
+struct CampbellArguments {
+  std::string model, output, rates;
+  RotationArguments rotation;
+  std::vector<std::string> set, without;
+  int points = 61, count = 8;
+  bool quiet = false;
+};
+
+int draw_campbell(const CampbellArguments& arguments) {
+  Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  if (!arguments.without.empty()) scene = without(scene, arguments.without);
+  const std::size_t colon = arguments.rates.find(':');
+  if (colon == std::string::npos)
+    throw Error("--rates " + arguments.rates + ": give two rates, FROM:TO");
+  CampbellOptions options;
+  options.rotation = rotation_of(arguments.rotation);
+  options.at_rest = arguments.rotation.at_rest;
+  options.from = option_value("rates", arguments.rates.substr(0, colon), "rad/s", scene);
+  options.to = option_value("rates", arguments.rates.substr(colon + 1), "rad/s", scene);
+  options.points = arguments.points;
+  options.count = arguments.count;
+  if (!(options.from >= 0.0) || !(options.to > options.from))
+    throw Error("--rates " + arguments.rates + ": give two that rise and are not negative");
+  if (options.points < 2 || options.points > 100000)
+    throw Error(fmt::format("--points {}: give 2 to 100000", options.points));
+  if (options.count < 1 || options.count > 1000)
+    throw Error(fmt::format("--count {}: give 1 to 1000", options.count));
+  const std::filesystem::path output =
+      results_directory(arguments.output, arguments.model, "campbell");
+  const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
+  if (shown)
+    options.progress = [](std::size_t done, std::size_t all) {
+      show_progress(fmt::format("{} of {} rates", done, all));
+    };
+  options.interrupted = &InterruptHandler::flag();
+  CampbellStudy study;
+  {
+    const InterruptHandler handler;
+    study = study_campbell(scene, options);
+  }
+  if (shown) show_progress({});
+  make_directory(output);
+  write_file(output / "campbell.csv", to_csv(study));
+  write_file(output / "campbell.svg", campbell_svg(study));
+  if (!arguments.quiet)
+    fmt::print("{}\nwritten to {}: campbell.svg, campbell.csv\n", to_text(study), output.string());
+  return InterruptHandler::flag() ? interrupted_status : 0;
+}
+
+}  // namespace
+
+void add_campbell_command(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<CampbellArguments>();
+  CLI::App* const command = app.add_subcommand(
+      "campbell",
+      "Modes of what turns steadily over its rate, critical speeds, limits of stability.");
+  command->add_option("MODEL", arguments->model, "model file (XML)")->required();
+  command
+      ->add_option("-r,--rates", arguments->rates,
+                   "from which rate to which, in rad/s or with units (\"0:6000 rpm\")")
+      ->type_name("FROM:TO")
+      ->required();
+  add_rotation_options(*command, arguments->rotation);
+  command
+      ->add_option("-p,--points", arguments->points,
+                   "how many rates at least; between them steps are halved where modes change "
+                   "quickly; default: 61")
+      ->type_name("N");
+  command->add_option("-n,--count", arguments->count, "how many modes; default: 8")->type_name("N");
+  add_set_option(*command, arguments->set);
+  add_without_option(*command, arguments->without);
+  command
+      ->add_option("-o,--out", arguments->output,
+                   "directory of picture and table; default: results/MODEL/campbell")
+      ->type_name("DIR");
+  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
+  set_examples(*command,
+               "mbd campbell models/shaft.xml --rates 0:81 --without gravity\n"
+               "mbd campbell models/shaft.xml --rates \"0:600 rpm\" --without gravity --count 4",
+               "Exit status: 0 all went well; 1 an error; 130 interrupted, with what was done "
+               "written; 100 and\n"
+               "more: wrong use of the command.");
+  command->callback([arguments, &status] { status = draw_campbell(*arguments); });
+}
+
+}  // namespace mbd

@@ -1,0 +1,11 @@
+// What pages are made of, embedded in the program when it is built (tools/cmake/view_assets.cpp.in).
+#pragma once
+
+#include "libmbd/view/page.hpp"
+
+namespace mbd {
+
+// Empty in a program that was built without three.js.
+PageParts view_assets();
+
+}  // namespace mbd

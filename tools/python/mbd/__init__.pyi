@@ -1,0 +1,3700 @@
+# Written by tools/python/make_stubs.py from the package: change that, not this.
+import os
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
+
+import numpy
+
+# What an attribute of an element may be: numbers, words, or a text as in a model file.
+Value = Union[str, int, float, Sequence[Any], numpy.ndarray, None]
+
+__version__: str
+has_pages: bool
+
+class Element:
+    """One element of a Scene. Its methods add what may stand in it; `help(mbd.Scene.beam)` says what an element has."""
+    def __init__(self, scene: Any, line: Any, attributes: Any, content: Any) -> None:
+        ...
+
+class Model:
+    """A model: a file, a text, or a Scene built in Python.
+
+    path: file name or mbd.Scene
+    text: the model itself, in place of a file; `file` is what messages call it
+    set: dict, values of parameters in place of the model's: numbers, or texts with a unit ("30 rpm")
+
+    Raises ModelError, with .file and .line, for what models do not allow. What connects its parts is looked at when it
+    is first run, stepped or checked.
+    """
+    def __init__(self, path: Any = None, *, text: Any = None, set: Any = None, file: Any = 'model.xml') -> None:
+        ...
+    def check(self) -> Dict[str, Any]:
+        """dict: what `mbd check --json` says: sizes, mechanism, redundant constraints, gaps, notes."""
+        ...
+    @property
+    def columns(self) -> Dict[str, str]:
+        """dict: what a run records, {column: unit}, the first is time [s] or load_factor. Compiles the model."""
+        ...
+    def explain(self) -> Dict[str, Any]:
+        """dict: what `mbd explain --json` says: what is simulated, where it is stated, what is absent and why."""
+        ...
+    @property
+    def file(self) -> str:
+        """It was read from, str."""
+        ...
+    @property
+    def name(self) -> str:
+        """Of the model, str."""
+        ...
+    @property
+    def parameters(self) -> Dict[str, float]:
+        """dict: values of all parameters, SI units."""
+        ...
+    def run(self, progress: Any = False, *, out: Any = None, method: Any = None, step: Any = None, tolerance: Any = None, output: Any = None, without: Any = (), accuracy: Any = None, quantities: Any = (), choose_within: Any = 600.0, motion: Any = False, frames: Any = None, certify: Any = False, estimate_error: Any = True) -> Results:
+        """Runs the model as `mbd run` does, to the same bits, and returns Results.
+
+        progress: True shows a line on stderr; or a function f(t, duration, step), called a few times a second
+        out: directory for history.csv, history.svg and report.json; none: nothing is written
+        method, step [s], tolerance, output [s]: integrate otherwise than the model says (of a <transient>)
+        without: effects to leave out, as `mbd effects` names them
+        accuracy: chooses settings for this error of `quantities`, within choose_within [s] of CPU time
+        motion: keeps the motion for Results.view(); frames: so many, else one with each row
+        certify: makes the dear checks of the certificate too
+        estimate_error: estimates the error in time by a second run in other steps
+
+        Runs on a thread of its own without Python's lock. Raises ModelError for what cannot start, RunError for a run
+        that ends too early, Interrupted for Ctrl-C; the last two have .results, which are also in Model.results.
+        """
+        ...
+    def stepper(self, *, method: Any = None, step: Any = None, tolerance: Any = None, duration: Any = None) -> Stepper:
+        """A Stepper at t = 0, after the equilibrium if the model has a <static>.
+
+        method, step [s], tolerance, duration [s]: otherwise than the model's <transient> says
+        """
+        ...
+    def view(self) -> Page:
+        """A page that shows the model, with the gaps of joints that do not close."""
+        ...
+
+class Page:
+    """One HTML page that loads nothing. A notebook shows it; save() writes it."""
+    def __init__(self, html: Any) -> None:
+        ...
+    def save(self, file: Any) -> Any:
+        ...
+
+class Results:
+    """What a run has recorded. r["tip.displacement"] is a quantity, r["tip"] all of a record, r["tip.displacement.3"]
+    a column; rows are the states of history.csv. Arrays are views that cannot be written to.
+    """
+    def __contains__(self, name: Any) -> bool:
+        ...
+    def __getitem__(self, name: str) -> numpy.ndarray:
+        """A column, (rows,); or a quantity or a record, (rows, components). Raises UnknownName."""
+        ...
+    def __init__(self, name: Any, table: Any, report: Any, directory: Any = None, kept: Any = None) -> None:
+        ...
+    def __iter__(self) -> Iterator[str]:
+        ...
+    def __len__(self) -> int:
+        ...
+    @property
+    def as_expected(self) -> bool:
+        """Complete, and all expectations met."""
+        ...
+    @property
+    def certificate(self) -> Dict[str, Any]:
+        """dict: verdict and checks (value, bounds, where) of the run."""
+        ...
+    @property
+    def columns(self) -> List[str]:
+        """Names of the columns, list; the first is time or load_factor."""
+        ...
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its end."""
+        ...
+    @property
+    def expectations(self) -> List[Dict[str, Any]]:
+        """list of dict: the numbers the model expects, what came, and whether it passes."""
+        ...
+    @property
+    def failure(self) -> str:
+        """Why it did not, str; "" if it did."""
+        ...
+    def frame(self) -> Any:
+        """pandas.DataFrame with a column for each column, indexed by time (or load_factor)."""
+        ...
+    def keys(self) -> List[str]:
+        ...
+    def plot(self, *names: Any, ax: Any = None) -> Any:
+        """Draws records, quantities or columns (none: all) over time by matplotlib; returns the axes, one for each unit,
+        or `ax`.
+        """
+        ...
+    @property
+    def t(self) -> float:
+        """Time reached [s]."""
+        ...
+    @property
+    def time(self) -> numpy.ndarray:
+        """The first column: time [s], or load_factor."""
+        ...
+    @property
+    def units(self) -> Dict[str, str]:
+        """dict: unit of each column and quantity; "" of a pure number."""
+        ...
+    @property
+    def values(self) -> numpy.ndarray:
+        """All numbers, (rows, columns)."""
+        ...
+    def view(self, frames: Any = None) -> Page:
+        """The motion as a page in 3-D, of a run with motion=True; `frames`: at most so many."""
+        ...
+
+class Sweep:
+    """The table of a sweep: sweep["rpm"] is a parameter, sweep["tip.displacement.3"] a column, (points,); nan where a
+    point was not done, for which `status` and `messages` say why.
+    """
+    def __getitem__(self, name: str) -> numpy.ndarray:
+        ...
+    def __init__(self, found: Any) -> None:
+        ...
+    def __len__(self) -> int:
+        ...
+    @property
+    def columns(self) -> List[str]:
+        """Names of what was kept, list."""
+        ...
+    @property
+    def csv(self) -> str:
+        """The table as `mbd sweep` writes it, str."""
+        ...
+    def frame(self) -> Any:
+        """pandas.DataFrame: a row for each point; parameters (numbers without their unit), status, columns, t, cpu, message."""
+        ...
+    @property
+    def units(self) -> Dict[str, str]:
+        """dict: unit of each column; "" of a pure number."""
+        ...
+    @property
+    def values(self) -> numpy.ndarray:
+        """All numbers, (points, columns)."""
+        ...
+
+class Scene(Element):
+    """A model built in Python, with the names of model files: scene.beam(name="b", from_=(0, 0, 0), …). Values are
+    numbers, sequences or arrays of them, or texts as in files (expressions, numbers with units). An attribute `from` is
+    written from_. What has parts returns an Element to which they are added:
+
+        section = scene.section(name="strip")
+        section.stiffness(EA=1e6, GA2=4e5, GA3=4e5, GJ=80, EI2=100, EI3=100)
+
+    mbd.Model(scene, set={…}) checks it: a ModelError has the Python file and line that stated the item.
+    """
+    def __init__(self, name: Any, **attributes: Any) -> None:
+        ...
+    def run(self, set: Any = None, **options: Any) -> Results:
+        """mbd.Model(self, set=set).run(…)."""
+        ...
+    def xml(self) -> str:
+        """The same as a model file, str."""
+        ...
+    def parameter(self, *, name: Value = None, value: Value = None) -> ParameterElement:
+        """<parameter>
+          A named number. Later expressions may use it; --set replaces its value.
+          Stands in <mbd>.
+
+        Attributes:
+          name               name, required
+                             a word that expressions below may use
+          value              number [any unit], required
+                             its value, unless --set gives another; with a unit it is
+                             converted to SI units and rad
+
+        For example:
+          <mbd name="balls" version="1">
+            <parameter name="n" value="3"/>
+            <parameter name="height" value="1.25"/>
+            <defaults>
+              <body mass="2" inertia="1 1 1"/>
+              <record quantities="position"/>
+            </defaults>
+            <repeat count="n">
+              <body name="ball{i+1}" at="i*0.5 0 height"/>
+              <record name="ball{i+1}" at="ball{i+1}"/>
+            </repeat>
+            <gravity acceleration="0 0 -10"/>
+            <transient duration="0.5" step="5e-3"/>
+            <expect quantity="ball3.position.3" at="0.5" value="0" tolerance="1e-9" source="h - g t^2/2"/>
+          </mbd>
+        """
+        ...
+    def include(self, *, file: Value = None) -> IncludeElement:
+        """<include>
+          Reads the elements of another model file here, as if they stood in this one.
+          That file's name for its model is not used.
+          Stands in <mbd>.
+
+        Attributes:
+          file               text, required
+                             its name, relative to the file that includes it
+
+        For example:
+          <mbd name="springboard">
+            <include file="tubes.xml"/>
+            <beam name="board" section="tube40" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground board.start"/>
+            <load at="board.end" force="0 0 0.01>t?-200:0 N"/>
+            <transient duration="50 ms" step="0.5 ms"/>
+            <record name="tip" at="board.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def defaults(self) -> DefaultsElement:
+        """<defaults>
+          Elements with some of their attributes, no name and no content: what later
+          elements of that kind have when they do not say otherwise.
+          Stands in <mbd>. Holds <section>, <station>, <stiffness>, <mass>, <damping>,
+          <beam>, <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>,
+          <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
+          <joint_torque>, <drag>, <added_mass>, <base_motion>, <gravity>, <static>,
+          <path>, <mark>, <stop>, <transient>, <record>, <motion_output>, <plot>,
+          <expect>, <fixed>, <rigid_link>, <revolute>, <prismatic>, <cylindrical>,
+          <screw>, <universal>, <spherical>, <planar>, <point_on_line>, <distance>.
+
+        For example:
+          <mbd name="balls" version="1">
+            <parameter name="n" value="3"/>
+            <parameter name="height" value="1.25"/>
+            <defaults>
+              <body mass="2" inertia="1 1 1"/>
+              <record quantities="position"/>
+            </defaults>
+            <repeat count="n">
+              <body name="ball{i+1}" at="i*0.5 0 height"/>
+              <record name="ball{i+1}" at="ball{i+1}"/>
+            </repeat>
+            <gravity acceleration="0 0 -10"/>
+            <transient duration="0.5" step="5e-3"/>
+            <expect quantity="ball3.position.3" at="0.5" value="0" tolerance="1e-9" source="h - g t^2/2"/>
+          </mbd>
+        """
+        ...
+    def section(self, *, name: Value = None, interpolation: Value = None) -> SectionElement:
+        """<section>
+          Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <station>, <stiffness>, <mass>,
+          <damping>, <repeat>.
+
+        Attributes:
+          name               name, required
+                             name beams refer to
+          interpolation      linear or smooth, default linear
+                             between stations, entry by entry: linear (kinks are best
+                             placed at ends of elements) or a cubic spline
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def beam(self, *, name: Value = None, section: Value = None, from_: Value = None, to: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> BeamElement:
+        """<beam>
+          A straight beam.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among beams and bodies
+          section            text, required
+                             name of its section
+          from               3 numbers [m], required
+                             start of the reference line
+          to                 3 numbers [m], required
+                             end of the reference line
+          normal             3 numbers, required
+                             b3 at the start (of a curve: everywhere); its part along
+                             the reference line does not matter
+          elements           whole number from 1 to 1000000, default 1
+                             spectral elements of equal length, of the beam or (mesh) of
+                             each of its parts
+          mesh               equal or stations, default equal
+                             what `elements` divides: the beam, or each part between two
+                             stations of its section, where kinks of its tables are then
+                             ends of elements
+          order              whole number from 1 to 8, default 3
+                             order N: N + 1 nodes an element
+          kinematics         motion or classical, default motion
+                             what is interpolated: the motion, or (classical)
+                             displacement and rotation apart, without metric and form
+          metric             matrix, quaternion or geodesic, default geodesic
+                             interpolation of motion
+          rule               gauss or gauss_lobatto, default gauss
+                             quadrature; gauss_lobatto locks
+          form               energy or paper, default energy
+                             elastic force: gradient of a discrete energy, or the
+                             paper's
+
+        For example:
+          <mbd name="hook">
+            <section name="bar">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+            </section>
+            <beam name="leg" section="bar" from="0 0 0" to="0 0 2" normal="0 1 0" elements="2"/>
+            <arc name="bow" section="bar" from="0 0 2" center="0.5 0 2" axis="0 1 0" angle="pi" normal="0 1 0"
+                 elements="2" order="5"/>
+            <curve name="tail" section="bar" normal="0 1 0" elements="2">
+              <point at="1 0 2"/>
+              <point at="1.02 0 1.8"/>
+              <point at="1.1 0 1.6" twist="10*deg"/>
+            </curve>
+            <fixed name="foot" between="ground leg.start"/>
+            <fixed name="A" between="leg.end bow.start"/>
+            <fixed name="B" between="bow.end tail.start"/>
+            <load at="tail.end" force="0 0 -50"/>
+            <static/>
+            <record name="end" at="tail.end" quantities="displacement rotation"/>
+            <record name="leg" at="leg@0.5" quantities="force moment"/>
+            <expect quantity="leg.force.1" value="-50" tolerance="0.1"
+                    source="equilibrium: the leg is pressed"/>
+          </mbd>
+        """
+        ...
+    def arc(self, *, name: Value = None, section: Value = None, from_: Value = None, center: Value = None, axis: Value = None, angle: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> ArcElement:
+        """<arc>
+          A beam along a circular arc: `from`, turned about the centre.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among beams and bodies
+          section            text, required
+                             name of its section
+          from               3 numbers [m], required
+                             start of the reference line
+          center             3 numbers [m], required
+                             centre of the circle
+          axis               3 numbers, required
+                             the line runs right-handed about it
+          angle              number > 0 [rad], required
+                             subtended angle
+          normal             3 numbers, required
+                             b3 at the start (of a curve: everywhere); its part along
+                             the reference line does not matter
+          elements           whole number from 1 to 1000000, default 1
+                             spectral elements of equal length, of the beam or (mesh) of
+                             each of its parts
+          mesh               equal or stations, default equal
+                             what `elements` divides: the beam, or each part between two
+                             stations of its section, where kinks of its tables are then
+                             ends of elements
+          order              whole number from 1 to 8, default 3
+                             order N: N + 1 nodes an element
+          kinematics         motion or classical, default motion
+                             what is interpolated: the motion, or (classical)
+                             displacement and rotation apart, without metric and form
+          metric             matrix, quaternion or geodesic, default geodesic
+                             interpolation of motion
+          rule               gauss or gauss_lobatto, default gauss
+                             quadrature; gauss_lobatto locks
+          form               energy or paper, default energy
+                             elastic force: gradient of a discrete energy, or the
+                             paper's
+
+        For example:
+          <mbd name="hook">
+            <section name="bar">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+            </section>
+            <beam name="leg" section="bar" from="0 0 0" to="0 0 2" normal="0 1 0" elements="2"/>
+            <arc name="bow" section="bar" from="0 0 2" center="0.5 0 2" axis="0 1 0" angle="pi" normal="0 1 0"
+                 elements="2" order="5"/>
+            <curve name="tail" section="bar" normal="0 1 0" elements="2">
+              <point at="1 0 2"/>
+              <point at="1.02 0 1.8"/>
+              <point at="1.1 0 1.6" twist="10*deg"/>
+            </curve>
+            <fixed name="foot" between="ground leg.start"/>
+            <fixed name="A" between="leg.end bow.start"/>
+            <fixed name="B" between="bow.end tail.start"/>
+            <load at="tail.end" force="0 0 -50"/>
+            <static/>
+            <record name="end" at="tail.end" quantities="displacement rotation"/>
+            <record name="leg" at="leg@0.5" quantities="force moment"/>
+            <expect quantity="leg.force.1" value="-50" tolerance="0.1"
+                    source="equilibrium: the leg is pressed"/>
+          </mbd>
+        """
+        ...
+    def curve(self, *, name: Value = None, section: Value = None, degree: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> CurveElement:
+        """<curve>
+          A beam along a smooth curve through points.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <point>, <repeat>.
+
+        Attributes:
+          name               name, required
+                             name, unique among beams and bodies
+          section            text, required
+                             name of its section
+          degree             whole number from 1 to 1000, optional
+                             of the spline (default: 2 order + 1, or what the points
+                             allow; lower it for rough points)
+          normal             3 numbers, required
+                             b3 at the start (of a curve: everywhere); its part along
+                             the reference line does not matter
+          elements           whole number from 1 to 1000000, default 1
+                             spectral elements of equal length, of the beam or (mesh) of
+                             each of its parts
+          mesh               equal or stations, default equal
+                             what `elements` divides: the beam, or each part between two
+                             stations of its section, where kinks of its tables are then
+                             ends of elements
+          order              whole number from 1 to 8, default 3
+                             order N: N + 1 nodes an element
+          kinematics         motion or classical, default motion
+                             what is interpolated: the motion, or (classical)
+                             displacement and rotation apart, without metric and form
+          metric             matrix, quaternion or geodesic, default geodesic
+                             interpolation of motion
+          rule               gauss or gauss_lobatto, default gauss
+                             quadrature; gauss_lobatto locks
+          form               energy or paper, default energy
+                             elastic force: gradient of a discrete energy, or the
+                             paper's
+
+        For example:
+          <mbd name="hook">
+            <section name="bar">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+            </section>
+            <beam name="leg" section="bar" from="0 0 0" to="0 0 2" normal="0 1 0" elements="2"/>
+            <arc name="bow" section="bar" from="0 0 2" center="0.5 0 2" axis="0 1 0" angle="pi" normal="0 1 0"
+                 elements="2" order="5"/>
+            <curve name="tail" section="bar" normal="0 1 0" elements="2">
+              <point at="1 0 2"/>
+              <point at="1.02 0 1.8"/>
+              <point at="1.1 0 1.6" twist="10*deg"/>
+            </curve>
+            <fixed name="foot" between="ground leg.start"/>
+            <fixed name="A" between="leg.end bow.start"/>
+            <fixed name="B" between="bow.end tail.start"/>
+            <load at="tail.end" force="0 0 -50"/>
+            <static/>
+            <record name="end" at="tail.end" quantities="displacement rotation"/>
+            <record name="leg" at="leg@0.5" quantities="force moment"/>
+            <expect quantity="leg.force.1" value="-50" tolerance="0.1"
+                    source="equilibrium: the leg is pressed"/>
+          </mbd>
+        """
+        ...
+    def body(self, *, name: Value = None, attached_to: Value = None, at: Value = None, orientation: Value = None, mass: Value = None, center: Value = None, inertia: Value = None, velocity: Value = None, angular_velocity: Value = None) -> BodyElement:
+        """<body>
+          A rigid body, free or fixed to a place.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among beams and bodies
+          attached_to        place, optional
+                             the place it is fixed to; its axes are those of the place
+          at                 3 numbers [m], optional
+                             reference point of a free body (default 0 0 0)
+          orientation        3 or 9 numbers [rad], optional
+                             of a free body: rotation vector, or (without unit) matrix
+                             row by row
+          mass               number >= 0 [kg], required
+                             mass
+          center             3 numbers [m], default 0 0 0
+                             mass centre from the reference point, body axes
+          inertia            3 or 6 numbers [kg.m2], required
+                             matrix xx yy zz [xy xz yz] about the mass centre, body axes
+          velocity           3 numbers [m/s], optional
+                             of the reference point of a free body at the start,
+                             inertial axes (default 0 0 0)
+          angular_velocity   3 numbers [rad/s], optional
+                             of a free body at the start, body axes (default 0 0 0)
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
+    def drive(self, *, joint: Value = None, rate: Value = None, angle: Value = None, speed: Value = None, displacement: Value = None) -> DriveElement:
+        """<drive>
+          Prescribes the angle or the displacement of a joint.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          joint              text, required
+                             name of a joint with an angle or a displacement
+          rate               expression of t [rad/s], optional
+                             rotation rate of b relative to a; the angle starts at 0
+          angle              expression of t [rad], optional
+                             or the rotation of b relative to a, 0 at the start
+          speed              expression of t [m/s], optional
+                             or the speed of b relative to a along the axis; the
+                             displacement starts at 0
+          displacement       expression of t [m], optional
+                             or the displacement of b relative to a along the axis, 0 at
+                             the start
+
+        For example:
+          <mbd name="wiper">
+            <!-- A carriage on a prescribed path; on it, an arm that a motor brings to 60 rpm. -->
+            <parameter name="speed" value="2*pi"/>
+            <body name="carriage" mass="10" inertia="1 1 1"/>
+            <motion name="path" of="carriage" displacement="0.2*(1-cos(pi*t)) 0 0" rotation="0 0 0"/>
+            <body name="arm" at="0 0 0" center="0 0 0.25" mass="1" inertia="0.02 0.02 0.001"/>
+            <revolute name="shaft" between="carriage arm" axis="0 1 0"/>
+            <drive joint="shaft" rate="0.5 > t ? speed*sin(pi*t)^2 : speed"/>
+            <transient duration="1" step="2e-3"/>
+            <record name="shaft" joint="shaft" quantities="angle rate reaction_moment"/>
+            <record name="path" joint="path" quantities="reaction_force"/>
+            <expect quantity="shaft.angle" at="1" value="1.5*pi" tolerance="1e-9"
+                    source="integral of the rate"/>
+          </mbd>
+        """
+        ...
+    def motion(self, *, name: Value = None, of: Value = None, displacement: Value = None, velocity: Value = None, rotation: Value = None, axis: Value = None, angle: Value = None, rate: Value = None) -> MotionElement:
+        """<motion>
+          Prescribes the motion of a place; what is not given is free.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints and motions
+          of                 place, required
+                             the place that moves
+          displacement       3 expressions of t [m], optional
+                             from the reference configuration, inertial axes, 0 at the
+                             start
+          velocity           3 expressions of t [m/s], optional
+                             or its rate; the displacement starts at 0
+          rotation           3 expressions of t [rad], optional
+                             rotation vector from the reference configuration, inertial
+                             axes, of any length
+          axis               3 numbers, optional
+                             or an inertial axis, and one of angle and rate
+          angle              expression of t [rad], optional
+                             rotation about the axis, 0 at the start
+          rate               expression of t [rad/s], optional
+                             or its rate; the angle starts at 0
+
+        For example:
+          <mbd name="wiper">
+            <!-- A carriage on a prescribed path; on it, an arm that a motor brings to 60 rpm. -->
+            <parameter name="speed" value="2*pi"/>
+            <body name="carriage" mass="10" inertia="1 1 1"/>
+            <motion name="path" of="carriage" displacement="0.2*(1-cos(pi*t)) 0 0" rotation="0 0 0"/>
+            <body name="arm" at="0 0 0" center="0 0 0.25" mass="1" inertia="0.02 0.02 0.001"/>
+            <revolute name="shaft" between="carriage arm" axis="0 1 0"/>
+            <drive joint="shaft" rate="0.5 > t ? speed*sin(pi*t)^2 : speed"/>
+            <transient duration="1" step="2e-3"/>
+            <record name="shaft" joint="shaft" quantities="angle rate reaction_moment"/>
+            <record name="path" joint="path" quantities="reaction_force"/>
+            <expect quantity="shaft.angle" at="1" value="1.5*pi" tolerance="1e-9"
+                    source="integral of the rate"/>
+          </mbd>
+        """
+        ...
+    def load(self, *, name: Value = None, at: Value = None, force: Value = None, moment: Value = None, follower_force: Value = None, follower_moment: Value = None, offset: Value = None) -> LoadElement:
+        """<load>
+          A force and moment at a place.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, optional
+                             name, for messages
+          at                 place, required
+                             where it acts
+          force              3 expressions of t [N], optional
+                             dead force, inertial axes
+          moment             3 expressions of t [N.m], optional
+                             dead moment, inertial axes
+          follower_force     3 expressions of t [N], optional
+                             force in the axes of the section or body
+          follower_moment    3 expressions of t [N.m], optional
+                             moment in the axes of the section or body
+          offset             3 numbers [m], default 0 0 0
+                             where the forces act, from the place, in the axes of the
+                             section or body
+
+        For example:
+          <mbd name="beam_in_wind">
+            <section name="tube">
+              <stiffness EA="4e7" GA2="1e7" GA3="1e7" GJ="5e4" EI2="6e4" EI3="6e4"/>
+              <mass per_length="5" inertia="2e-2 1e-2 1e-2"/>
+            </section>
+            <beam name="boom" section="tube" from="0 0 0" to="3 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="wall" between="ground boom.start"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <distributed name="wind" beam="boom" follower_force="0 80*s*(1-cos(20*t)) 0"/>
+            <load name="rope" at="boom.end" force="0 0 min(2000*t,100)"
+                    follower_moment="5 0 0" offset="0 0.1 0"/>
+            <static/>
+            <transient duration="0.2" step="1e-3"/>
+            <record name="tip" at="boom.end" quantities="displacement rotation"/>
+            <record name="root" joint="wall" quantities="reaction_force reaction_moment"/>
+          </mbd>
+        """
+        ...
+    def distributed(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, force: Value = None, moment: Value = None, follower_force: Value = None, follower_moment: Value = None) -> DistributedElement:
+        """<distributed>
+          Forces and moments per unit of reference length along a beam; expressions of
+          s, the fraction of that length, and t.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, optional
+                             name, for messages
+          beam               text, required
+                             name of the beam
+          from               number from 0 to 1, default 0
+                             where it begins, fraction of the reference length
+          to                 number from 0 to 1, default 1
+                             where it ends
+          force              3 expressions of s, t [N/m], optional
+                             dead force per reference length, inertial axes
+          moment             3 expressions of s, t [N], optional
+                             dead moment per reference length, inertial axes
+          follower_force     3 expressions of s, t [N/m], optional
+                             force per reference length, section axes
+          follower_moment    3 expressions of s, t [N], optional
+                             moment per reference length, section axes
+
+        For example:
+          <mbd name="beam_in_wind">
+            <section name="tube">
+              <stiffness EA="4e7" GA2="1e7" GA3="1e7" GJ="5e4" EI2="6e4" EI3="6e4"/>
+              <mass per_length="5" inertia="2e-2 1e-2 1e-2"/>
+            </section>
+            <beam name="boom" section="tube" from="0 0 0" to="3 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="wall" between="ground boom.start"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <distributed name="wind" beam="boom" follower_force="0 80*s*(1-cos(20*t)) 0"/>
+            <load name="rope" at="boom.end" force="0 0 min(2000*t,100)"
+                    follower_moment="5 0 0" offset="0 0.1 0"/>
+            <static/>
+            <transient duration="0.2" step="1e-3"/>
+            <record name="tip" at="boom.end" quantities="displacement rotation"/>
+            <record name="root" joint="wall" quantities="reaction_force reaction_moment"/>
+          </mbd>
+        """
+        ...
+    def rigid(self, *, name: Value = None, of: Value = None) -> RigidElement:
+        """<rigid>
+          Makes one rigid body of beams and free bodies: one node with the mass of them
+          all. Places of its beams stay places; joints between two of them do nothing.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among beams, bodies and rigid ones
+          of                 words, required
+                             names of beams and free bodies; its frame is the first
+                             one's
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
+    def point_mass(self, *, name: Value = None, at: Value = None, mass: Value = None, offset: Value = None) -> PointMassElement:
+        """<point_mass>
+          A mass without inertia of its own that moves with a place.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, optional
+                             name, for messages
+          at                 place, required
+                             what it moves with
+          mass               number >= 0 [kg], required
+                             mass
+          offset             3 numbers [m], default 0 0 0
+                             from the place, axes of the section or body
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
+    def spring(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None, stiffness: Value = None, damping: Value = None, length: Value = None, force: Value = None, damping_force: Value = None) -> SpringElement:
+        """<spring>
+          A spring, a damper or both along the line between two points of two places.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <table>.
+
+        Attributes:
+          name               name, required
+                             name, unique among springs
+          between            two places, required
+                             the two places a and b it acts on
+          at_a               3 numbers [m], optional
+                             its point of a (default: that of the place)
+          at_b               3 numbers [m], optional
+                             its point of b (default: that of the place)
+          stiffness          number >= 0 [N/m], optional
+                             tension per extension x
+          damping            number >= 0 [N.s/m], optional
+                             tension per rate v of the length
+          length             number >= 0 [m], optional
+                             free length, where x = 0 (default: that of the reference
+                             configuration)
+          force              expression of x [N], optional
+                             or (both add up) the tension at the extension x [m]
+          damping_force      expression of v [N], optional
+                             or (both add up) the tension at the rate v [m/s]; 0 at v =
+                             0
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+    def bushing(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, second_axis: Value = None, stiffness: Value = None, angular_stiffness: Value = None, damping: Value = None, angular_damping: Value = None) -> BushingElement:
+        """<bushing>
+          An elastic connection of two frames, which coincide in the reference
+          configuration, in all six directions.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <matrix>, <law>.
+
+        Attributes:
+          name               name, required
+                             name, unique among springs
+          between            two places, required
+                             the two places a and b it connects
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, optional
+                             its third axis (default: inertial axes)
+          second_axis        3 numbers, optional
+                             its first axis, perpendicular to the third (default: any)
+          stiffness          3 numbers, each >= 0 [N/m], optional
+                             along its three axes
+          angular_stiffness  3 numbers, each >= 0 [N.m], optional
+                             about its three axes, per rad
+          damping            3 numbers, each >= 0 [N.s/m], optional
+                             along its three axes
+          angular_damping    3 numbers, each >= 0 [N.m.s], optional
+                             about its three axes, per rad
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+    def joint_spring(self, *, name: Value = None, joint: Value = None, angular_stiffness: Value = None, angular_damping: Value = None, rest_angle: Value = None, moment: Value = None, damping_moment: Value = None, stiffness: Value = None, damping: Value = None, rest_displacement: Value = None, force: Value = None, damping_force: Value = None) -> JointSpringElement:
+        """<joint_spring>
+          A spring, a damper or both on the free coordinate of a joint: its angle, over
+          any number of turns, or its displacement.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <table>.
+
+        Attributes:
+          name               name, required
+                             name, unique among springs
+          joint              text, required
+                             name of a joint with an angle or a displacement
+          angular_stiffness  number >= 0 [N.m], optional
+                             moment per angle of b relative to a, against it
+          angular_damping    number >= 0 [N.m.s], optional
+                             moment per rate of the angle
+          rest_angle         number [rad], optional
+                             angle without moment (default 0)
+          moment             expression of x [N.m], optional
+                             or (both add up) the moment at x [rad], the angle less
+                             rest_angle, against it
+          damping_moment     expression of v [N.m], optional
+                             or (both add up) the moment at the rate v [rad/s]; 0 at v =
+                             0
+          stiffness          number >= 0 [N/m], optional
+                             or force per displacement of b relative to a along the
+                             axis, against it
+          damping            number >= 0 [N.s/m], optional
+                             force per speed
+          rest_displacement  number [m], optional
+                             displacement without force (default 0)
+          force              expression of x [N], optional
+                             or (both add up) the force at x [m], the displacement less
+                             rest_displacement, against it
+          damping_force      expression of v [N], optional
+                             or (both add up) the force at the speed v [m/s]; 0 at v = 0
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+    def joint_torque(self, *, name: Value = None, joint: Value = None, moment: Value = None, force: Value = None) -> JointTorqueElement:
+        """<joint_torque>
+          A moment about or a force along the axis of a joint, of time; the joint turns
+          freely.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, optional
+                             name, for messages
+          joint              text, required
+                             name of a joint with an angle or a displacement
+          moment             expression of t [N.m], optional
+                             on b about the axis, and its opposite on a
+          force              expression of t [N], optional
+                             on b along the axis, and its opposite on a
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+    def drag(self, *, name: Value = None, density: Value = None, flow: Value = None, beam: Value = None, from_: Value = None, to: Value = None, diameter: Value = None, normal_coefficient: Value = None, tangential_coefficient: Value = None, at: Value = None, area: Value = None, coefficient: Value = None, offset: Value = None) -> DragElement:
+        """<drag>
+          Quadratic drag of a fluid, still or flowing, along a beam or at a place.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, optional
+                             name, for messages
+          density            number > 0 [kg/m3], required
+                             of the fluid
+          flow               3 expressions of t [m/s], optional
+                             velocity of the fluid, inertial axes; without it the fluid
+                             is still
+          beam               text, optional
+                             name of the beam (one of beam, at)
+          from               number from 0 to 1, optional
+                             of a beam: where it begins, fraction of the reference
+                             length (default 0)
+          to                 number from 0 to 1, optional
+                             of a beam: where it ends (default 1)
+          diameter           number > 0 [m], optional
+                             of a beam, which needs it
+          normal_coefficient number >= 0, optional
+                             of a beam, which needs it: C of 1/2 density C diameter |u|
+                             u per length, u across the beam
+          tangential_coefficient number >= 0, optional
+                             of a beam, which needs it: C of 1/2 density C pi diameter
+                             |u| u per length, u along the beam
+          at                 place, optional
+                             or what it acts on (one of beam, at)
+          area               number > 0 [m2], optional
+                             at a place, which needs it
+          coefficient        number >= 0, optional
+                             at a place, which needs it: C of 1/2 density C area |u| u,
+                             the same in all directions
+          offset             3 numbers [m], optional
+                             at a place: where it acts, from there, axes of the section
+                             or body (default 0 0 0)
+
+        For example:
+          <mbd name="pier">
+            <!-- A pier in a current, shaken by an earthquake. -->
+            <section name="tube">
+              <stiffness EA="6e9" GA2="2e9" GA3="2e9" GJ="1e9" EI2="1.3e9" EI3="1.3e9"/>
+              <mass per_length="900" inertia="400 200 200"/>
+            </section>
+            <beam name="pier" section="tube" from="0 0 0" to="0 0 30" normal="1 0 0" elements="3" order="4"/>
+            <fixed name="bed" between="ground pier.start"/>
+            <body name="deck" attached_to="pier.end" mass="2e4" inertia="2e5 2e5 2e5"/>
+            <drag beam="pier" to="2/3" density="1025" diameter="1.2" normal_coefficient="1"
+                  tangential_coefficient="0.01" flow="0 1.5 0"/>
+            <added_mass beam="pier" to="2/3" density="1025" diameter="1.2" coefficient="1"/>
+            <drag at="deck" density="1.2" area="40" coefficient="1.3" flow="0 25 0"/>
+            <base_motion acceleration="2*sin(12*t)*exp(-t) 0 0"/>
+            <static/>
+            <transient duration="1" step="5e-3" rho_infinity="0.8"/>
+            <record name="deck" at="deck" quantities="displacement"/>
+            <record name="bed" joint="bed" quantities="reaction_force"/>
+            <expect quantity="bed.reaction_force.2" at="0"
+                    value="-0.5*1025*1.2*1.5^2*20-0.5*1.2*1.3*40*25^2" tolerance="50"
+                    source="equilibrium of a pier that stands upright"/>
+          </mbd>
+        """
+        ...
+    def added_mass(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, density: Value = None, diameter: Value = None, coefficient: Value = None, at: Value = None, matrix: Value = None) -> AddedMassElement:
+        """<added_mass>
+          Inertia of a fluid that a beam or a body sets in motion: of a fluid at rest,
+          without its weight.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, optional
+                             name, for messages
+          beam               text, optional
+                             name of the beam (one of beam, at)
+          from               number from 0 to 1, optional
+                             of a beam: where it begins, fraction of the reference
+                             length (default 0)
+          to                 number from 0 to 1, optional
+                             of a beam: where it ends (default 1)
+          density            number > 0 [kg/m3], optional
+                             of a beam, which needs it: of the fluid
+          diameter           number > 0 [m], optional
+                             of a beam, which needs it
+          coefficient        number >= 0, optional
+                             of a beam, which needs it: C of density C pi diameter^2/4
+                             per length, across the beam; along it there is none
+          at                 place, optional
+                             or what it moves with (one of beam, at)
+          matrix             6 or 21 numbers, optional
+                             at a place, which needs it, in SI units: m11 m22 m33 [kg]
+                             J11 J22 J33 [kg.m2], or the upper triangle row by row (21
+                             numbers), of velocities v1 v2 v3 and angular velocities w1
+                             w2 w3 in the axes of the section or body
+
+        For example:
+          <mbd name="pier">
+            <!-- A pier in a current, shaken by an earthquake. -->
+            <section name="tube">
+              <stiffness EA="6e9" GA2="2e9" GA3="2e9" GJ="1e9" EI2="1.3e9" EI3="1.3e9"/>
+              <mass per_length="900" inertia="400 200 200"/>
+            </section>
+            <beam name="pier" section="tube" from="0 0 0" to="0 0 30" normal="1 0 0" elements="3" order="4"/>
+            <fixed name="bed" between="ground pier.start"/>
+            <body name="deck" attached_to="pier.end" mass="2e4" inertia="2e5 2e5 2e5"/>
+            <drag beam="pier" to="2/3" density="1025" diameter="1.2" normal_coefficient="1"
+                  tangential_coefficient="0.01" flow="0 1.5 0"/>
+            <added_mass beam="pier" to="2/3" density="1025" diameter="1.2" coefficient="1"/>
+            <drag at="deck" density="1.2" area="40" coefficient="1.3" flow="0 25 0"/>
+            <base_motion acceleration="2*sin(12*t)*exp(-t) 0 0"/>
+            <static/>
+            <transient duration="1" step="5e-3" rho_infinity="0.8"/>
+            <record name="deck" at="deck" quantities="displacement"/>
+            <record name="bed" joint="bed" quantities="reaction_force"/>
+            <expect quantity="bed.reaction_force.2" at="0"
+                    value="-0.5*1025*1.2*1.5^2*20-0.5*1.2*1.3*40*25^2" tolerance="50"
+                    source="equilibrium of a pier that stands upright"/>
+          </mbd>
+        """
+        ...
+    def base_motion(self, *, acceleration: Value = None, velocity: Value = None, displacement: Value = None) -> BaseMotionElement:
+        """<base_motion>
+          Accelerates the ground without turning it; everything else is relative to the
+          ground.
+          Stands in <mbd>, <defaults>.
+
+        Attributes:
+          acceleration       3 expressions of t [m/s2], optional
+                             of the base, inertial axes (one of three)
+          velocity           3 expressions of t [m/s], optional
+                             or its velocity, continuous
+          displacement       3 expressions of t [m], optional
+                             or its displacement, continuous with its rate
+
+        For example:
+          <mbd name="pier">
+            <!-- A pier in a current, shaken by an earthquake. -->
+            <section name="tube">
+              <stiffness EA="6e9" GA2="2e9" GA3="2e9" GJ="1e9" EI2="1.3e9" EI3="1.3e9"/>
+              <mass per_length="900" inertia="400 200 200"/>
+            </section>
+            <beam name="pier" section="tube" from="0 0 0" to="0 0 30" normal="1 0 0" elements="3" order="4"/>
+            <fixed name="bed" between="ground pier.start"/>
+            <body name="deck" attached_to="pier.end" mass="2e4" inertia="2e5 2e5 2e5"/>
+            <drag beam="pier" to="2/3" density="1025" diameter="1.2" normal_coefficient="1"
+                  tangential_coefficient="0.01" flow="0 1.5 0"/>
+            <added_mass beam="pier" to="2/3" density="1025" diameter="1.2" coefficient="1"/>
+            <drag at="deck" density="1.2" area="40" coefficient="1.3" flow="0 25 0"/>
+            <base_motion acceleration="2*sin(12*t)*exp(-t) 0 0"/>
+            <static/>
+            <transient duration="1" step="5e-3" rho_infinity="0.8"/>
+            <record name="deck" at="deck" quantities="displacement"/>
+            <record name="bed" joint="bed" quantities="reaction_force"/>
+            <expect quantity="bed.reaction_force.2" at="0"
+                    value="-0.5*1025*1.2*1.5^2*20-0.5*1.2*1.3*40*25^2" tolerance="50"
+                    source="equilibrium of a pier that stands upright"/>
+          </mbd>
+        """
+        ...
+    def gravity(self, *, acceleration: Value = None) -> GravityElement:
+        """<gravity>
+          Uniform gravity on everything that has mass.
+          Stands in <mbd>, <defaults>.
+
+        Attributes:
+          acceleration       3 numbers [m/s2], required
+                             of free fall, inertial axes
+
+        For example:
+          <mbd name="beam_in_wind">
+            <section name="tube">
+              <stiffness EA="4e7" GA2="1e7" GA3="1e7" GJ="5e4" EI2="6e4" EI3="6e4"/>
+              <mass per_length="5" inertia="2e-2 1e-2 1e-2"/>
+            </section>
+            <beam name="boom" section="tube" from="0 0 0" to="3 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="wall" between="ground boom.start"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <distributed name="wind" beam="boom" follower_force="0 80*s*(1-cos(20*t)) 0"/>
+            <load name="rope" at="boom.end" force="0 0 min(2000*t,100)"
+                    follower_moment="5 0 0" offset="0 0.1 0"/>
+            <static/>
+            <transient duration="0.2" step="1e-3"/>
+            <record name="tip" at="boom.end" quantities="displacement rotation"/>
+            <record name="root" joint="wall" quantities="reaction_force reaction_moment"/>
+          </mbd>
+        """
+        ...
+    def static(self, *, steps: Value = None, tolerance: Value = None, solver: Value = None, line_search: Value = None, linear_solver: Value = None) -> StaticElement:
+        """<static>
+          Static equilibrium at t = 0, before the transient if there is one.
+          Stands in <mbd>, <defaults>.
+
+        Attributes:
+          steps              whole number from 1 to 1000000, default 1
+                             the first load step is 1/steps of all loads
+          tolerance          number > 0, default 1e-12
+                             of Newton's increments, relative
+          solver             newton or kinsol, default newton
+                             of each load step: our Newton iterations, or KINSOL's with
+                             its line search
+          line_search        off or on, default on
+                             of Newton's iterations: increments that do not bring
+                             equilibrium nearer are shortened
+          linear_solver      block or klu, default block
+                             block LU along the graph of nodes and joints, with KLU
+                             where that has no good pivots; or KLU alone
+
+        For example:
+          <mbd name="released">
+            <!-- A cantilever sags under its weight, then its tip is let go of a rope. -->
+            <section name="strip">
+              <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
+              <mass per_length="0.5" inertia="2e-4 1e-4 1e-4"/>
+            </section>
+            <beam name="b" section="strip" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="clamp" between="ground b.start"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <load name="rope" at="b.end" force="0 0 0.01>t?5:0"/>
+            <static steps="2"/>
+            <transient duration="0.2" step="1e-3" rho_infinity="0.8"/>
+            <record name="tip" at="b.end" quantities="displacement velocity"/>
+            <expect quantity="tip.velocity.3" at="0" value="0" tolerance="1e-9"
+                    source="starts from equilibrium"/>
+          </mbd>
+        """
+        ...
+    def path(self, *, method: Value = None, direction: Value = None, step: Value = None, max_step: Value = None, points: Value = None, length: Value = None, branch: Value = None, tolerance: Value = None) -> PathElement:
+        """<path>
+          Follows the equilibria over the load factor, from 0, through limit points and
+          bifurcations; instead of <static> and <transient>.
+          Stands in <mbd>, <defaults>. Holds <mark>, <stop>.
+
+        Attributes:
+          method             bordered or crisfield, default bordered
+                             predictor and corrector on the bordered system, or
+                             Crisfield's cylindrical arc length
+          direction          forward, backward or both, default forward
+                             of the load factor at the start: growing, falling, or first
+                             one and then the other
+          step               number > 0, default 0.05
+                             first step, of the load factor
+          max_step           number > 0, default 0.1
+                             longest step: rms over the nodes of displacement (over the
+                             scene's size) and rotation [rad]
+          points             whole number from 1 to 1000000, default 200
+                             most points of each branch
+          length             number > 0, optional
+                             most arc length of each branch, measured as max_step
+          branch             whole number from -1000000 to 1000000, default 0
+                             number of the bifurcation whose other branch is followed
+                             too; negative: to its other side; 0: none
+          tolerance          number from 1e-15 to 1e-08, default 1e-12
+                             of the corrector's increments, relative
+
+        For example:
+          <mbd name="snap_through">
+            <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+            <section name="strip">
+              <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+            </section>
+            <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+                 axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+            <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+            <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+            <load at="arch@0.5" force="0 -2e5 0"/>
+            <path step="0.1">
+              <mark quantity="crown.displacement.2" value="-3"/>
+              <stop quantity="crown.displacement.2" value="-7"/>
+            </path>
+            <record name="crown" at="arch@0.5" quantities="displacement"/>
+            <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+            <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+                    source="shooting of the rod equations"/>
+          </mbd>
+        """
+        ...
+    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
+        """<transient>
+          Integration in time, in fixed steps or in steps that follow an estimated
+          error.
+          Stands in <mbd>, <defaults>.
+
+        Attributes:
+          duration           number > 0 [s], required
+                             simulated time; of fixed steps, a whole number of them
+          method             generalized_alpha, radau or ida, default generalized_alpha
+                             integrator: of order 2; Radau IIA, of order 5; or IDA of
+                             SUNDIALS, of variable order
+          step               number > 0 [s], optional
+                             time step, of fixed steps (one of step, tolerance)
+          tolerance          number from 1e-14 to 0.1, optional
+                             or the relative error that steps are chosen for: of lengths
+                             of the scene, of radians, and of the fastest velocities
+          position_tolerance number > 0 [m], optional
+                             in place of the relative one, of positions
+          rotation_tolerance number > 0 [rad], optional
+                             the same, of rotations
+          velocity_tolerance number > 0 [m/s], optional
+                             the same, of velocities; not of generalized_alpha, which
+                             does not estimate them
+          angular_velocity_tolerance number > 0 [rad/s], optional
+                             the same, of angular velocities
+          max_step           number > 0 [s], optional
+                             longest step that a tolerance may lead to (default: a part
+                             of the duration)
+          output             number > 0, or steps [s], optional
+                             time between rows of results, or steps: where steps end,
+                             and at the times of expected values (default: where fixed
+                             steps end; with a tolerance, a thousandth of the duration)
+          rho_infinity       number from 0 to 1, default 0
+                             of generalized_alpha: spectral radius at infinite
+                             frequency; 0 damps most, 1 nothing
+          balance            acceleration or momentum, optional
+                             of inertia, of generalized_alpha: accelerations in body
+                             axes, or momenta in inertial axes, which keeps those of
+                             free systems to round-off (default: momentum where no part
+                             is tied to the ground, else acceleration)
+          newton_tolerance   number > 0, optional
+                             of Newton's increments, relative (default: the integrator's
+                             own)
+          inertia            full or no_gyroscopic, default full
+                             its terms: all, or without the gyroscopic moment w x J w
+                             about the mass centre of what moves with a node
+          linear_solver      block or klu, default block
+                             block LU along the graph of nodes and joints, with KLU
+                             where that has no good pivots; or KLU alone, which ida
+                             always has
+
+        For example:
+          <mbd name="released">
+            <!-- A cantilever sags under its weight, then its tip is let go of a rope. -->
+            <section name="strip">
+              <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
+              <mass per_length="0.5" inertia="2e-4 1e-4 1e-4"/>
+            </section>
+            <beam name="b" section="strip" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="clamp" between="ground b.start"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <load name="rope" at="b.end" force="0 0 0.01>t?5:0"/>
+            <static steps="2"/>
+            <transient duration="0.2" step="1e-3" rho_infinity="0.8"/>
+            <record name="tip" at="b.end" quantities="displacement velocity"/>
+            <expect quantity="tip.velocity.3" at="0" value="0" tolerance="1e-9"
+                    source="starts from equilibrium"/>
+          </mbd>
+        """
+        ...
+    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, quantities: Value = None) -> RecordElement:
+        """<record>
+          Columns of history.csv.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             first part of its columns in history.csv
+          at                 place, optional
+                             a place; without place, joint and spring: the whole system
+          joint              text, optional
+                             name of a joint or a motion (one of at, joint, spring)
+          spring             text, optional
+                             name of a spring, a bushing or a joint_spring
+          quantities         words, required
+                             what to write, separated by blanks
+
+        Quantities of a place:
+          position               [m] 3 columns, inertial axes
+          displacement           [m] 3 columns, from the reference configuration,
+                                 inertial axes
+          displacement_local     [m] 3 columns, the same, in the present axes of the
+                                 section or body
+          rotation               [rad] 3 columns, rotation vector from the reference
+                                 configuration, inertial axes
+          velocity               [m/s] 3 columns, inertial axes
+          velocity_local         [m/s] 3 columns, the same, in the present axes of the
+                                 section or body
+          angular_velocity       [rad/s] 3 columns, inertial axes
+          angular_velocity_local [rad/s] 3 columns, the same, in the present axes of the
+                                 section or body
+          acceleration           [m/s2] 3 columns, inertial axes
+          force                  [N] 3 columns, resultants N1 Q2 Q3 of a beam, section
+                                 axes
+          moment                 [N.m] 3 columns, resultants M1 M2 M3 of a beam, section
+                                 axes
+
+        Quantities of a joint or a motion:
+          angle                  [rad] rotation of b relative to a, unwrapped
+          rate                   [rad/s] rotation rate of b relative to a
+          displacement           [m] of b relative to a along the axis
+          speed                  [m/s] of b relative to a along the axis
+          reaction_force         [N] 3 columns, of the joint (with its drives) or motion
+                                 on b, joint axes that move with b
+          reaction_moment        [N.m] 3 columns, the same, about the joint's point of
+                                 b, joint axes that move with b
+
+        Quantities of a spring:
+          tension                [N] of a spring with its damper, positive where it
+                                 pulls
+          length                 [m] of a spring: the distance of its points
+          length_rate            [m/s] of a spring: the rate of the length
+          force                  [N] 3 columns, of a bushing with its damping on b, axes
+                                 of its frame on b
+          moment                 [N.m] 3 columns, the same, about the bushing's point of
+                                 b
+          joint_moment           [N.m] of a joint spring with its damper on b about the
+                                 axis
+          joint_force            [N] of a joint spring with its damper on b along the
+                                 axis
+
+        Quantities of the whole system:
+          linear_momentum        [N.s] 3 columns, of everything, added mass included,
+                                 inertial axes
+          angular_momentum       [N.m.s] 3 columns, the same about the inertial origin,
+                                 inertial axes
+          kinetic_energy         [J] of everything, added mass included
+          strain_energy          [J] of all beams, springs and bushings
+          potential_energy       [J] of gravity, zero at the inertial origin
+          total_energy           [J] kinetic, strain and potential
+          work_of_loads          [J] since the start, gravity excepted
+          work_of_drives         [J] of drives and motions since the start
+          work_of_damping        [J] of damping, dampers and drag since the start:
+                                 negative, or 0; of drag in a flow, of either sign
+
+        For example:
+          <mbd name="tip_deflection">
+            <parameter name="P" value="1"/>
+            <section name="strip">
+              <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
+              <mass per_length="0.5" inertia="2e-4 1e-4 1e-4"/>
+              <damping stiffness_proportional="1e-4"/>
+            </section>
+            <beam name="b" section="strip" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="clamp" between="ground b.start"/>
+            <load at="b.end" force="0 0 -P*sin(20*t)"/>
+            <transient duration="0.3" step="1e-3"/>
+            <record name="tip" at="b.end" quantities="displacement"/>
+            <record name="root" joint="clamp" quantities="reaction_force"/>
+            <motion_output frames="31"/>
+            <plot title="Tip" y="tip.displacement.3" y_scale="1e3" y_label="deflection [mm]"/>
+            <plot title="Root" x="tip.displacement.3" y="root.reaction_force.3"/>
+            <expect quantity="tip.displacement.1" of="maximum" value="0" tolerance="1e-6"
+                    source="the beam only shortens"/>
+            <expect quantity="root.reaction_force.3" at="0" value="0" tolerance="1e-9"
+                    source="at rest" when="P=1"/>
+          </mbd>
+        """
+        ...
+    def motion_output(self, *, frames: Value = None) -> MotionOutputElement:
+        """<motion_output>
+          Keeps the motion of every node, resultants along beams and reactions of joints
+          in motion.bin, for `mbd view`. Without it nothing is kept, and `mbd run
+          --motion` does the same for any model.
+          Stands in <mbd>, <defaults>.
+
+        Attributes:
+          frames             whole number from 2 to 1000000, optional
+                             of a <transient>: so many frames at equal times, the first
+                             at the start and the last at the end (default: one with
+                             each row of history.csv)
+
+        For example:
+          <mbd name="tip_deflection">
+            <parameter name="P" value="1"/>
+            <section name="strip">
+              <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
+              <mass per_length="0.5" inertia="2e-4 1e-4 1e-4"/>
+              <damping stiffness_proportional="1e-4"/>
+            </section>
+            <beam name="b" section="strip" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="clamp" between="ground b.start"/>
+            <load at="b.end" force="0 0 -P*sin(20*t)"/>
+            <transient duration="0.3" step="1e-3"/>
+            <record name="tip" at="b.end" quantities="displacement"/>
+            <record name="root" joint="clamp" quantities="reaction_force"/>
+            <motion_output frames="31"/>
+            <plot title="Tip" y="tip.displacement.3" y_scale="1e3" y_label="deflection [mm]"/>
+            <plot title="Root" x="tip.displacement.3" y="root.reaction_force.3"/>
+            <expect quantity="tip.displacement.1" of="maximum" value="0" tolerance="1e-6"
+                    source="the beam only shortens"/>
+            <expect quantity="root.reaction_force.3" at="0" value="0" tolerance="1e-9"
+                    source="at rest" when="P=1"/>
+          </mbd>
+        """
+        ...
+    def plot(self, *, x: Value = None, y: Value = None, x_scale: Value = None, y_scale: Value = None, x_label: Value = None, y_label: Value = None, title: Value = None, x_range: Value = None) -> PlotElement:
+        """<plot>
+          A panel of history.svg.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          x                  text, optional
+                             a column of history.csv (default: the first, time or
+                             load_factor)
+          y                  words, required
+                             columns of history.csv, one curve each
+          x_scale            number, default 1
+                             factor on x
+          y_scale            number, default 1
+                             factor on y
+          x_label            text, optional
+                             default: the column and its unit
+          y_label            text, optional
+                             default: the column and its unit
+          title              text, optional
+                             written above the panel
+          x_range            2 numbers, optional
+                             ends of the x axis, scaled
+
+        For example:
+          <mbd name="tip_deflection">
+            <parameter name="P" value="1"/>
+            <section name="strip">
+              <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
+              <mass per_length="0.5" inertia="2e-4 1e-4 1e-4"/>
+              <damping stiffness_proportional="1e-4"/>
+            </section>
+            <beam name="b" section="strip" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="clamp" between="ground b.start"/>
+            <load at="b.end" force="0 0 -P*sin(20*t)"/>
+            <transient duration="0.3" step="1e-3"/>
+            <record name="tip" at="b.end" quantities="displacement"/>
+            <record name="root" joint="clamp" quantities="reaction_force"/>
+            <motion_output frames="31"/>
+            <plot title="Tip" y="tip.displacement.3" y_scale="1e3" y_label="deflection [mm]"/>
+            <plot title="Root" x="tip.displacement.3" y="root.reaction_force.3"/>
+            <expect quantity="tip.displacement.1" of="maximum" value="0" tolerance="1e-6"
+                    source="the beam only shortens"/>
+            <expect quantity="root.reaction_force.3" at="0" value="0" tolerance="1e-9"
+                    source="at rest" when="P=1"/>
+          </mbd>
+        """
+        ...
+    def expect(self, *, quantity: Value = None, of: Value = None, number: Value = None, at: Value = None, value: Value = None, tolerance: Value = None, source: Value = None, when: Value = None) -> ExpectElement:
+        """<expect>
+          A number the run must give.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          quantity           text, required
+                             a column of history.csv
+          of                 value, minimum, maximum, limit, bifurcation or mark,
+                             default value
+                             its value at one time (of load steps and paths: at the
+                             end), an extreme over the run, or its value at a limit
+                             point, bifurcation or mark of a path
+          number             whole number from 1 to 1000000, default 1
+                             of the limit point, bifurcation or mark, in order
+          at                 number >= 0 [s], optional
+                             time of the value, one at which a row of results is written
+          value              number [any unit], required
+                             what it must be
+          tolerance          number > 0 [any unit], required
+                             by how much it may differ
+          source             text, required
+                             where the number comes from
+          when               words, optional
+                             parameter=value: checked only when the parameters have
+                             these values, to 12 digits
+
+        For example:
+          <mbd name="tip_deflection">
+            <parameter name="P" value="1"/>
+            <section name="strip">
+              <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/>
+              <mass per_length="0.5" inertia="2e-4 1e-4 1e-4"/>
+              <damping stiffness_proportional="1e-4"/>
+            </section>
+            <beam name="b" section="strip" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
+            <fixed name="clamp" between="ground b.start"/>
+            <load at="b.end" force="0 0 -P*sin(20*t)"/>
+            <transient duration="0.3" step="1e-3"/>
+            <record name="tip" at="b.end" quantities="displacement"/>
+            <record name="root" joint="clamp" quantities="reaction_force"/>
+            <motion_output frames="31"/>
+            <plot title="Tip" y="tip.displacement.3" y_scale="1e3" y_label="deflection [mm]"/>
+            <plot title="Root" x="tip.displacement.3" y="root.reaction_force.3"/>
+            <expect quantity="tip.displacement.1" of="maximum" value="0" tolerance="1e-6"
+                    source="the beam only shortens"/>
+            <expect quantity="root.reaction_force.3" at="0" value="0" tolerance="1e-9"
+                    source="at rest" when="P=1"/>
+          </mbd>
+        """
+        ...
+    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
+        """<repeat>
+          Reads its contents several times.
+          Stands in <mbd>, <repeat>, <curve>, <section>. Holds <section>, <station>,
+          <beam>, <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>,
+          <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
+          <joint_torque>, <drag>, <added_mass>, <mark>, <stop>, <record>, <plot>,
+          <expect>, <repeat>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
+          <cylindrical>, <screw>, <universal>, <spherical>, <planar>, <point_on_line>,
+          <distance>.
+
+        Attributes:
+          count              whole number from 0 to 1000000, required
+                             how often its contents are read
+          index              name, default i
+                             parameter that counts from 0; {i+1} in names and places
+                             becomes its value
+
+        For example:
+          <mbd name="balls" version="1">
+            <parameter name="n" value="3"/>
+            <parameter name="height" value="1.25"/>
+            <defaults>
+              <body mass="2" inertia="1 1 1"/>
+              <record quantities="position"/>
+            </defaults>
+            <repeat count="n">
+              <body name="ball{i+1}" at="i*0.5 0 height"/>
+              <record name="ball{i+1}" at="ball{i+1}"/>
+            </repeat>
+            <gravity acceleration="0 0 -10"/>
+            <transient duration="0.5" step="5e-3"/>
+            <expect quantity="ball3.position.3" at="0.5" value="0" tolerance="1e-9" source="h - g t^2/2"/>
+          </mbd>
+        """
+        ...
+    def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
+        """<fixed>
+          Nothing is left free.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+
+        For example:
+          <mbd name="portal">
+            <defaults>
+              <beam section="tube" elements="2" order="4"/>
+              <record quantities="displacement rotation"/>
+            </defaults>
+            <section name="tube">
+              <stiffness EA="4e7" GA2="1e7" GA3="1e7" GJ="5e4" EI2="6e4" EI3="6e4"/>
+            </section>
+            <beam name="left" from="0 0 0" to="0 0 3" normal="1 0 0"/>
+            <beam name="top" from="0 0 3" to="4 0 3" normal="0 0 1" elements="4"/>
+            <beam name="right" from="4 0 3" to="4 0 0" normal="1 0 0"/>
+            <fixed name="A" between="ground left.start"/>
+            <fixed name="B" between="left.end top.start"/>
+            <fixed name="C" between="top.end right.start"/>
+            <fixed name="D" between="right.end ground"/>
+            <load at="left.end" force="2 0 0 kN"/>
+            <static/>
+            <record name="B" at="left.end"/>
+            <record name="C" at="right.start"/>
+          </mbd>
+        """
+        ...
+    def rigid_link(self, *, name: Value = None, between: Value = None, at: Value = None) -> RigidLinkElement:
+        """<rigid_link>
+          A rigid, massless arm between two places at any distance.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def revolute(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> RevoluteElement:
+        """<revolute>
+          One rotation is left free, about the axis.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, required
+                             direction of its axis; angles turn right-handed about it
+
+        It has the coordinate angle, for records and drives.
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def prismatic(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PrismaticElement:
+        """<prismatic>
+          One translation is left free, along the axis.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, required
+                             direction of its axis; angles turn right-handed about it
+
+        It has the coordinate displacement, for records and drives.
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def cylindrical(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> CylindricalElement:
+        """<cylindrical>
+          One rotation and one translation are left free, about and along the axis.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, required
+                             direction of its axis; angles turn right-handed about it
+
+        It has the coordinates angle, displacement, for records and drives.
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def screw(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, pitch: Value = None) -> ScrewElement:
+        """<screw>
+          Turning about the axis advances along it by the pitch a turn.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, required
+                             direction of its axis; angles turn right-handed about it
+          pitch              number [m], required
+                             advance of b relative to a per turn about the axis;
+                             negative for a left-handed screw
+
+        It has the coordinates angle, displacement, for records and drives.
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def universal(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, second_axis: Value = None) -> UniversalElement:
+        """<universal>
+          Two rotations are left free, about an axis fixed in a and one fixed in b.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, required
+                             direction of its axis; angles turn right-handed about it
+          second_axis        3 numbers, required
+                             direction of its second axis, fixed in b, perpendicular to
+                             the first, which is fixed in a
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def spherical(self, *, name: Value = None, between: Value = None, at: Value = None) -> SphericalElement:
+        """<spherical>
+          Three rotations are left free.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def planar(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PlanarElement:
+        """<planar>
+          Two translations and one rotation are left free, in a plane.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, required
+                             direction of its axis; angles turn right-handed about it
+
+        It has the coordinate angle, for records and drives.
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def point_on_line(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PointOnLineElement:
+        """<point_on_line>
+          A point of a stays on a line of b.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at                 3 numbers [m], optional
+                             its point (default: that of b, or of a when b is the
+                             ground)
+          axis               3 numbers, required
+                             direction of its axis; angles turn right-handed about it
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+    def distance(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None) -> DistanceElement:
+        """<distance>
+          A massless rod with ball joints at its ends.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among joints
+          between            two places, required
+                             the two places a and b it joins
+          at_a               3 numbers [m], optional
+                             its point of a (default: that of the place)
+          at_b               3 numbers [m], optional
+                             its point of b (default: that of the place)
+
+        For example:
+          <mbd name="swing">
+            <!-- A rod falls from the horizontal about a hinge; a bob hangs on its end by a ball joint. -->
+            <body name="rod" at="0 0 0" center="0.5 0 0" mass="2" inertia="0.01 1/6 1/6"/>
+            <revolute name="hinge" between="ground rod" axis="0 1 0"/>
+            <body name="bob" at="1 0 -0.3" mass="1" inertia="0.01 0.01 0.01"/>
+            <spherical name="ball" between="rod bob" at="1 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1e-3"/>
+            <record name="hinge" joint="hinge" quantities="angle rate reaction_force"/>
+            <record name="all" quantities="total_energy"/>
+            <expect quantity="all.total_energy" of="maximum" value="-0.3*9.81" tolerance="1e-3"
+                    source="energy"/>
+          </mbd>
+        """
+        ...
+
+class State:
+    """A copy of the state of a stepper, which Stepper.start() takes. Arrays have a row for each node, node 0 is the ground."""
+    def __copy__(self) -> State:
+        ...
+    def copy(self) -> State:
+        """Another copy."""
+        ...
+    @property
+    def positions(self) -> numpy.ndarray:
+        """Positions of the nodes, inertial axes [m], (nodes, 3): a view that can be written to."""
+        ...
+    @positions.setter
+    def positions(self, value: Any) -> None: ...
+    @property
+    def quaternions(self) -> numpy.ndarray:
+        """Orientations as unit quaternions x y z w, from node axes to inertial ones, (nodes, 4): a view that can be written to."""
+        ...
+    @quaternions.setter
+    def quaternions(self, value: Any) -> None: ...
+    @property
+    def t(self) -> float:
+        """Time [s]."""
+        ...
+    @t.setter
+    def t(self, value: Any) -> None: ...
+    @property
+    def velocities(self) -> numpy.ndarray:
+        """[v; w] of the nodes, node axes [m/s, rad/s], (nodes, 6): a view that can be written to."""
+        ...
+    @velocities.setter
+    def velocities(self, value: Any) -> None: ...
+
+class Stepper:
+    """Carries a model through time. Made by Model.stepper(). Arrays have a row for each node, node 0 is the ground."""
+    def __getitem__(self, name: str) -> numpy.ndarray:
+        """What the model records, at the present state: a column (0-dimensional), a quantity or a record (1-dimensional), in the units of `columns`. Raises mbd.UnknownName."""
+        ...
+    @property
+    def accelerations(self) -> numpy.ndarray:
+        """Time derivatives of the velocities, node axes [m/s2, rad/s2], (nodes, 6): a view."""
+        ...
+    def angle(self, joint: str) -> float:
+        """Of a joint that has one, counted on over whole turns [rad]."""
+        ...
+    def angular_velocity(self, place: str) -> numpy.ndarray:
+        """Of a place, axes of the place [rad/s], (3,)."""
+        ...
+    @property
+    def columns(self) -> List[Tuple[str, str]]:
+        """Names and units of what is recorded."""
+        ...
+    @property
+    def counters(self) -> Dict[str, Any]:
+        """dict: steps, retries, iterations … since the start, as report.json has them."""
+        ...
+    @property
+    def duration(self) -> float:
+        """Of the transient [s]."""
+        ...
+    @property
+    def energies(self) -> Dict[str, Any]:
+        """dict: kinetic, strain, potential and total energy [J]."""
+        ...
+    @property
+    def iterations(self) -> int:
+        """Of Newton's method, in the last step."""
+        ...
+    @property
+    def joints(self) -> List[str]:
+        """Names of joints that have multipliers."""
+        ...
+    @property
+    def method(self) -> str:
+        """generalized_alpha, radau or ida."""
+        ...
+    @property
+    def multipliers(self) -> numpy.ndarray:
+        """Of the constraints [N, N.m], in the order of the compiled model: a copy."""
+        ...
+    def node(self, place: str) -> int:
+        """Row of a place ("arm.end", "arm@0.5", "body") in the arrays. Raises mbd.UnknownName."""
+        ...
+    @property
+    def nodes(self) -> List[str]:
+        """Names of the nodes, in the order of the arrays."""
+        ...
+    def orientation(self, place: str) -> numpy.ndarray:
+        """Of a place: matrix from its axes to inertial ones, (3, 3)."""
+        ...
+    @property
+    def places(self) -> List[str]:
+        """Names that node(), position() … know."""
+        ...
+    def position(self, place: str) -> numpy.ndarray:
+        """Of a place, inertial axes [m], (3,)."""
+        ...
+    @property
+    def positions(self) -> numpy.ndarray:
+        """Positions of the nodes, inertial axes [m], (nodes, 3): a view, which changes with each step."""
+        ...
+    @property
+    def quaternions(self) -> numpy.ndarray:
+        """Orientations as unit quaternions x y z w, from node axes to inertial ones, (nodes, 4): a view."""
+        ...
+    def reaction(self, joint: str) -> numpy.ndarray:
+        """Force [N] and moment [N.m] on the joint's second part, joint axes, (6,)."""
+        ...
+    def record(self) -> Dict[str, Any]:
+        """dict: all that the model records, at the present state, by column."""
+        ...
+    def start(self, state: State) -> None:
+        """Goes on from a State of the same Model. Accelerations and multipliers are found anew and the method forgets what was before, as after a jump: no continuation to the last bit. Raises mbd.UseError for states of other models, numbers that are not finite, and states that do not satisfy their constraints."""
+        ...
+    def state(self) -> State:
+        """A copy of the present state."""
+        ...
+    def step(self, count: int = 1) -> None:
+        """Takes `count` steps: whole fixed ones, or such as the tolerance asks for, of which the last ends at the duration. Raises mbd.RunError where one fails (the state is then the last that was reached) and after the end; Ctrl-C is looked for every 64 steps."""
+        ...
+    @property
+    def t(self) -> float:
+        """Time [s]."""
+        ...
+    @property
+    def velocities(self) -> numpy.ndarray:
+        """[v; w] of the nodes, node axes [m/s, rad/s], (nodes, 6): a view."""
+        ...
+    def velocity(self, place: str) -> numpy.ndarray:
+        """Of a place, inertial axes [m/s], (3,)."""
+        ...
+
+class Error(Exception):
+    """What mbd raises. str() is the message: what is wrong, where, and what to do about it."""
+    ...
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run or a study.
+
+    results: mbd.Results up to there, or the study as far as it came; None if there is nothing yet
+    """
+    def __init__(self, results: Any = None) -> None:
+        ...
+
+class ModelError(Error):
+    """A model, a setting of it or a directory that cannot be used, or a run that does not come to its first state.
+
+    file: str, where the model says so, or None if the message names no place
+    line: int, its line, or None
+    """
+    def __init__(self, message: Any, file: Any = None, line: Any = None) -> None:
+        ...
+
+class RunError(Error):
+    """A run or a step in time that ended before its end.
+
+    t: float, the time reached [s] (without a transient 0)
+    results: mbd.Results up to there; None of a step
+    """
+    def __init__(self, message: Any, t: Any = 0.0, results: Any = None) -> None:
+        ...
+
+class UseError(Error, ValueError):
+    """A call that makes no sense: a wrong shape, a number that is not finite, a state of another model."""
+    ...
+
+class UnknownName(Error, KeyError):
+    """A node, joint, column or record that is not there; the message says which are."""
+    ...
+
+class ParameterElement(Element):
+    ...
+
+class IncludeElement(Element):
+    ...
+
+class DefaultsElement(Element):
+    def section(self, *, name: Value = None, interpolation: Value = None) -> SectionElement:
+        """Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3."""
+        ...
+    def station(self, *, at: Value = None) -> StationElement:
+        """<station>
+          The section at one place of the beam; two or more, from 0 to 1, in order.
+          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>.
+
+        Attributes:
+          at                 number from 0 to 1, required
+                             fraction of the reference length of the beam
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def stiffness(self, content: Value = None, /, *, EA: Value = None, GA2: Value = None, GA3: Value = None, GJ: Value = None, EI2: Value = None, EI3: Value = None, D12: Value = None, D13: Value = None, D14: Value = None, D15: Value = None, D16: Value = None, D23: Value = None, D24: Value = None, D25: Value = None, D26: Value = None, D34: Value = None, D35: Value = None, D36: Value = None, D45: Value = None, D46: Value = None, D56: Value = None) -> StiffnessElement:
+        """<stiffness>
+          D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]:
+          its entries by name, the first six at least, or all of them row by row.
+          Stands in <section>, <station>, <defaults>. Its text: 36 numbers.
+
+        Attributes:
+          EA                 number > 0 [N], optional
+                             D11, axial
+          GA2                number > 0 [N], optional
+                             D22, shear along b2
+          GA3                number > 0 [N], optional
+                             D33, shear along b3
+          GJ                 number > 0 [N.m2], optional
+                             D44, torsion
+          EI2                number > 0 [N.m2], optional
+                             D55, bending about b2
+          EI3                number > 0 [N.m2], optional
+                             D66, bending about b3
+          D12                number [N], default 0
+                             coupling of extension and shear along b2; D21 is the same,
+                             and so below
+          D13                number [N], default 0
+                             coupling of extension and shear along b3
+          D14                number [N.m], default 0
+                             coupling of extension and twist
+          D15                number [N.m], default 0
+                             coupling of extension and bending about b2
+          D16                number [N.m], default 0
+                             coupling of extension and bending about b3
+          D23                number [N], default 0
+                             coupling of shear along b2 and shear along b3
+          D24                number [N.m], default 0
+                             coupling of shear along b2 and twist
+          D25                number [N.m], default 0
+                             coupling of shear along b2 and bending about b2
+          D26                number [N.m], default 0
+                             coupling of shear along b2 and bending about b3
+          D34                number [N.m], default 0
+                             coupling of shear along b3 and twist
+          D35                number [N.m], default 0
+                             coupling of shear along b3 and bending about b2
+          D36                number [N.m], default 0
+                             coupling of shear along b3 and bending about b3
+          D45                number [N.m2], default 0
+                             coupling of twist and bending about b2
+          D46                number [N.m2], default 0
+                             coupling of twist and bending about b3
+          D56                number [N.m2], default 0
+                             coupling of bending about b2 and bending about b3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def mass(self, *, per_length: Value = None, inertia: Value = None, center: Value = None) -> MassElement:
+        """<mass>
+          M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          per_length         number > 0 [kg/m], required
+                             mass per unit length
+          inertia            3 or 6 numbers [kg.m], required
+                             per length about the reference line: J11 J22 J33 [J12 J13
+                             J23]
+          center             2 numbers [m], default 0 0
+                             mass centre in the section: x2 x3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def damping(self, *, stiffness_proportional: Value = None, mass_proportional: Value = None, EA: Value = None, GA2: Value = None, GA3: Value = None, GJ: Value = None, EI2: Value = None, EI3: Value = None, D12: Value = None, D13: Value = None, D14: Value = None, D15: Value = None, D16: Value = None, D23: Value = None, D24: Value = None, D25: Value = None, D26: Value = None, D34: Value = None, D35: Value = None, D36: Value = None, D45: Value = None, D46: Value = None, D56: Value = None) -> DampingElement:
+        """<damping>
+          Resistance to rates of strain and to velocities, at least one kind, in a
+          <transient>; without it a beam is elastic.
+          Stands in <section>, <defaults>.
+
+        Attributes:
+          stiffness_proportional number >= 0 [s], default 0
+                             beta: viscous forces are beta D times rates of strain;
+                             damping ratio beta omega/2
+          mass_proportional  number >= 0 [1/s], default 0
+                             alpha: -alpha times the momentum of all masses of the beam,
+                             rigid motion too; damping ratio alpha/(2 omega)
+          EA                 number >= 0 [N.s], default 0
+                             D11, axial: viscous, besides beta D; and so below
+          GA2                number >= 0 [N.s], default 0
+                             D22, shear along b2
+          GA3                number >= 0 [N.s], default 0
+                             D33, shear along b3
+          GJ                 number >= 0 [N.m2.s], default 0
+                             D44, torsion
+          EI2                number >= 0 [N.m2.s], default 0
+                             D55, bending about b2
+          EI3                number >= 0 [N.m2.s], default 0
+                             D66, bending about b3
+          D12                number [N.s], default 0
+                             coupling of extension and shear along b2
+          D13                number [N.s], default 0
+                             coupling of extension and shear along b3
+          D14                number [N.m.s], default 0
+                             coupling of extension and twist
+          D15                number [N.m.s], default 0
+                             coupling of extension and bending about b2
+          D16                number [N.m.s], default 0
+                             coupling of extension and bending about b3
+          D23                number [N.s], default 0
+                             coupling of shear along b2 and shear along b3
+          D24                number [N.m.s], default 0
+                             coupling of shear along b2 and twist
+          D25                number [N.m.s], default 0
+                             coupling of shear along b2 and bending about b2
+          D26                number [N.m.s], default 0
+                             coupling of shear along b2 and bending about b3
+          D34                number [N.m.s], default 0
+                             coupling of shear along b3 and twist
+          D35                number [N.m.s], default 0
+                             coupling of shear along b3 and bending about b2
+          D36                number [N.m.s], default 0
+                             coupling of shear along b3 and bending about b3
+          D45                number [N.m2.s], default 0
+                             coupling of twist and bending about b2
+          D46                number [N.m2.s], default 0
+                             coupling of twist and bending about b3
+          D56                number [N.m2.s], default 0
+                             coupling of bending about b2 and bending about b3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def beam(self, *, name: Value = None, section: Value = None, from_: Value = None, to: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> BeamElement:
+        """A straight beam."""
+        ...
+    def arc(self, *, name: Value = None, section: Value = None, from_: Value = None, center: Value = None, axis: Value = None, angle: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> ArcElement:
+        """A beam along a circular arc: `from`, turned about the centre."""
+        ...
+    def curve(self, *, name: Value = None, section: Value = None, degree: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> CurveElement:
+        """A beam along a smooth curve through points."""
+        ...
+    def point(self, *, at: Value = None, normal: Value = None, twist: Value = None) -> PointElement:
+        """<point>
+          A point of a curve.
+          Stands in <curve>, <repeat>, <defaults>.
+
+        Attributes:
+          at                 3 numbers [m], required
+                             position
+          normal             3 numbers, optional
+                             b3 there (default: the normal of the curve)
+          twist              number [rad], default 0
+                             turns the section, right-handed about the tangent
+
+        For example:
+          <mbd name="hook">
+            <section name="bar">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+            </section>
+            <beam name="leg" section="bar" from="0 0 0" to="0 0 2" normal="0 1 0" elements="2"/>
+            <arc name="bow" section="bar" from="0 0 2" center="0.5 0 2" axis="0 1 0" angle="pi" normal="0 1 0"
+                 elements="2" order="5"/>
+            <curve name="tail" section="bar" normal="0 1 0" elements="2">
+              <point at="1 0 2"/>
+              <point at="1.02 0 1.8"/>
+              <point at="1.1 0 1.6" twist="10*deg"/>
+            </curve>
+            <fixed name="foot" between="ground leg.start"/>
+            <fixed name="A" between="leg.end bow.start"/>
+            <fixed name="B" between="bow.end tail.start"/>
+            <load at="tail.end" force="0 0 -50"/>
+            <static/>
+            <record name="end" at="tail.end" quantities="displacement rotation"/>
+            <record name="leg" at="leg@0.5" quantities="force moment"/>
+            <expect quantity="leg.force.1" value="-50" tolerance="0.1"
+                    source="equilibrium: the leg is pressed"/>
+          </mbd>
+        """
+        ...
+    def body(self, *, name: Value = None, attached_to: Value = None, at: Value = None, orientation: Value = None, mass: Value = None, center: Value = None, inertia: Value = None, velocity: Value = None, angular_velocity: Value = None) -> BodyElement:
+        """A rigid body, free or fixed to a place."""
+        ...
+    def drive(self, *, joint: Value = None, rate: Value = None, angle: Value = None, speed: Value = None, displacement: Value = None) -> DriveElement:
+        """Prescribes the angle or the displacement of a joint."""
+        ...
+    def motion(self, *, name: Value = None, of: Value = None, displacement: Value = None, velocity: Value = None, rotation: Value = None, axis: Value = None, angle: Value = None, rate: Value = None) -> MotionElement:
+        """Prescribes the motion of a place; what is not given is free."""
+        ...
+    def load(self, *, name: Value = None, at: Value = None, force: Value = None, moment: Value = None, follower_force: Value = None, follower_moment: Value = None, offset: Value = None) -> LoadElement:
+        """A force and moment at a place."""
+        ...
+    def distributed(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, force: Value = None, moment: Value = None, follower_force: Value = None, follower_moment: Value = None) -> DistributedElement:
+        """Forces and moments per unit of reference length along a beam; expressions of s, the fraction of that length, and t."""
+        ...
+    def rigid(self, *, name: Value = None, of: Value = None) -> RigidElement:
+        """Makes one rigid body of beams and free bodies: one node with the mass of them all. Places of its beams stay places; joints between two of them do nothing."""
+        ...
+    def point_mass(self, *, name: Value = None, at: Value = None, mass: Value = None, offset: Value = None) -> PointMassElement:
+        """A mass without inertia of its own that moves with a place."""
+        ...
+    def spring(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None, stiffness: Value = None, damping: Value = None, length: Value = None, force: Value = None, damping_force: Value = None) -> SpringElement:
+        """A spring, a damper or both along the line between two points of two places."""
+        ...
+    def bushing(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, second_axis: Value = None, stiffness: Value = None, angular_stiffness: Value = None, damping: Value = None, angular_damping: Value = None) -> BushingElement:
+        """An elastic connection of two frames, which coincide in the reference configuration, in all six directions."""
+        ...
+    def joint_spring(self, *, name: Value = None, joint: Value = None, angular_stiffness: Value = None, angular_damping: Value = None, rest_angle: Value = None, moment: Value = None, damping_moment: Value = None, stiffness: Value = None, damping: Value = None, rest_displacement: Value = None, force: Value = None, damping_force: Value = None) -> JointSpringElement:
+        """A spring, a damper or both on the free coordinate of a joint: its angle, over any number of turns, or its displacement."""
+        ...
+    def joint_torque(self, *, name: Value = None, joint: Value = None, moment: Value = None, force: Value = None) -> JointTorqueElement:
+        """A moment about or a force along the axis of a joint, of time; the joint turns freely."""
+        ...
+    def drag(self, *, name: Value = None, density: Value = None, flow: Value = None, beam: Value = None, from_: Value = None, to: Value = None, diameter: Value = None, normal_coefficient: Value = None, tangential_coefficient: Value = None, at: Value = None, area: Value = None, coefficient: Value = None, offset: Value = None) -> DragElement:
+        """Quadratic drag of a fluid, still or flowing, along a beam or at a place."""
+        ...
+    def added_mass(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, density: Value = None, diameter: Value = None, coefficient: Value = None, at: Value = None, matrix: Value = None) -> AddedMassElement:
+        """Inertia of a fluid that a beam or a body sets in motion: of a fluid at rest, without its weight."""
+        ...
+    def base_motion(self, *, acceleration: Value = None, velocity: Value = None, displacement: Value = None) -> BaseMotionElement:
+        """Accelerates the ground without turning it; everything else is relative to the ground."""
+        ...
+    def gravity(self, *, acceleration: Value = None) -> GravityElement:
+        """Uniform gravity on everything that has mass."""
+        ...
+    def static(self, *, steps: Value = None, tolerance: Value = None, solver: Value = None, line_search: Value = None, linear_solver: Value = None) -> StaticElement:
+        """Static equilibrium at t = 0, before the transient if there is one."""
+        ...
+    def path(self, *, method: Value = None, direction: Value = None, step: Value = None, max_step: Value = None, points: Value = None, length: Value = None, branch: Value = None, tolerance: Value = None) -> PathElement:
+        """Follows the equilibria over the load factor, from 0, through limit points and bifurcations; instead of <static> and <transient>."""
+        ...
+    def mark(self, *, quantity: Value = None, value: Value = None) -> MarkElement:
+        """<mark>
+          A point of the path to be located, shown and drawn: where a column passes a
+          value.
+          Stands in <path>, <repeat>, <defaults>.
+
+        Attributes:
+          quantity           text, required
+                             a column of path.csv
+          value              number [any unit], required
+                             the value it passes, from either side
+
+        For example:
+          <mbd name="snap_through">
+            <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+            <section name="strip">
+              <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+            </section>
+            <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+                 axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+            <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+            <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+            <load at="arch@0.5" force="0 -2e5 0"/>
+            <path step="0.1">
+              <mark quantity="crown.displacement.2" value="-3"/>
+              <stop quantity="crown.displacement.2" value="-7"/>
+            </path>
+            <record name="crown" at="arch@0.5" quantities="displacement"/>
+            <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+            <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+                    source="shooting of the rod equations"/>
+          </mbd>
+        """
+        ...
+    def stop(self, *, quantity: Value = None, value: Value = None) -> StopElement:
+        """<stop>
+          A mark at which the path ends.
+          Stands in <path>, <repeat>, <defaults>.
+
+        Attributes:
+          quantity           text, required
+                             a column of path.csv
+          value              number [any unit], required
+                             the value it passes, from either side
+
+        For example:
+          <mbd name="snap_through">
+            <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+            <section name="strip">
+              <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+            </section>
+            <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+                 axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+            <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+            <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+            <load at="arch@0.5" force="0 -2e5 0"/>
+            <path step="0.1">
+              <mark quantity="crown.displacement.2" value="-3"/>
+              <stop quantity="crown.displacement.2" value="-7"/>
+            </path>
+            <record name="crown" at="arch@0.5" quantities="displacement"/>
+            <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+            <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+                    source="shooting of the rod equations"/>
+          </mbd>
+        """
+        ...
+    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
+        """Integration in time, in fixed steps or in steps that follow an estimated error."""
+        ...
+    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, quantities: Value = None) -> RecordElement:
+        """Columns of history.csv."""
+        ...
+    def motion_output(self, *, frames: Value = None) -> MotionOutputElement:
+        """Keeps the motion of every node, resultants along beams and reactions of joints in motion.bin, for `mbd view`. Without it nothing is kept, and `mbd run --motion` does the same for any model."""
+        ...
+    def plot(self, *, x: Value = None, y: Value = None, x_scale: Value = None, y_scale: Value = None, x_label: Value = None, y_label: Value = None, title: Value = None, x_range: Value = None) -> PlotElement:
+        """A panel of history.svg."""
+        ...
+    def expect(self, *, quantity: Value = None, of: Value = None, number: Value = None, at: Value = None, value: Value = None, tolerance: Value = None, source: Value = None, when: Value = None) -> ExpectElement:
+        """A number the run must give."""
+        ...
+    def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
+        """Nothing is left free."""
+        ...
+    def rigid_link(self, *, name: Value = None, between: Value = None, at: Value = None) -> RigidLinkElement:
+        """A rigid, massless arm between two places at any distance."""
+        ...
+    def revolute(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> RevoluteElement:
+        """One rotation is left free, about the axis."""
+        ...
+    def prismatic(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PrismaticElement:
+        """One translation is left free, along the axis."""
+        ...
+    def cylindrical(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> CylindricalElement:
+        """One rotation and one translation are left free, about and along the axis."""
+        ...
+    def screw(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, pitch: Value = None) -> ScrewElement:
+        """Turning about the axis advances along it by the pitch a turn."""
+        ...
+    def universal(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, second_axis: Value = None) -> UniversalElement:
+        """Two rotations are left free, about an axis fixed in a and one fixed in b."""
+        ...
+    def spherical(self, *, name: Value = None, between: Value = None, at: Value = None) -> SphericalElement:
+        """Three rotations are left free."""
+        ...
+    def planar(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PlanarElement:
+        """Two translations and one rotation are left free, in a plane."""
+        ...
+    def point_on_line(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PointOnLineElement:
+        """A point of a stays on a line of b."""
+        ...
+    def distance(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None) -> DistanceElement:
+        """A massless rod with ball joints at its ends."""
+        ...
+
+class SectionElement(Element):
+    def station(self, *, at: Value = None) -> StationElement:
+        """<station>
+          The section at one place of the beam; two or more, from 0 to 1, in order.
+          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>.
+
+        Attributes:
+          at                 number from 0 to 1, required
+                             fraction of the reference length of the beam
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def stiffness(self, content: Value = None, /, *, EA: Value = None, GA2: Value = None, GA3: Value = None, GJ: Value = None, EI2: Value = None, EI3: Value = None, D12: Value = None, D13: Value = None, D14: Value = None, D15: Value = None, D16: Value = None, D23: Value = None, D24: Value = None, D25: Value = None, D26: Value = None, D34: Value = None, D35: Value = None, D36: Value = None, D45: Value = None, D46: Value = None, D56: Value = None) -> StiffnessElement:
+        """<stiffness>
+          D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]:
+          its entries by name, the first six at least, or all of them row by row.
+          Stands in <section>, <station>, <defaults>. Its text: 36 numbers.
+
+        Attributes:
+          EA                 number > 0 [N], optional
+                             D11, axial
+          GA2                number > 0 [N], optional
+                             D22, shear along b2
+          GA3                number > 0 [N], optional
+                             D33, shear along b3
+          GJ                 number > 0 [N.m2], optional
+                             D44, torsion
+          EI2                number > 0 [N.m2], optional
+                             D55, bending about b2
+          EI3                number > 0 [N.m2], optional
+                             D66, bending about b3
+          D12                number [N], default 0
+                             coupling of extension and shear along b2; D21 is the same,
+                             and so below
+          D13                number [N], default 0
+                             coupling of extension and shear along b3
+          D14                number [N.m], default 0
+                             coupling of extension and twist
+          D15                number [N.m], default 0
+                             coupling of extension and bending about b2
+          D16                number [N.m], default 0
+                             coupling of extension and bending about b3
+          D23                number [N], default 0
+                             coupling of shear along b2 and shear along b3
+          D24                number [N.m], default 0
+                             coupling of shear along b2 and twist
+          D25                number [N.m], default 0
+                             coupling of shear along b2 and bending about b2
+          D26                number [N.m], default 0
+                             coupling of shear along b2 and bending about b3
+          D34                number [N.m], default 0
+                             coupling of shear along b3 and twist
+          D35                number [N.m], default 0
+                             coupling of shear along b3 and bending about b2
+          D36                number [N.m], default 0
+                             coupling of shear along b3 and bending about b3
+          D45                number [N.m2], default 0
+                             coupling of twist and bending about b2
+          D46                number [N.m2], default 0
+                             coupling of twist and bending about b3
+          D56                number [N.m2], default 0
+                             coupling of bending about b2 and bending about b3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def mass(self, *, per_length: Value = None, inertia: Value = None, center: Value = None) -> MassElement:
+        """<mass>
+          M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          per_length         number > 0 [kg/m], required
+                             mass per unit length
+          inertia            3 or 6 numbers [kg.m], required
+                             per length about the reference line: J11 J22 J33 [J12 J13
+                             J23]
+          center             2 numbers [m], default 0 0
+                             mass centre in the section: x2 x3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def damping(self, *, stiffness_proportional: Value = None, mass_proportional: Value = None, EA: Value = None, GA2: Value = None, GA3: Value = None, GJ: Value = None, EI2: Value = None, EI3: Value = None, D12: Value = None, D13: Value = None, D14: Value = None, D15: Value = None, D16: Value = None, D23: Value = None, D24: Value = None, D25: Value = None, D26: Value = None, D34: Value = None, D35: Value = None, D36: Value = None, D45: Value = None, D46: Value = None, D56: Value = None) -> DampingElement:
+        """<damping>
+          Resistance to rates of strain and to velocities, at least one kind, in a
+          <transient>; without it a beam is elastic.
+          Stands in <section>, <defaults>.
+
+        Attributes:
+          stiffness_proportional number >= 0 [s], default 0
+                             beta: viscous forces are beta D times rates of strain;
+                             damping ratio beta omega/2
+          mass_proportional  number >= 0 [1/s], default 0
+                             alpha: -alpha times the momentum of all masses of the beam,
+                             rigid motion too; damping ratio alpha/(2 omega)
+          EA                 number >= 0 [N.s], default 0
+                             D11, axial: viscous, besides beta D; and so below
+          GA2                number >= 0 [N.s], default 0
+                             D22, shear along b2
+          GA3                number >= 0 [N.s], default 0
+                             D33, shear along b3
+          GJ                 number >= 0 [N.m2.s], default 0
+                             D44, torsion
+          EI2                number >= 0 [N.m2.s], default 0
+                             D55, bending about b2
+          EI3                number >= 0 [N.m2.s], default 0
+                             D66, bending about b3
+          D12                number [N.s], default 0
+                             coupling of extension and shear along b2
+          D13                number [N.s], default 0
+                             coupling of extension and shear along b3
+          D14                number [N.m.s], default 0
+                             coupling of extension and twist
+          D15                number [N.m.s], default 0
+                             coupling of extension and bending about b2
+          D16                number [N.m.s], default 0
+                             coupling of extension and bending about b3
+          D23                number [N.s], default 0
+                             coupling of shear along b2 and shear along b3
+          D24                number [N.m.s], default 0
+                             coupling of shear along b2 and twist
+          D25                number [N.m.s], default 0
+                             coupling of shear along b2 and bending about b2
+          D26                number [N.m.s], default 0
+                             coupling of shear along b2 and bending about b3
+          D34                number [N.m.s], default 0
+                             coupling of shear along b3 and twist
+          D35                number [N.m.s], default 0
+                             coupling of shear along b3 and bending about b2
+          D36                number [N.m.s], default 0
+                             coupling of shear along b3 and bending about b3
+          D45                number [N.m2.s], default 0
+                             coupling of twist and bending about b2
+          D46                number [N.m2.s], default 0
+                             coupling of twist and bending about b3
+          D56                number [N.m2.s], default 0
+                             coupling of bending about b2 and bending about b3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
+        """Reads its contents several times."""
+        ...
+
+class StationElement(Element):
+    def stiffness(self, content: Value = None, /, *, EA: Value = None, GA2: Value = None, GA3: Value = None, GJ: Value = None, EI2: Value = None, EI3: Value = None, D12: Value = None, D13: Value = None, D14: Value = None, D15: Value = None, D16: Value = None, D23: Value = None, D24: Value = None, D25: Value = None, D26: Value = None, D34: Value = None, D35: Value = None, D36: Value = None, D45: Value = None, D46: Value = None, D56: Value = None) -> StiffnessElement:
+        """<stiffness>
+          D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]:
+          its entries by name, the first six at least, or all of them row by row.
+          Stands in <section>, <station>, <defaults>. Its text: 36 numbers.
+
+        Attributes:
+          EA                 number > 0 [N], optional
+                             D11, axial
+          GA2                number > 0 [N], optional
+                             D22, shear along b2
+          GA3                number > 0 [N], optional
+                             D33, shear along b3
+          GJ                 number > 0 [N.m2], optional
+                             D44, torsion
+          EI2                number > 0 [N.m2], optional
+                             D55, bending about b2
+          EI3                number > 0 [N.m2], optional
+                             D66, bending about b3
+          D12                number [N], default 0
+                             coupling of extension and shear along b2; D21 is the same,
+                             and so below
+          D13                number [N], default 0
+                             coupling of extension and shear along b3
+          D14                number [N.m], default 0
+                             coupling of extension and twist
+          D15                number [N.m], default 0
+                             coupling of extension and bending about b2
+          D16                number [N.m], default 0
+                             coupling of extension and bending about b3
+          D23                number [N], default 0
+                             coupling of shear along b2 and shear along b3
+          D24                number [N.m], default 0
+                             coupling of shear along b2 and twist
+          D25                number [N.m], default 0
+                             coupling of shear along b2 and bending about b2
+          D26                number [N.m], default 0
+                             coupling of shear along b2 and bending about b3
+          D34                number [N.m], default 0
+                             coupling of shear along b3 and twist
+          D35                number [N.m], default 0
+                             coupling of shear along b3 and bending about b2
+          D36                number [N.m], default 0
+                             coupling of shear along b3 and bending about b3
+          D45                number [N.m2], default 0
+                             coupling of twist and bending about b2
+          D46                number [N.m2], default 0
+                             coupling of twist and bending about b3
+          D56                number [N.m2], default 0
+                             coupling of bending about b2 and bending about b3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def mass(self, *, per_length: Value = None, inertia: Value = None, center: Value = None) -> MassElement:
+        """<mass>
+          M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          per_length         number > 0 [kg/m], required
+                             mass per unit length
+          inertia            3 or 6 numbers [kg.m], required
+                             per length about the reference line: J11 J22 J33 [J12 J13
+                             J23]
+          center             2 numbers [m], default 0 0
+                             mass centre in the section: x2 x3
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+
+class StiffnessElement(Element):
+    ...
+
+class MassElement(Element):
+    ...
+
+class DampingElement(Element):
+    ...
+
+class BeamElement(Element):
+    ...
+
+class ArcElement(Element):
+    ...
+
+class CurveElement(Element):
+    def point(self, *, at: Value = None, normal: Value = None, twist: Value = None) -> PointElement:
+        """<point>
+          A point of a curve.
+          Stands in <curve>, <repeat>, <defaults>.
+
+        Attributes:
+          at                 3 numbers [m], required
+                             position
+          normal             3 numbers, optional
+                             b3 there (default: the normal of the curve)
+          twist              number [rad], default 0
+                             turns the section, right-handed about the tangent
+
+        For example:
+          <mbd name="hook">
+            <section name="bar">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+            </section>
+            <beam name="leg" section="bar" from="0 0 0" to="0 0 2" normal="0 1 0" elements="2"/>
+            <arc name="bow" section="bar" from="0 0 2" center="0.5 0 2" axis="0 1 0" angle="pi" normal="0 1 0"
+                 elements="2" order="5"/>
+            <curve name="tail" section="bar" normal="0 1 0" elements="2">
+              <point at="1 0 2"/>
+              <point at="1.02 0 1.8"/>
+              <point at="1.1 0 1.6" twist="10*deg"/>
+            </curve>
+            <fixed name="foot" between="ground leg.start"/>
+            <fixed name="A" between="leg.end bow.start"/>
+            <fixed name="B" between="bow.end tail.start"/>
+            <load at="tail.end" force="0 0 -50"/>
+            <static/>
+            <record name="end" at="tail.end" quantities="displacement rotation"/>
+            <record name="leg" at="leg@0.5" quantities="force moment"/>
+            <expect quantity="leg.force.1" value="-50" tolerance="0.1"
+                    source="equilibrium: the leg is pressed"/>
+          </mbd>
+        """
+        ...
+    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
+        """Reads its contents several times."""
+        ...
+
+class PointElement(Element):
+    ...
+
+class BodyElement(Element):
+    ...
+
+class DriveElement(Element):
+    ...
+
+class MotionElement(Element):
+    ...
+
+class LoadElement(Element):
+    ...
+
+class DistributedElement(Element):
+    ...
+
+class RigidElement(Element):
+    ...
+
+class PointMassElement(Element):
+    ...
+
+class SpringElement(Element):
+    def table(self, content: Value = None, /, *, of: Value = None, interpolation: Value = None) -> TableElement:
+        """<table>
+          A law in place of an expression: x and force (or v and force) in turn, in SI
+          units, x rising.
+          Stands in <spring>, <joint_spring>. Its text: pairs of numbers.
+
+        Attributes:
+          of                 force, damping_force, moment or damping_moment, default
+                             force
+                             what it gives, as the attribute of that name
+          interpolation      linear or smooth, default linear
+                             between its points: linear or a cubic spline; linear beyond
+                             the first and the last
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+
+class BushingElement(Element):
+    def matrix(self, content: Value = None, /, *, of: Value = None) -> MatrixElement:
+        """<matrix>
+          Its stiffness or damping, symmetric, in place of the attributes: row by row,
+          displacements before rotations, in SI units.
+          Stands in <bushing>. Its text: 36 numbers.
+
+        Attributes:
+          of                 stiffness or damping, default stiffness
+                             what it is
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+    def law(self, content: Value = None, /, *, component: Value = None, force: Value = None, moment: Value = None, interpolation: Value = None) -> LawElement:
+        """<law>
+          What one component of its motion adds to the stiffness: an expression, or a
+          table of x and force in turn, in SI units, x rising.
+          Stands in <bushing>. Its text: pairs of numbers.
+
+        Attributes:
+          component          whole number from 1 to 6, required
+                             of the motion of b relative to a: 1 to 3 along, 4 to 6
+                             about the axes
+          force              expression of x [N], optional
+                             of components 1 to 3: over the displacement x [m]
+          moment             expression of x [N.m], optional
+                             of components 4 to 6: over the rotation x [rad]
+          interpolation      linear or smooth, default linear
+                             of a table: linear or a cubic spline; linear beyond the
+                             first and the last point
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+
+class MatrixElement(Element):
+    ...
+
+class LawElement(Element):
+    ...
+
+class JointSpringElement(Element):
+    def table(self, content: Value = None, /, *, of: Value = None, interpolation: Value = None) -> TableElement:
+        """<table>
+          A law in place of an expression: x and force (or v and force) in turn, in SI
+          units, x rising.
+          Stands in <spring>, <joint_spring>. Its text: pairs of numbers.
+
+        Attributes:
+          of                 force, damping_force, moment or damping_moment, default
+                             force
+                             what it gives, as the attribute of that name
+          interpolation      linear or smooth, default linear
+                             between its points: linear or a cubic spline; linear beyond
+                             the first and the last
+
+        For example:
+          <mbd name="gate">
+            <body name="leaf" at="0 0 0" mass="20" center="0.6 0 0" inertia="0.1 2.5 2.5"/>
+            <bushing name="mount" between="ground leaf" damping="2e3 2e3 2e3"
+                     angular_damping="40 40 0">
+              <matrix of="stiffness">
+                2e6 0 0 0 0 0  0 2e6 0 0 0 0  0 0 2e6 0 0 0
+                0 0 0 4e4 0 0  0 0 0 0 4e4 0  0 0 0 0 0 0
+              </matrix>
+              <law component="6" moment="50*x^3"/>
+            </bushing>
+            <spring name="closer" between="ground leaf" at_a="0.3 0.5 0" at_b="0.8 0.05 0"
+                    stiffness="300" length="0.4" damping="60" damping_force="200*v*abs(v)"/>
+            <body name="latch" at="1.2 0 0" mass="0.3" inertia="1e-3 1e-3 1e-3"/>
+            <revolute name="hinge" between="leaf latch" axis="0 0 1"/>
+            <joint_spring name="return" joint="hinge" angular_stiffness="2" angular_damping="0.05"
+                          rest_angle="10 deg">
+              <table of="moment" interpolation="smooth">-1 -3  0 0  0.5 0.2  1 3</table>
+            </joint_spring>
+            <joint_torque name="motor" joint="hinge" moment="t > 0.1 ? 0.5*(1 - exp(-(t-0.1)/0.02)) : 0"/>
+            <transient duration="0.2" step="2e-3"/>
+            <record name="closer" spring="closer" quantities="tension length length_rate"/>
+            <record name="mount" spring="mount" quantities="force moment"/>
+            <record name="return" spring="return" quantities="joint_moment"/>
+          </mbd>
+        """
+        ...
+
+class JointTorqueElement(Element):
+    ...
+
+class TableElement(Element):
+    ...
+
+class DragElement(Element):
+    ...
+
+class AddedMassElement(Element):
+    ...
+
+class BaseMotionElement(Element):
+    ...
+
+class GravityElement(Element):
+    ...
+
+class StaticElement(Element):
+    ...
+
+class PathElement(Element):
+    def mark(self, *, quantity: Value = None, value: Value = None) -> MarkElement:
+        """<mark>
+          A point of the path to be located, shown and drawn: where a column passes a
+          value.
+          Stands in <path>, <repeat>, <defaults>.
+
+        Attributes:
+          quantity           text, required
+                             a column of path.csv
+          value              number [any unit], required
+                             the value it passes, from either side
+
+        For example:
+          <mbd name="snap_through">
+            <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+            <section name="strip">
+              <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+            </section>
+            <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+                 axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+            <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+            <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+            <load at="arch@0.5" force="0 -2e5 0"/>
+            <path step="0.1">
+              <mark quantity="crown.displacement.2" value="-3"/>
+              <stop quantity="crown.displacement.2" value="-7"/>
+            </path>
+            <record name="crown" at="arch@0.5" quantities="displacement"/>
+            <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+            <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+                    source="shooting of the rod equations"/>
+          </mbd>
+        """
+        ...
+    def stop(self, *, quantity: Value = None, value: Value = None) -> StopElement:
+        """<stop>
+          A mark at which the path ends.
+          Stands in <path>, <repeat>, <defaults>.
+
+        Attributes:
+          quantity           text, required
+                             a column of path.csv
+          value              number [any unit], required
+                             the value it passes, from either side
+
+        For example:
+          <mbd name="snap_through">
+            <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+            <section name="strip">
+              <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+            </section>
+            <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+                 axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+            <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+            <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+            <load at="arch@0.5" force="0 -2e5 0"/>
+            <path step="0.1">
+              <mark quantity="crown.displacement.2" value="-3"/>
+              <stop quantity="crown.displacement.2" value="-7"/>
+            </path>
+            <record name="crown" at="arch@0.5" quantities="displacement"/>
+            <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+            <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+                    source="shooting of the rod equations"/>
+          </mbd>
+        """
+        ...
+
+class MarkElement(Element):
+    ...
+
+class StopElement(Element):
+    ...
+
+class TransientElement(Element):
+    ...
+
+class RecordElement(Element):
+    ...
+
+class MotionOutputElement(Element):
+    ...
+
+class PlotElement(Element):
+    ...
+
+class ExpectElement(Element):
+    ...
+
+class RepeatElement(Element):
+    def section(self, *, name: Value = None, interpolation: Value = None) -> SectionElement:
+        """Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3."""
+        ...
+    def station(self, *, at: Value = None) -> StationElement:
+        """<station>
+          The section at one place of the beam; two or more, from 0 to 1, in order.
+          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>.
+
+        Attributes:
+          at                 number from 0 to 1, required
+                             fraction of the reference length of the beam
+
+        For example:
+          <mbd name="mast">
+            <!-- A mast that tapers, under its weight and a push at its top. -->
+            <section name="tapered" interpolation="smooth">
+              <station at="0">
+                <stiffness EA="8e6" GA2="3e6" GA3="3e6" GJ="6e3" EI2="8e3" EI3="8e3"/>
+                <mass per_length="4" inertia="4e-3 2e-3 2e-3"/>
+              </station>
+              <station at="0.5">
+                <stiffness EA="6e6" GA2="2e6" GA3="2e6" GJ="3e3" EI2="4e3" EI3="4e3"/>
+                <mass per_length="3" inertia="2e-3 1e-3 1e-3"/>
+              </station>
+              <station at="1">
+                <stiffness EA="4e6" GA2="1e6" GA3="1e6" GJ="1e3" EI2="1e3" EI3="1e3"/>
+                <mass per_length="2" inertia="1e-3 5e-4 5e-4"/>
+              </station>
+            </section>
+            <beam name="mast" section="tapered" from="0 0 0" to="0 0 5" normal="1 0 0" elements="4"/>
+            <fixed name="foot" between="ground mast.start"/>
+            <load at="mast.end" force="20 0 0"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <static/>
+            <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def beam(self, *, name: Value = None, section: Value = None, from_: Value = None, to: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> BeamElement:
+        """A straight beam."""
+        ...
+    def arc(self, *, name: Value = None, section: Value = None, from_: Value = None, center: Value = None, axis: Value = None, angle: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> ArcElement:
+        """A beam along a circular arc: `from`, turned about the centre."""
+        ...
+    def curve(self, *, name: Value = None, section: Value = None, degree: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> CurveElement:
+        """A beam along a smooth curve through points."""
+        ...
+    def point(self, *, at: Value = None, normal: Value = None, twist: Value = None) -> PointElement:
+        """<point>
+          A point of a curve.
+          Stands in <curve>, <repeat>, <defaults>.
+
+        Attributes:
+          at                 3 numbers [m], required
+                             position
+          normal             3 numbers, optional
+                             b3 there (default: the normal of the curve)
+          twist              number [rad], default 0
+                             turns the section, right-handed about the tangent
+
+        For example:
+          <mbd name="hook">
+            <section name="bar">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+            </section>
+            <beam name="leg" section="bar" from="0 0 0" to="0 0 2" normal="0 1 0" elements="2"/>
+            <arc name="bow" section="bar" from="0 0 2" center="0.5 0 2" axis="0 1 0" angle="pi" normal="0 1 0"
+                 elements="2" order="5"/>
+            <curve name="tail" section="bar" normal="0 1 0" elements="2">
+              <point at="1 0 2"/>
+              <point at="1.02 0 1.8"/>
+              <point at="1.1 0 1.6" twist="10*deg"/>
+            </curve>
+            <fixed name="foot" between="ground leg.start"/>
+            <fixed name="A" between="leg.end bow.start"/>
+            <fixed name="B" between="bow.end tail.start"/>
+            <load at="tail.end" force="0 0 -50"/>
+            <static/>
+            <record name="end" at="tail.end" quantities="displacement rotation"/>
+            <record name="leg" at="leg@0.5" quantities="force moment"/>
+            <expect quantity="leg.force.1" value="-50" tolerance="0.1"
+                    source="equilibrium: the leg is pressed"/>
+          </mbd>
+        """
+        ...
+    def body(self, *, name: Value = None, attached_to: Value = None, at: Value = None, orientation: Value = None, mass: Value = None, center: Value = None, inertia: Value = None, velocity: Value = None, angular_velocity: Value = None) -> BodyElement:
+        """A rigid body, free or fixed to a place."""
+        ...
+    def drive(self, *, joint: Value = None, rate: Value = None, angle: Value = None, speed: Value = None, displacement: Value = None) -> DriveElement:
+        """Prescribes the angle or the displacement of a joint."""
+        ...
+    def motion(self, *, name: Value = None, of: Value = None, displacement: Value = None, velocity: Value = None, rotation: Value = None, axis: Value = None, angle: Value = None, rate: Value = None) -> MotionElement:
+        """Prescribes the motion of a place; what is not given is free."""
+        ...
+    def load(self, *, name: Value = None, at: Value = None, force: Value = None, moment: Value = None, follower_force: Value = None, follower_moment: Value = None, offset: Value = None) -> LoadElement:
+        """A force and moment at a place."""
+        ...
+    def distributed(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, force: Value = None, moment: Value = None, follower_force: Value = None, follower_moment: Value = None) -> DistributedElement:
+        """Forces and moments per unit of reference length along a beam; expressions of s, the fraction of that length, and t."""
+        ...
+    def rigid(self, *, name: Value = None, of: Value = None) -> RigidElement:
+        """Makes one rigid body of beams and free bodies: one node with the mass of them all. Places of its beams stay places; joints between two of them do nothing."""
+        ...
+    def point_mass(self, *, name: Value = None, at: Value = None, mass: Value = None, offset: Value = None) -> PointMassElement:
+        """A mass without inertia of its own that moves with a place."""
+        ...
+    def spring(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None, stiffness: Value = None, damping: Value = None, length: Value = None, force: Value = None, damping_force: Value = None) -> SpringElement:
+        """A spring, a damper or both along the line between two points of two places."""
+        ...
+    def bushing(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, second_axis: Value = None, stiffness: Value = None, angular_stiffness: Value = None, damping: Value = None, angular_damping: Value = None) -> BushingElement:
+        """An elastic connection of two frames, which coincide in the reference configuration, in all six directions."""
+        ...
+    def joint_spring(self, *, name: Value = None, joint: Value = None, angular_stiffness: Value = None, angular_damping: Value = None, rest_angle: Value = None, moment: Value = None, damping_moment: Value = None, stiffness: Value = None, damping: Value = None, rest_displacement: Value = None, force: Value = None, damping_force: Value = None) -> JointSpringElement:
+        """A spring, a damper or both on the free coordinate of a joint: its angle, over any number of turns, or its displacement."""
+        ...
+    def joint_torque(self, *, name: Value = None, joint: Value = None, moment: Value = None, force: Value = None) -> JointTorqueElement:
+        """A moment about or a force along the axis of a joint, of time; the joint turns freely."""
+        ...
+    def drag(self, *, name: Value = None, density: Value = None, flow: Value = None, beam: Value = None, from_: Value = None, to: Value = None, diameter: Value = None, normal_coefficient: Value = None, tangential_coefficient: Value = None, at: Value = None, area: Value = None, coefficient: Value = None, offset: Value = None) -> DragElement:
+        """Quadratic drag of a fluid, still or flowing, along a beam or at a place."""
+        ...
+    def added_mass(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, density: Value = None, diameter: Value = None, coefficient: Value = None, at: Value = None, matrix: Value = None) -> AddedMassElement:
+        """Inertia of a fluid that a beam or a body sets in motion: of a fluid at rest, without its weight."""
+        ...
+    def mark(self, *, quantity: Value = None, value: Value = None) -> MarkElement:
+        """<mark>
+          A point of the path to be located, shown and drawn: where a column passes a
+          value.
+          Stands in <path>, <repeat>, <defaults>.
+
+        Attributes:
+          quantity           text, required
+                             a column of path.csv
+          value              number [any unit], required
+                             the value it passes, from either side
+
+        For example:
+          <mbd name="snap_through">
+            <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+            <section name="strip">
+              <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+            </section>
+            <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+                 axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+            <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+            <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+            <load at="arch@0.5" force="0 -2e5 0"/>
+            <path step="0.1">
+              <mark quantity="crown.displacement.2" value="-3"/>
+              <stop quantity="crown.displacement.2" value="-7"/>
+            </path>
+            <record name="crown" at="arch@0.5" quantities="displacement"/>
+            <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+            <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+                    source="shooting of the rod equations"/>
+          </mbd>
+        """
+        ...
+    def stop(self, *, quantity: Value = None, value: Value = None) -> StopElement:
+        """<stop>
+          A mark at which the path ends.
+          Stands in <path>, <repeat>, <defaults>.
+
+        Attributes:
+          quantity           text, required
+                             a column of path.csv
+          value              number [any unit], required
+                             the value it passes, from either side
+
+        For example:
+          <mbd name="snap_through">
+            <!-- A flat arch is pressed at its crown, gives way and hangs through. -->
+            <section name="strip">
+              <stiffness EA="1e8" GA2="1e8" GA3="1e8" GJ="1e8" EI2="1e8" EI3="1e8"/>
+            </section>
+            <arc name="arch" section="strip" from="-100*sin(15*deg) 100*cos(15*deg) 0" center="0 0 0"
+                 axis="0 0 -1" angle="30*deg" normal="0 0 1" elements="4" order="4"/>
+            <revolute name="left" between="ground arch.start" axis="0 0 1"/>
+            <revolute name="right" between="ground arch.end" axis="0 0 1"/>
+            <load at="arch@0.5" force="0 -2e5 0"/>
+            <path step="0.1">
+              <mark quantity="crown.displacement.2" value="-3"/>
+              <stop quantity="crown.displacement.2" value="-7"/>
+            </path>
+            <record name="crown" at="arch@0.5" quantities="displacement"/>
+            <plot x="crown.displacement.2" x_scale="-1" y="load_factor"/>
+            <expect quantity="load_factor" of="limit" number="1" value="0.969750962" tolerance="1e-6"
+                    source="shooting of the rod equations"/>
+          </mbd>
+        """
+        ...
+    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, quantities: Value = None) -> RecordElement:
+        """Columns of history.csv."""
+        ...
+    def plot(self, *, x: Value = None, y: Value = None, x_scale: Value = None, y_scale: Value = None, x_label: Value = None, y_label: Value = None, title: Value = None, x_range: Value = None) -> PlotElement:
+        """A panel of history.svg."""
+        ...
+    def expect(self, *, quantity: Value = None, of: Value = None, number: Value = None, at: Value = None, value: Value = None, tolerance: Value = None, source: Value = None, when: Value = None) -> ExpectElement:
+        """A number the run must give."""
+        ...
+    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
+        """Reads its contents several times."""
+        ...
+    def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
+        """Nothing is left free."""
+        ...
+    def rigid_link(self, *, name: Value = None, between: Value = None, at: Value = None) -> RigidLinkElement:
+        """A rigid, massless arm between two places at any distance."""
+        ...
+    def revolute(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> RevoluteElement:
+        """One rotation is left free, about the axis."""
+        ...
+    def prismatic(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PrismaticElement:
+        """One translation is left free, along the axis."""
+        ...
+    def cylindrical(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> CylindricalElement:
+        """One rotation and one translation are left free, about and along the axis."""
+        ...
+    def screw(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, pitch: Value = None) -> ScrewElement:
+        """Turning about the axis advances along it by the pitch a turn."""
+        ...
+    def universal(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None, second_axis: Value = None) -> UniversalElement:
+        """Two rotations are left free, about an axis fixed in a and one fixed in b."""
+        ...
+    def spherical(self, *, name: Value = None, between: Value = None, at: Value = None) -> SphericalElement:
+        """Three rotations are left free."""
+        ...
+    def planar(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PlanarElement:
+        """Two translations and one rotation are left free, in a plane."""
+        ...
+    def point_on_line(self, *, name: Value = None, between: Value = None, at: Value = None, axis: Value = None) -> PointOnLineElement:
+        """A point of a stays on a line of b."""
+        ...
+    def distance(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None) -> DistanceElement:
+        """A massless rod with ball joints at its ends."""
+        ...
+
+class FixedElement(Element):
+    ...
+
+class RigidLinkElement(Element):
+    ...
+
+class RevoluteElement(Element):
+    ...
+
+class PrismaticElement(Element):
+    ...
+
+class CylindricalElement(Element):
+    ...
+
+class ScrewElement(Element):
+    ...
+
+class UniversalElement(Element):
+    ...
+
+class SphericalElement(Element):
+    ...
+
+class PlanarElement(Element):
+    ...
+
+class PointOnLineElement(Element):
+    ...
+
+class DistanceElement(Element):
+    ...
+
+def accuracy(model: Any, *, set: Any = None, quantities: Any = (), vary: Any = None, reference: Any = None, budget: Any = 120.0, refinements: Any = None) -> Dict[str, Any]:
+    """Error against CPU time of many settings, and the cheapest for each accuracy: dict, as `mbd accuracy` writes
+    accuracy.json.
+
+    model: file, Scene or Model; set: values of parameters
+    quantities: whose error, names of columns, quantities or records; none: what the model expects, plots or records
+    vary: {"order": [2, 3], "tolerance": "1e-2:1e-8"}: values of knobs; none: those that suit the model
+    reference: CSV file in place of a reference made here
+    budget: seconds for it all; refinements: of the reference, at most
+
+    Raises ModelError, UseError, and Interrupted with the study so far.
+    """
+    ...
+
+def campbell(model: Any, rates: Any, *, set: Any = None, points: Any = 61, count: Any = 8, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = ()) -> Dict[str, Any]:
+    """Modes followed over the rate of a steady rotation.
+
+    rates: (first, last) [rad/s], or texts with units ("0 rpm", "600 rpm"); points: how many at least
+    count: modes; axis, through, at_rest, without as of modes()
+
+    Returns a dict: rates (r,) [rad/s]; displacements (r,) [m] of the steady rotation; branches, list of dicts with
+    name, rates, eigenvalues (complex [1/s], in `axes`), inertial_frequencies ([rad/s], nan where orbits are not round),
+    overlaps; special, list of dicts with kind ("critical", "unstable_above", "stable_above"), rate [rad/s], branch;
+    axes; notes. Raises ModelError, UseError, and Interrupted with the diagram so far.
+    """
+    ...
+
+def effects(model: Any, *, set: Any = None, quantities: Any = (), tolerance: Any = 0.01, budget: Any = 120.0) -> Dict[str, Any]:
+    """What each effect of a model costs and is worth, and the cheapest model within a tolerance: dict, as `mbd effects`
+    writes effects.json.
+
+    tolerance: rms change of each quantity over its largest value; budget: CPU seconds
+
+    Raises ModelError, UseError, and Interrupted with the study so far.
+    """
+    ...
+
+def modes(model: Any, *, set: Any = None, count: Any = 10, near: Any = None, rate: Any = None, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = ()) -> Dict[str, Any]:
+    """Small motions about equilibrium, or about steady rotation of the whole at a rate.
+
+    count: how many; near: those nearest to this frequency [Hz]
+    rate: of the rotation [rad/s] about the axis through a point [m]; at_rest: bodies and beams that do not turn
+    without: effects to leave out, as `mbd effects` names them
+
+    Returns a dict. With n modes and k nodes (the ground left out):
+      eigenvalues (n,) complex [1/s]; frequencies (n,) [Hz]; damping_ratios (n,); names, list of n
+      shapes (n, k, 6) complex: displacements [m] and rotations [rad], inertial axes; positions (k, 3) [m]; nodes, names
+      parts: list of n dicts, shares of kinetic energy; orbits, inertial_frequencies (n,) [Hz]: nan without whirl
+      residuals (n,); axes: "turning", "resting" or None; notes
+    Raises ModelError and UseError.
+    """
+    ...
+
+def read(directory: Any) -> Results:
+    """Results that `mbd run` has written: a directory, or a CSV file with a line of names."""
+    ...
+
+def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None, seed: Any = 1, quantity: Any = (), set: Any = None, jobs: Any = None, out: Any = None, progress: Any = False) -> Sweep:
+    """Runs a model for many values of parameters, several at once, each in a process of its own, and returns a Sweep.
+
+    model: file, Scene or Model
+    vary: {"rpm": range(10, 60), "d": ["1 mm", "2 mm"], "f": "1:10:0.5"}: all combinations, the last varies fastest
+    latin: a Latin hypercube of so many points instead, in the ranges of `vary`: {"rpm": (10, 60)} or {"rpm": "10:60"}
+    points: a CSV file with a line of names, or a list of dicts, instead
+    quantity: columns, quantities or records, with "@minimum", "@maximum", "@largest", "@mean" or "@rms" of the rows of
+      results in place of the end; none: all that is recorded
+    jobs: processes at once; none: as many as there are processors
+    out: directory that gets sweep.csv and keeps rows as they come: the same sweep goes on from there after Ctrl-C or a
+      kill, with more or other points too
+    progress: True, or a function f(done, all)
+
+    Failures are rows. Raises ModelError where the model is wrong at any value, UseError, and Interrupted with the Sweep so
+    far. Its processes are forked: meanwhile no other thread may be inside mbd.
+    """
+    ...

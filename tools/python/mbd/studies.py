@@ -1,0 +1,113 @@
+"""What accuracy costs, what effects are worth, modes, Campbell diagrams: as data."""
+
+import json
+import os
+
+from . import _mbd
+from .errors import Interrupted
+from .model import Model
+from .values import names_of, optional_text, text_of
+
+
+def _model_of(model, set):
+    if isinstance(model, Model):
+        if set:
+            raise TypeError("set: give it to the Model, or give the file in place of the Model")
+        return model._model
+    return Model(model, set=set)._model
+
+
+def _study(text, raised):
+    study = None if text is None else json.loads(text)
+    if raised is not None:
+        raise Interrupted(study) if isinstance(raised, KeyboardInterrupt) else raised
+    return study
+
+
+def _vary(vary):
+    if vary is None:
+        return []
+    if isinstance(vary, dict):
+        return [f"{knob}={values if isinstance(values, str) else ','.join(text_of(v) for v in names_or(values))}"
+                for knob, values in vary.items()]
+    return names_of(vary)
+
+
+def names_or(values):
+    return values if isinstance(values, (list, tuple, range)) else [values]
+
+
+def accuracy(model, *, set=None, quantities=(), vary=None, reference=None, budget=120.0, refinements=None) -> "Dict[str, Any]":
+    """Error against CPU time of many settings, and the cheapest for each accuracy: dict, as `mbd accuracy` writes
+    accuracy.json.
+
+    model: file, Scene or Model; set: values of parameters
+    quantities: whose error, names of columns, quantities or records; none: what the model expects, plots or records
+    vary: {"order": [2, 3], "tolerance": "1e-2:1e-8"}: values of knobs; none: those that suit the model
+    reference: CSV file in place of a reference made here
+    budget: seconds for it all; refinements: of the reference, at most
+
+    Raises ModelError, UseError, and Interrupted with the study so far.
+    """
+    return _study(*_mbd.accuracy(_model_of(model, set), names_of(quantities), _vary(vary),
+                                 None if reference is None else os.fspath(reference), float(budget), refinements))
+
+
+def effects(model, *, set=None, quantities=(), tolerance=0.01, budget=120.0) -> "Dict[str, Any]":
+    """What each effect of a model costs and is worth, and the cheapest model within a tolerance: dict, as `mbd effects`
+    writes effects.json.
+
+    tolerance: rms change of each quantity over its largest value; budget: CPU seconds
+
+    Raises ModelError, UseError, and Interrupted with the study so far.
+    """
+    return _study(*_mbd.effects(_model_of(model, set), names_of(quantities), float(tolerance), float(budget)))
+
+
+def modes(model, *, set=None, count=10, near=None, rate=None, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
+          without=()) -> "Dict[str, Any]":
+    """Small motions about equilibrium, or about steady rotation of the whole at a rate.
+
+    count: how many; near: those nearest to this frequency [Hz]
+    rate: of the rotation [rad/s] about the axis through a point [m]; at_rest: bodies and beams that do not turn
+    without: effects to leave out, as `mbd effects` names them
+
+    Returns a dict. With n modes and k nodes (the ground left out):
+      eigenvalues (n,) complex [1/s]; frequencies (n,) [Hz]; damping_ratios (n,); names, list of n
+      shapes (n, k, 6) complex: displacements [m] and rotations [rad], inertial axes; positions (k, 3) [m]; nodes, names
+      parts: list of n dicts, shares of kinetic energy; orbits, inertial_frequencies (n,) [Hz]: nan without whirl
+      residuals (n,); axes: "turning", "resting" or None; notes
+    Raises ModelError and UseError.
+    """
+    return _mbd.modes(_model_of(model, set), int(count), optional_text(near, "near"), optional_text(rate, "rate"),
+                      _three(axis, "axis"), _three(through, "through"), names_of(at_rest), names_of(without))
+
+
+def campbell(model, rates, *, set=None, points=61, count=8, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
+             without=()) -> "Dict[str, Any]":
+    """Modes followed over the rate of a steady rotation.
+
+    rates: (first, last) [rad/s], or texts with units ("0 rpm", "600 rpm"); points: how many at least
+    count: modes; axis, through, at_rest, without as of modes()
+
+    Returns a dict: rates (r,) [rad/s]; displacements (r,) [m] of the steady rotation; branches, list of dicts with
+    name, rates, eigenvalues (complex [1/s], in `axes`), inertial_frequencies ([rad/s], nan where orbits are not round),
+    overlaps; special, list of dicts with kind ("critical", "unstable_above", "stable_above"), rate [rad/s], branch;
+    axes; notes. Raises ModelError, UseError, and Interrupted with the diagram so far.
+    """
+    first, last = rates
+    study, raised = _mbd.campbell(_model_of(model, set), text_of(first), text_of(last), int(points), int(count),
+                                  _three(axis, "axis"), _three(through, "through"), names_of(at_rest),
+                                  names_of(without))
+    if raised is not None:
+        raise Interrupted(study) if isinstance(raised, KeyboardInterrupt) else raised
+    return study
+
+
+def _three(values, name):
+    from .errors import UseError
+
+    numbers = [float(value) for value in values]
+    if len(numbers) != 3:
+        raise UseError(f"{name} has {len(numbers)} numbers, must have 3")
+    return numbers

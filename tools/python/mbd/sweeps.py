@@ -1,0 +1,186 @@
+"""A model over many values of its parameters."""
+
+import hashlib
+import itertools
+import os
+import sys
+
+from . import _mbd
+from .errors import Interrupted, UseError
+from .model import Model
+from .values import names_of, text_of
+
+
+class Sweep:
+    """The table of a sweep: sweep["rpm"] is a parameter, sweep["tip.displacement.3"] a column, (points,); nan where a
+    point was not done, for which `status` and `messages` say why."""
+
+    def __init__(self, found):
+        self._found = found
+        #: names of the parameters, list
+        self.parameters = found["parameters"]
+        #: list of points, lists of texts as the model got them
+        self.points = found["points"]
+        #: of each point: "done", "failed" (ended too early), "refused" (wrong there, or no start), "lost" (its process
+        #: ended by a signal), "open" (not run: interrupted)
+        self.status = found["status"]
+        #: of each point: why it is not done, or ""
+        self.messages = found["messages"]
+        #: time reached and CPU time of each point [s], (points,)
+        self.t, self.cpu = found["t"], found["cpu"]
+        #: how many rows an earlier sweep had done
+        self.found = found["found"]
+
+    @property
+    def columns(self) -> "List[str]":
+        """Names of what was kept, list."""
+        return [name for name, _ in self._found["columns"]]
+
+    @property
+    def units(self) -> "Dict[str, str]":
+        """dict: unit of each column; "" of a pure number."""
+        return dict(self._found["columns"])
+
+    @property
+    def values(self) -> "numpy.ndarray":
+        """All numbers, (points, columns)."""
+        return self._found["values"]
+
+    @property
+    def csv(self) -> str:
+        """The table as `mbd sweep` writes it, str."""
+        return self._found["csv"]
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __getitem__(self, name: str) -> "numpy.ndarray":
+        import numpy
+
+        if name in self.parameters:
+            texts = [point[self.parameters.index(name)] for point in self.points]
+            try:
+                return numpy.array([float(text.split()[0]) for text in texts])
+            except (ValueError, IndexError):
+                return numpy.array(texts)
+        columns = self.columns
+        if name in columns:
+            return self.values[:, columns.index(name)]
+        from .errors import UnknownName
+
+        raise UnknownName(f'"{name}" is neither a parameter nor a column of this sweep; there are '
+                          f'{", ".join(self.parameters + columns)}')
+
+    def frame(self):
+        """pandas.DataFrame: a row for each point; parameters (numbers without their unit), status, columns, t, cpu, message."""
+        import pandas
+
+        data = {name: self[name] for name in self.parameters}
+        data["status"] = self.status
+        data.update({name: self.values[:, i] for i, name in enumerate(self.columns)})
+        data.update({"t": self.t, "cpu": self.cpu, "message": self.messages})
+        return pandas.DataFrame(data)
+
+    def __repr__(self):
+        return f"<mbd.Sweep of {self._found['model']!r}: {self._found['text'].splitlines()[0]}>"
+
+
+def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set=None, jobs=None, out=None,
+          progress=False) -> "Sweep":
+    """Runs a model for many values of parameters, several at once, each in a process of its own, and returns a Sweep.
+
+    model: file, Scene or Model
+    vary: {"rpm": range(10, 60), "d": ["1 mm", "2 mm"], "f": "1:10:0.5"}: all combinations, the last varies fastest
+    latin: a Latin hypercube of so many points instead, in the ranges of `vary`: {"rpm": (10, 60)} or {"rpm": "10:60"}
+    points: a CSV file with a line of names, or a list of dicts, instead
+    quantity: columns, quantities or records, with "@minimum", "@maximum", "@largest", "@mean" or "@rms" of the rows of
+      results in place of the end; none: all that is recorded
+    jobs: processes at once; none: as many as there are processors
+    out: directory that gets sweep.csv and keeps rows as they come: the same sweep goes on from there after Ctrl-C or a
+      kill, with more or other points too
+    progress: True, or a function f(done, all)
+
+    Failures are rows. Raises ModelError where the model is wrong at any value, UseError, and Interrupted with the Sweep so
+    far. Its processes are forked: meanwhile no other thread may be inside mbd.
+    """
+    handle = model if isinstance(model, Model) else Model(model, set=set)
+    if handle is model and set:
+        raise TypeError("set: give it to the Model, or give the file in place of the Model")
+    plan = _plan_of(vary, points, latin, seed)
+    if jobs is None:
+        jobs = len(os.sched_getaffinity(0))
+    jobs = int(jobs)
+    if not 1 <= jobs <= 4096:
+        raise UseError(f"jobs = {jobs}: give a number of processes from 1 to 4096")
+    show = progress or None
+    if progress is True:
+        def show(done, all):
+            sys.stderr.write(f"\r\033[K{done} of {all} points")
+            sys.stderr.flush()
+    found, raised = _mbd.sweep(handle._model, plan, names_of(quantity), jobs, None if out is None else os.fspath(out),
+                               _fingerprint(handle), "", show)
+    if progress is True:
+        sys.stderr.write("\r\033[K")
+    result = None if found is None else Sweep(found)
+    if result is not None and out is not None:
+        with open(os.path.join(out, "sweep.csv.part"), "w", encoding="utf-8") as stream:
+            stream.write(result.csv)
+        os.replace(os.path.join(out, "sweep.csv.part"), os.path.join(out, "sweep.csv"))
+    if raised is not None:
+        raise Interrupted(result) if isinstance(raised, KeyboardInterrupt) else raised
+    return result
+
+
+def _plan_of(vary, points, latin, seed):
+    if points is not None:
+        if vary is not None or latin is not None:
+            raise TypeError("points: are all points; leave out vary and latin")
+        if isinstance(points, (str, os.PathLike)):
+            return _mbd.SweepPlan.file(os.fspath(points))
+        points = [dict(point) for point in points]
+        names = list(points[0]) if points else []
+        for point in points:
+            if list(point) != names:
+                raise UseError(f"points: {list(point)} are not the parameters of the first point, {names}")
+        return _mbd.SweepPlan.list(names, [[text_of(value, name) for name, value in point.items()] for point in points])
+    if not vary:
+        raise TypeError("sweep: give vary= or points=")
+    vary = dict(vary)
+    if latin is not None:
+        if not int(latin) >= 1:
+            raise UseError(f"latin = {latin}: give a number of points")
+        ranges = []
+        for name, ends in vary.items():
+            if not isinstance(ends, str):
+                if len(ends) != 2:
+                    raise UseError(f"vary: {name} has {len(ends)} ends, must have two")
+                ends = ":".join(text_of(end, name) for end in ends)
+            ranges.append(f"{name}={ends}")
+        return _mbd.SweepPlan.latin(ranges, int(latin), int(seed))
+    if all(isinstance(values, str) for values in vary.values()):
+        return _mbd.SweepPlan.grid([f"{name}={values}" for name, values in vary.items()])
+    lists = []
+    for name, values in vary.items():
+        if isinstance(values, str):
+            grid = _mbd.SweepPlan.grid([f"{name}={values}"])
+            values = [point[0] for point in grid.points]
+        elif not hasattr(values, "__iter__"):
+            values = [values]
+        lists.append([text_of(value, name) for value in values])
+        if not lists[-1]:
+            raise UseError(f"vary: {name} has no values")
+    return _mbd.SweepPlan.list(list(vary), [list(point) for point in itertools.product(*lists)])
+
+
+def _fingerprint(model):
+    """Of the model, its parameters and this library: rows of another are not believed."""
+    digest = hashlib.sha256()
+    module = os.stat(_mbd.__file__)
+    digest.update(f"{module.st_size} {module.st_mtime_ns} {model._model.parameters}".encode())
+    if model._source is not None:
+        digest.update(model._source.encode())
+    else:
+        for file in [model.file] + model._model.includes:
+            with open(file, "rb") as stream:
+                digest.update(stream.read())
+    return digest.hexdigest()

@@ -1,0 +1,257 @@
+// Studies of a model as data: JSON for Python to read, and arrays.
+
+#include <fmt/format.h>
+#include <pybind11/complex.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+
+#include "libmbd/language/schema.hpp"
+#include "libmbd/study/accuracy/accuracy.hpp"
+#include "libmbd/study/accuracy/accuracy_report.hpp"
+#include "libmbd/study/effects/ablation.hpp"
+#include "libmbd/study/effects/effects.hpp"
+#include "libmbd/study/effects/effects_report.hpp"
+#include "libmbd/study/modes/campbell.hpp"
+#include "libmbd/study/modes/modes.hpp"
+#include "tools/mbd/overrides.hpp"
+#include "tools/python/background.hpp"
+#include "tools/python/errors.hpp"
+#include "tools/python/model.hpp"
+
+namespace mbd::python {
+namespace {
+
+void check_between(const char* name, double value, double least, double most) {
+  if (!(value >= least) || !(value <= most))
+    throw UseError(
+        fmt::format("{} = {:g}: give a number from {:g} to {:g}", name, value, least, most));
+}
+
+// What was raised during a study, with what is there of it.
+py::object done(const py::object& raised, const std::string& json) {
+  return py::make_tuple(json.empty() ? py::object(py::none()) : py::object(py::str(json)), raised);
+}
+
+py::object accuracy(const ModelHandle& model, const std::vector<std::string>& quantities,
+                    const std::vector<std::string>& vary,
+                    const std::optional<std::string>& reference, double budget,
+                    std::optional<int> refinements) {
+  check_between("budget", budget, 1.0, 1e6);
+  AccuracyOptions options;
+  if (refinements) {
+    check_between("refinements", *refinements, 1, options.refinements);
+    options.refinements = *refinements;
+  }
+  options.quantities = quantities;
+  for (const std::string& one : vary) add_variation(options.variations, one);
+  if (reference) options.reference = *reference;
+  options.budget = budget;
+  std::string json;
+  const py::object raised = in_background([&](const std::atomic<bool>& interrupted) {
+    options.interrupted = &interrupted;
+    json = to_json(study_accuracy(model.scene(), options));
+  });
+  return done(raised, json);
+}
+
+py::object effects(const ModelHandle& model, const std::vector<std::string>& quantities,
+                   double tolerance, double budget) {
+  check_between("budget", budget, 1.0, 1e6);
+  if (!(tolerance > 0.0) || !(tolerance <= 1.0))
+    throw UseError(
+        fmt::format("tolerance = {:g}: give a relative change, above 0 and up to 1", tolerance));
+  EffectsOptions options;
+  options.quantities = quantities;
+  options.tolerance = tolerance;
+  options.budget = budget;
+  std::string json;
+  const py::object raised = in_background([&](const std::atomic<bool>& interrupted) {
+    options.interrupted = &interrupted;
+    json = to_json(study_effects(model.scene(), options));
+  });
+  return done(raised, json);
+}
+
+struct RotationGiven {
+  std::array<double, 3> axis, through;
+};
+SteadyRotation rotation_of(const RotationGiven& given) {
+  const Vec3 axis(given.axis[0], given.axis[1], given.axis[2]),
+      through(given.through[0], given.through[1], given.through[2]);
+  if (!(axis.norm() > 0.0) || !std::isfinite(axis.norm()))
+    throw UseError("axis: give a direction that is not zero");
+  if (!through.allFinite()) throw UseError("through: give a point");
+  return {0.0, axis / axis.norm(), through, {}};
+}
+
+Scene scene_without(const ModelHandle& model, const std::vector<std::string>& effects) {
+  return effects.empty() ? model.scene() : without(model.scene(), effects);
+}
+
+py::dict modes(const ModelHandle& model, int count, const std::string& near,
+               const std::string& rate, const std::array<double, 3>& axis,
+               const std::array<double, 3>& through, const std::vector<std::string>& at_rest,
+               const std::vector<std::string>& left_out) {
+  check_between("count", count, 1, 10000);
+  const Scene scene = scene_without(model, left_out);
+  ModesOptions options;
+  options.count = count;
+  if (!near.empty()) {
+    options.near = 2.0 * std::numbers::pi * option_value("near", near, "Hz", scene);
+    if (!(options.near >= 0.0)) throw UseError("near: give a frequency that is not negative");
+  }
+  if (!rate.empty()) {
+    options.rotation = rotation_of({axis, through});
+    options.at_rest = at_rest;
+    options.rotation->rate = option_value("rate", rate, "rad/s", scene);
+  }
+  std::optional<ModesStudy> study;
+  raise_if(in_background([&](const std::atomic<bool>&) { study = study_modes(scene, options); }),
+           py::none());
+
+  const auto modes = static_cast<py::ssize_t>(study->modes.size());
+  const auto nodes = static_cast<py::ssize_t>(study->nodes.size());
+  using Complex = std::complex<double>;
+  const double nothing = std::nan("");
+  py::array_t<Complex> eigenvalues(modes), shapes({modes, nodes, py::ssize_t{6}});
+  py::array_t<double> frequencies(modes), damping(modes), orbits(modes), inertial(modes),
+      positions({nodes, py::ssize_t{3}}), residuals(modes);
+  py::list names, parts;
+  for (py::ssize_t n = 0; n < nodes; ++n)
+    for (py::ssize_t k = 0; k < 3; ++k)
+      positions.mutable_at(n, k) = study->poses[static_cast<std::size_t>(n)].r(k);
+  for (py::ssize_t m = 0; m < modes; ++m) {
+    const NamedMode& mode = study->modes[static_cast<std::size_t>(m)];
+    eigenvalues.mutable_at(m) = mode.eigenvalue;
+    frequencies.mutable_at(m) = mode.frequency();
+    damping.mutable_at(m) = mode.damping_ratio();
+    orbits.mutable_at(m) = mode.orbit.value_or(nothing);
+    residuals.mutable_at(m) = mode.residual;
+    const auto whirl = mode.whirl(study->rotation ? study->rotation->rate : 0.0, study->axes);
+    inertial.mutable_at(m) = whirl ? *whirl / (2.0 * std::numbers::pi) : nothing;
+    names.append(mode.name);
+    py::dict shares;
+    for (const auto& [part, share] : mode.parts) shares[py::str(part)] = share;
+    parts.append(shares);
+    for (py::ssize_t n = 0; n < nodes; ++n) {  // inertial axes, as modes.json has them
+      const Mat3 R = study->poses[static_cast<std::size_t>(n)].R();
+      for (py::ssize_t part = 0; part < 6; part += 3) {
+        const Eigen::Vector3cd x = R * mode.shape.segment<3>(6 * n + part);
+        for (py::ssize_t k = 0; k < 3; ++k) shapes.mutable_at(m, n, part + k) = x(k);
+      }
+    }
+  }
+  py::dict all;
+  all["model"] = study->model;
+  all["eigenvalues"] = eigenvalues;
+  all["frequencies"] = frequencies;
+  all["damping_ratios"] = damping;
+  all["names"] = names;
+  all["parts"] = parts;
+  all["nodes"] = study->nodes;
+  all["positions"] = positions;
+  all["shapes"] = shapes;
+  all["orbits"] = orbits;
+  all["inertial_frequencies"] = inertial;
+  all["residuals"] = residuals;
+  all["axes"] = study->rotation
+                    ? py::object(py::str(study->axes == ModeAxes::turning ? "turning" : "resting"))
+                    : py::object(py::none());
+  all["notes"] = study->notes;
+  return all;
+}
+
+const char* word_of(SpecialSpeed::Kind kind) {
+  switch (kind) {
+    case SpecialSpeed::Kind::critical:
+      return "critical";
+    case SpecialSpeed::Kind::unstable_above:
+      return "unstable_above";
+    case SpecialSpeed::Kind::stable_above:
+      return "stable_above";
+  }
+  return "";
+}
+
+py::tuple campbell(const ModelHandle& model, const std::string& from, const std::string& to,
+                   int points, int count, const std::array<double, 3>& axis,
+                   const std::array<double, 3>& through, const std::vector<std::string>& at_rest,
+                   const std::vector<std::string>& left_out) {
+  check_between("points", points, 2, 100000);
+  check_between("count", count, 1, 1000);
+  const Scene scene = scene_without(model, left_out);
+  CampbellOptions options;
+  options.rotation = rotation_of({axis, through});
+  options.at_rest = at_rest;
+  options.from = option_value("rates", from, "rad/s", scene);
+  options.to = option_value("rates", to, "rad/s", scene);
+  if (!(options.from >= 0.0) || !(options.to > options.from) || !std::isfinite(options.to))
+    throw UseError("rates: give two that rise and are not negative");
+  options.points = points;
+  options.count = count;
+  std::optional<CampbellStudy> study;
+  const py::object raised = in_background([&](const std::atomic<bool>& interrupted) {
+    options.interrupted = &interrupted;
+    study = study_campbell(scene, options);
+  });
+  if (!study) return py::make_tuple(py::none(), raised);
+  py::list branches, special;
+  for (const CampbellBranch& branch : study->branches) {
+    const auto size = static_cast<py::ssize_t>(branch.points.size());
+    py::array_t<double> rates(size), inertial(size), overlaps(size);
+    py::array_t<std::complex<double>> eigenvalues(size);
+    for (py::ssize_t i = 0; i < size; ++i) {
+      const CampbellPoint& p = branch.points[static_cast<std::size_t>(i)];
+      rates.mutable_at(i) = p.rate;
+      eigenvalues.mutable_at(i) = p.eigenvalue;
+      inertial.mutable_at(i) = p.inertial.value_or(std::nan(""));
+      overlaps.mutable_at(i) = p.overlap;
+    }
+    py::dict one;
+    one["name"] = branch.name;
+    one["rates"] = rates;
+    one["eigenvalues"] = eigenvalues;
+    one["inertial_frequencies"] = inertial;
+    one["overlaps"] = overlaps;
+    branches.append(one);
+  }
+  for (const SpecialSpeed& speed : study->special) {
+    py::dict one;
+    one["kind"] = word_of(speed.kind);
+    one["rate"] = speed.rate;
+    one["branch"] = speed.branch;
+    special.append(one);
+  }
+  py::dict all;
+  all["model"] = study->model;
+  all["axes"] = study->axes == ModeAxes::turning ? "turning" : "resting";
+  all["rates"] =
+      py::array_t<double>(static_cast<py::ssize_t>(study->rates.size()), study->rates.data());
+  all["displacements"] = py::array_t<double>(static_cast<py::ssize_t>(study->displacements.size()),
+                                             study->displacements.data());
+  all["branches"] = branches;
+  all["special"] = special;
+  all["notes"] = study->notes;
+  return py::make_tuple(all, raised);
+}
+
+}  // namespace
+
+void bind_studies(py::module_& module) {
+  module.def("accuracy", &accuracy, py::arg("model"), py::arg("quantities"), py::arg("vary"),
+             py::arg("reference"), py::arg("budget"), py::arg("refinements"));
+  module.def("effects", &effects, py::arg("model"), py::arg("quantities"), py::arg("tolerance"),
+             py::arg("budget"));
+  module.def("modes", &modes, py::arg("model"), py::arg("count"), py::arg("near"), py::arg("rate"),
+             py::arg("axis"), py::arg("through"), py::arg("at_rest"), py::arg("without"));
+  module.def("campbell", &campbell, py::arg("model"), py::arg("first"), py::arg("last"),
+             py::arg("points"), py::arg("count"), py::arg("axis"), py::arg("through"),
+             py::arg("at_rest"), py::arg("without"));
+}
+
+}  // namespace mbd::python
