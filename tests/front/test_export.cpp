@@ -13,14 +13,15 @@
 #include <vector>
 
 #include "tests/support/program.hpp"
-#include "tests/support/shell.hpp"
+#include "tests/support/program_test.hpp"
 
 namespace mbd::test::test_export {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path source = MBD_SOURCE_DIR, models = source / "models", here = source / "tests/front";
+const fs::path source = MBD_SOURCE_DIR, models = source / "models",
+               scripts = source / "tests/front";
 
 // A Python that has these modules; "" if there is none.
 std::string python_with(const std::string& modules) {
@@ -34,14 +35,10 @@ void expect_says(const std::string& text, const std::vector<std::string>& all) {
     EXPECT_NE(text.find(one), std::string::npos) << one << "\nin: " << text;
 }
 
-class Exported : public testing::Test {
+class Exported : public ProgramTest {
  protected:
-  Output mbd(const std::string& words) const {
-    return shell("cd " + quote(directory_.string()) + " && " + quote(mbd_program) + " " + words);
-  }
   Output script(const std::string& name, const std::string& words) const {
-    return shell("cd " + quote(directory_.string()) + " && " + python_ + " " +
-                 quote((here / name).string()) + " " + words);
+    return here(python_ + " " + quote((scripts / name).string()) + " " + words);
   }
   void require_python(const std::string& modules, const std::string& packages) {
     python_ = python_with(modules);
@@ -49,16 +46,7 @@ class Exported : public testing::Test {
       GTEST_SKIP() << "there is no Python with " << modules << "; install " << packages
                    << " (tools/install-dependencies --with-python does)";
   }
-  // A run of a model of the repository, whose results are in OUT.
-  void run(const std::string& model, const std::string& out, const std::string& words = "") const {
-    const Output output = mbd("run " + quote((models / model).string() + ".xml") + " -q -o " + out +
-                              " --no-estimate --hdf5 " + words);
-    EXPECT_EQ(output.status, 0) << output.text;
-  }
-  fs::path file(const std::string& name) const { return directory_ / name; }
 
-  const TemporaryDirectory scratch_;
-  const fs::path directory_ = scratch_.path();
   std::string python_;
 };
 
@@ -79,7 +67,7 @@ class RunFileTest : public Exported {
 
   void expect_same(const std::string& model, const std::string& words = "") const {
     SCOPED_TRACE(model);
-    run(model, model, words);
+    run(model, "--hdf5 " + words);
     const Output read =
         script("read_run.py", model + " " + quote((models / model).string() + ".xml"));
     EXPECT_EQ(read.status, 0) << read.text;
@@ -174,7 +162,7 @@ TEST_F(RunFileTest, IsClosedByAnInterrupt) {
 TEST_F(RunFileTest, SaysThatTheDiskIsFull) {
   write_text(file("long.xml"), long_run);
   const Output output =
-      bash("cd " + quote(directory_.string()) + "; trap '' XFSZ; ulimit -f 1500; exec " +
+      bash("cd " + quote(directory_.path().string()) + "; trap '' XFSZ; ulimit -f 1500; exec " +
            quote(mbd_program) + " run long.xml --hdf5 -q -o out --set T=20 --no-estimate");
   EXPECT_EQ(output.status, 1) << output.text;
   expect_says(output.text, {"cannot be written (File too large)"});
@@ -197,8 +185,7 @@ TEST_F(RunFileTest, SaysThatItCannotBeWritten) {
 // libhdf5 is loaded where such a file is written, and nowhere else; an older file does not stay beside newer results.
 TEST_F(RunFileTest, OffCostsNothing) {
   const auto loads = [&](const std::string& words) {
-    return shell("cd " + quote(directory_.string()) + " && LD_DEBUG=files " + quote(mbd_program) +
-                 " run one.xml -q -o one " + words)
+    return here("LD_DEBUG=files " + quote(mbd_program) + " run one.xml -q -o one " + words)
                .text.find("hdf5") != std::string::npos;
   };
   EXPECT_TRUE(loads("--hdf5"));
@@ -220,8 +207,8 @@ TEST_F(RunFileTest, TextAndParametersAreKept) {
   ASSERT_EQ(output.status, 0) << output.text;
   const Output read = script("read_run.py", "out names.xml");
   EXPECT_EQ(read.status, 0) << read.text;
-  const Output look = shell(
-      "cd " + quote(directory_.string()) + " && " + python_ + " -c " +
+  const Output look = here(
+      python_ + " -c " +
       quote("import h5py; run = h5py.File('out/run.h5'); assert run['parameters'].attrs['k'] == "
             "1/3; assert run['model/include_1'][()] == open('part.xml', 'rb').read()"));
   EXPECT_EQ(look.status, 0) << look.text;
@@ -344,7 +331,7 @@ d = 4 * (100 / 1e6) ** 0.5
 radii = numpy.hypot(tube[:, 0], tube[:, 2])
 assert abs(radii - d / 2).max() < 1e-6, radii
 )py");
-  const Output looked = shell("cd " + quote(directory_.string()) + " && " + python_ + " look.py");
+  const Output looked = here(python_ + " look.py");
   EXPECT_EQ(looked.status, 0) << looked.text;
 }
 
@@ -422,7 +409,7 @@ TEST_F(VtkFilesTest, SayWhatIsWrong) {
   EXPECT_EQ(few.status, 0) << few.text;
   expect_says(few.text, {"11 of 50 frames", "--frames N for more"});
   const Output full =
-      bash("cd " + quote(directory_.string()) + "; trap '' XFSZ; ulimit -f 1; exec " +
+      bash("cd " + quote(directory_.path().string()) + "; trap '' XFSZ; ulimit -f 1; exec " +
            quote(mbd_program) + " export kept --vtk full");
   EXPECT_EQ(full.status, 1);
   expect_says(full.text, {"full/pendulum", "cannot be written (File too large)"});

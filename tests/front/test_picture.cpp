@@ -23,9 +23,7 @@
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/letters.hpp"
 #include "libmbd/view/picture.hpp"
-#include "tests/support/machine.hpp"
-#include "tests/support/shell.hpp"
-#include "tests/support/this_build.hpp"
+#include "tests/support/browser.hpp"
 
 namespace mbd::test::test_picture {
 namespace {
@@ -35,39 +33,12 @@ using Json = nlohmann::json;
 
 const fs::path models = fs::path(MBD_SOURCE_DIR) / "models";
 
-// 20 km from the origin, in mm; what is up is axis 3.
-constexpr const char* far_away = R"(<mbd name="far">
-  <section name="s"><stiffness EA="100 kN" GA2="40 kN" GA3="40 kN" GJ="80 N.mm2" EI2="0.5" EI3="0.5"/>
-    <mass per_length="1 g/mm" inertia="1e-4 5e-5 5e-5"/></section>
-  <beam name="one" section="s" from="2e7-400 0 1e7 mm" to="2e7 0 1e7 mm" normal="0 0 1" elements="2"/>
-  <beam name="two" section="s" from="2e7 0 1e7 mm" to="2e7 300 1e7 mm" normal="0 0 1"/>
-  <revolute name="root" between="ground one.start" at="2e7-400 0 1e7 mm" axis="0 1 0"/>
-  <fixed name="corner" between="one.end two.start"/>
-  <gravity acceleration="0 0 -9.81"/>
-  <transient duration="0.2" step="2 ms" rho_infinity="0.8"/>
-  <record name="tip" at="two.end" quantities="displacement"/>
-</mbd>)";
+// The build lacks a library that the picture needs.
+bool lacks(const Output& output) {
+  return output.text.find("this mbd was built without lib") != std::string::npos;
+}
 
-class PictureFile : public testing::Test {
- protected:
-  fs::path file(const std::string& name) const { return directory_.path() / name; }
-  Output mbd(const std::string& words) const {
-    return shell("cd " + quote(directory_.path().string()) + " && " + quote(mbd_program) + " " +
-                 words);
-  }
-  void run(const std::string& name, const std::string& options = "") const {
-    const fs::path own = file(name + ".xml");
-    const std::string model = fs::exists(own) ? own.string() : (models / (name + ".xml")).string();
-    const Output ran = mbd("run " + quote(model) + " --motion --no-estimate --quiet --out " + name +
-                           " " + options);
-    ASSERT_EQ(ran.status, 0) << ran.text;
-  }
-  bool lacks(const Output& output) const {
-    return output.text.find("this mbd was built without lib") != std::string::npos;
-  }
-
-  TemporaryDirectory directory_;
-};
+using PictureFile = ProgramTest;
 
 Vec3 vector_of(const Json& all) {
   return {all.at(0).get<double>(), all.at(1).get<double>(), all.at(2).get<double>()};
@@ -81,7 +52,7 @@ struct Placed {
   double azimuth, elevation;
   int up;  // axis
 };
-class PicturePositions : public PictureFile, public testing::WithParamInterface<Placed> {};
+class PicturePositions : public ProgramTest, public testing::WithParamInterface<Placed> {};
 
 // A record's point is where a pinhole at the camera that the file states has the reference position and the displacement
 // in history.csv, to 0.002 pixels (the file has three digits); so is the end of its trail, and the beam that ends there. The
@@ -89,7 +60,7 @@ class PicturePositions : public PictureFile, public testing::WithParamInterface<
 TEST_P(PicturePositions, AreProjectionsOfTheHistory) {
   write_text(file("far.xml"), far_away);
   const Placed& c = GetParam();
-  run(c.model);
+  run(c.model, "--motion");
   const mbd::History history = read_history(file(c.model));
   const auto columns =
       choose_columns(history, std::vector{std::string(c.record) + ".displacement"});
@@ -237,7 +208,7 @@ TEST_F(PictureFile, ColoursHaveALegend) {
     <beam name="b" section="s" from="0 0 0" to="2 0 0" normal="0 0 1" elements="4"/>
     <fixed name="clamp" between="ground b.start"/><load at="b.end" moment="0 -25 0"/><static steps="4"/>
     <record name="tip" at="b.end" quantities="displacement"/></mbd>)");
-  run("arc");
+  run("arc", "--motion");
   const Motion motion = read_motion(file("arc") / "motion.bin");
   const double radius = 4.0, angle = 0.5;
   const double moved = std::hypot(radius * std::sin(angle) - 2.0, radius * (1.0 - std::cos(angle)));
@@ -304,7 +275,7 @@ unsigned number_at(const std::string& bytes, std::size_t at, int count) {  // le
 
 // An animation has the frames that were asked for, and their time; a PNG its size.
 TEST_F(PictureFile, AnimationsHaveTheirFrames) {
-  run("pendulum", "--frames 100");
+  run("pendulum", "--motion --frames 100");
   struct Case {
     const char* options;
     unsigned frames, milliseconds;
@@ -350,12 +321,7 @@ TEST_F(PictureFile, OfEveryModel) {
     EXPECT_NE(svg.find("data-part="), std::string::npos) << entry.path();
     EXPECT_EQ(svg.find("nan"), std::string::npos) << entry.path();
   }
-  write_text(file("open.xml"), R"(<mbd name="open"><section name="s">
-      <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/></section>
-    <beam name="a" section="s" from="0 0 0" to="1 0 0" normal="0 0 1"/>
-    <beam name="b" section="s" from="1.03 0.04 0" to="2 0 0" normal="0 0 1"/>
-    <fixed name="clamp" between="ground a.start"/>
-    <revolute name="hinge" between="a.end b.start" axis="0 0 1"/><static/></mbd>)");
+  write_text(file("open.xml"), open_hinge);
   const Output made = mbd("view open.xml --image open.svg");
   EXPECT_EQ(made.status, 1);
   EXPECT_NE(made.text.find("open.xml:6"), std::string::npos) << made.text;
@@ -367,8 +333,8 @@ TEST_F(PictureFile, SaysWhatIsWrong) {
     std::string words;
     std::vector<std::string> parts;
   };
-  run("pendulum", "--frames 20");
-  run("roll_up");
+  run("pendulum", "--motion --frames 20");
+  run("roll_up", "--motion");
   const std::string model = quote((models / "pendulum.xml").string());
   for (const Case& c : std::vector<Case>{
            {"view pendulum --image p.gif", {"--image p.gif", ".svg or .png"}},
@@ -421,15 +387,13 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-class PictureBrowserSlow : public PictureFile {};
+class PictureBrowserSlow : public BrowserTest {};
 
 // Chromium decodes what is written: the two writers of pictures agree on all but edges (pixels whose colours are further
-// apart than 150 of 765 are a tenth of those that are drawn at most, where another time has more than half), and frames of an animation move.
+// apart than 150 of 765 are a tenth of those that are drawn at most, where another time has more than half), and frames of
+// an animation move.
 TEST_F(PictureBrowserSlow, ReadThem) {
-  if (shell("command -v chromium").status != 0)
-    GTEST_SKIP() << "there is no Chromium to look at pictures with; install it with "
-                    "tools/install-dependencies --with-browser";
-  run("four_bar", "--frames 60");
+  run("four_bar", "--motion --frames 60");
   const std::string options = " --pixels 480x300 --from 60,30 --bare";
   const Output made = mbd("view four_bar --image p.svg" + options),
                png = mbd("view four_bar --image p.png" + options),
@@ -437,46 +401,36 @@ TEST_F(PictureBrowserSlow, ReadThem) {
                webp = mbd("view four_bar --animation p.webp --frames 20" + options);
   if (lacks(png) || lacks(webp)) GTEST_SKIP() << png.text << webp.text;
   for (const Output& output : {made, png, other, webp}) ASSERT_EQ(output.status, 0) << output.text;
-  write_text(
-      file("asked.html"),
-      "<pre id=\"answer\"></pre><script>(async () => { let a; try { a = await (async () => {"
-      "const load = async (type, data) => { const i = new Image(); i.src = 'data:' + type + "
-      "';base64,' + data; await i.decode();"
-      " const c = document.createElement('canvas'); c.width = 480; c.height = 300; const g = "
-      "c.getContext('2d');"
-      " g.drawImage(i, 0, 0, 480, 300); return {w: i.naturalWidth, h: i.naturalHeight, d: "
-      "g.getImageData(0, 0, 480, 300).data}; };"
-      "const svg = await load('image/svg+xml', '" +
-          base64(read_text(file("p.svg"))) +
-          "'),"
-          " png = await load('image/png', '" +
-          base64(read_text(file("p.png"))) +
-          "'),"
-          " other = await load('image/png', '" +
-          base64(read_text(file("q.png"))) +
-          "'),"
-          " webp = await load('image/webp', '" +
-          base64(read_text(file("p.webp"))) +
-          "');"
-          "const far = (a, b) => { let n = 0; for (let i = 0; i < a.d.length; i += 4)"
-          " if (Math.abs(a.d[i] - b.d[i]) + Math.abs(a.d[i + 1] - b.d[i + 1]) + Math.abs(a.d[i + "
-          "2] - b.d[i + 2]) > 150) ++n;"
-          " return n / (a.d.length / 4); };"
-          "let ink = 0; for (let i = 0; i < png.d.length; i += 4) if (png.d[i] < 200) ++ink;"
-          "return {svg: [svg.w, svg.h], png: [png.w, png.h], webp: [webp.w, webp.h], ink: ink / "
-          "(480 * 300),"
-          " same: far(svg, png), moved: far(png, other), frame: far(webp, png)};"
-          "})(); } catch (e) { a = {error: String(e)}; } "
-          "document.getElementById('answer').textContent = JSON.stringify(a); })();</script>");
-  const Output dom = shell("cd " + quote(directory_.path().string()) + " && timeout " +
-                           std::to_string(whole_guard(200)) +
-                           " chromium --headless --no-sandbox --disable-gpu "
-                           "--user-data-dir=profile --host-resolver-rules='MAP * ~NOTFOUND'"
-                           " --virtual-time-budget=4000 --dump-dom " +
-                           quote("file://" + file("asked.html").string()) +
-                           " 2>stderr | grep -o '<pre id=\"answer\">.*</pre>'");
-  ASSERT_GT(dom.text.size(), 30U) << read_text(file("stderr"));
-  const Json answer = Json::parse(dom.text.substr(17, dom.text.find("</pre>") - 17));
+  const auto data = [&](const char* type, const char* name) {
+    return fmt::format("await load('data:image/{};base64,{}')", type,
+                       base64(read_text(file(name))));
+  };
+  const Json answer = ask(
+      "<!DOCTYPE html><title>pictures</title>",
+      R"(
+    const load = async data => {
+      const i = new Image();
+      i.src = data;
+      await i.decode();
+      const c = document.createElement('canvas');
+      c.width = 480; c.height = 300;
+      const g = c.getContext('2d');
+      g.drawImage(i, 0, 0, 480, 300);
+      return {w: i.naturalWidth, h: i.naturalHeight, d: g.getImageData(0, 0, 480, 300).data};
+    };
+    const far = (a, b) => {
+      let n = 0;
+      for (let i = 0; i < a.d.length; i += 4)
+        if ([0, 1, 2].reduce((sum, j) => sum + Math.abs(a.d[i + j] - b.d[i + j]), 0) > 150) ++n;
+      return n / (a.d.length / 4);
+    };)" +
+          fmt::format("const svg = {}, png = {}, other = {}, webp = {};", data("svg+xml", "p.svg"),
+                      data("png", "p.png"), data("png", "q.png"), data("webp", "p.webp")) +
+          R"(
+    let ink = 0;
+    for (let i = 0; i < png.d.length; i += 4) if (png.d[i] < 200) ++ink;
+    return {svg: [svg.w, svg.h], png: [png.w, png.h], webp: [webp.w, webp.h], ink: ink / (480 * 300),
+      same: far(svg, png), moved: far(png, other), frame: far(webp, png)};)");
   ASSERT_TRUE(answer.contains("same")) << answer.dump();
   for (const char* picture : {"svg", "png", "webp"})
     EXPECT_EQ(answer.at(picture), Json({480, 300}));

@@ -16,9 +16,7 @@
 #include <vector>
 
 #include "libmbd/results/history.hpp"
-#include "tests/support/machine.hpp"
-#include "tests/support/shell.hpp"
-#include "tests/support/this_build.hpp"
+#include "tests/support/browser.hpp"
 
 namespace mbd::test::test_view {
 namespace {
@@ -28,99 +26,28 @@ using Json = nlohmann::json;
 
 const fs::path models = fs::path(MBD_SOURCE_DIR) / "models";
 
-// An arm of two beams 20 km from the origin and in mm, turned and bent.
-constexpr const char* far_away = R"(<mbd name="far">
-  <section name="s"><stiffness EA="100 kN" GA2="40 kN" GA3="40 kN" GJ="80 N.mm2" EI2="0.5" EI3="0.5"/>
-    <mass per_length="1 g/mm" inertia="1e-4 5e-5 5e-5"/></section>
-  <beam name="one" section="s" from="2e7-400 0 1e7 mm" to="2e7 0 1e7 mm" normal="0 0 1" elements="2"/>
-  <beam name="two" section="s" from="2e7 0 1e7 mm" to="2e7 300 1e7 mm" normal="0 0 1"/>
-  <revolute name="root" between="ground one.start" at="2e7-400 0 1e7 mm" axis="0 1 0"/>
-  <fixed name="corner" between="one.end two.start"/>
-  <gravity acceleration="0 0 -9.81"/>
-  <transient duration="0.2" step="2 ms" rho_infinity="0.8"/>
-  <record name="tip" at="two.end" quantities="displacement position"/>
-</mbd>)";
+// Of a build without pages: nothing is asked of it.
+void skip_without_pages(const Output& made) {
+  if (made.text.find("built without three.js") != std::string::npos)
+    GTEST_SKIP() << "this mbd makes no pages: " << made.text;
+  ASSERT_EQ(made.status, 0) << made.text;
+}
+const std::string view_pendulum =
+    "view " + quote((models / "pendulum.xml").string()) + " --out p.html";
 
-class ViewFile : public testing::Test {
+class ViewFile : public ProgramTest {
  protected:
-  void SetUp() override {
-    const Output made = mbd("view " + quote((models / "pendulum.xml").string()) + " --out p.html");
-    if (made.text.find("built without three.js") != std::string::npos)
-      GTEST_SKIP() << "this mbd makes no pages: " << made.text;
-    ASSERT_EQ(made.status, 0) << made.text;
-  }
-
-  fs::path file(const std::string& name) const { return directory_.path() / name; }
-  Output mbd(const std::string& words) const {
-    return shell("cd " + quote(directory_.path().string()) + " && " + quote(mbd_program) + " " +
-                 words);
-  }
-  // Its results are in a directory of that name.
-  void run_view(const std::string& name, const std::string& options = "") const {
-    const fs::path own = file(name + ".xml");
-    const std::string model = fs::exists(own) ? own.string() : (models / (name + ".xml")).string();
-    const Output ran =
-        mbd("run " + quote(model) + " --view --no-estimate --quiet --out " + name + " " + options);
-    ASSERT_EQ(ran.status, 0) << ran.text;
-  }
-
-  TemporaryDirectory directory_;
+  void SetUp() override { skip_without_pages(mbd(view_pendulum)); }
 };
 
-class ViewPageSlow : public ViewFile {
+class ViewPageSlow : public BrowserTest {
  protected:
   void SetUp() override {
-    if (shell("command -v chromium").status != 0)
-      GTEST_SKIP() << "there is no Chromium to look at pages with; install it with "
-                      "tools/install-dependencies --with-browser";
-    ViewFile::SetUp();
+    BrowserTest::SetUp();
+    if (!IsSkipped()) skip_without_pages(mbd(view_pendulum));
   }
-
-  // What `script`, appended to the page, returns: in the element #answer, as JSON. It may be a promise. `mutation`: what
-  // stands in the page, and what shall instead.
-  Json ask(const fs::path& page, const std::string& script, const std::string& window = "1000,700",
-           const std::pair<std::string, std::string>& mutation = {}) const {
-    std::string text = read_text(page);
-    if (!mutation.first.empty()) {
-      const std::size_t at = text.find(mutation.first);
-      EXPECT_NE(at, std::string::npos) << mutation.first;
-      text.replace(at, mutation.first.size(), mutation.second);
-    }
-    // Pictures by the page's virtual clock: a busy machine draws none within the time that is given.
-    text.insert(text.find("<style>"),
-                "<script>requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), "
-                "16);</script>");
-    const std::size_t end = text.rfind("</body>");
-    text.insert(
-        end,
-        "<pre id=\"answer\"></pre><script>(async () => { let a; try { a = await (async () "
-        "=> {" +
-            script +
-            "})(); } catch (e) { a = {error: String(e)}; } "
-            "document.getElementById('answer').textContent = JSON.stringify(a); })();</script>");
-    write_text(file("asked.html"), text);
-    return answer_of(file("asked.html"), window);
-  }
-  Json answer_of(const fs::path& page, const std::string& window) const {
-    const Output dom =
-        shell("cd " + quote(directory_.path().string()) + " && timeout " +
-              std::to_string(whole_guard(200)) +
-              " chromium --headless --no-sandbox --hide-scrollbars --disable-gpu "
-              "--enable-unsafe-swiftshader --user-data-dir=profile --host-resolver-rules='MAP * "
-              "~NOTFOUND' --virtual-time-budget=2000 --window-size=" +
-              window + " --dump-dom " + quote("file://" + page.string()) +
-              " 2>stderr | grep -o '<pre id=\"answer\">.*'");
-    constexpr std::string_view before = "<pre id=\"answer\">";
-    std::string text = dom.text.substr(0, dom.text.find("</pre>"));
-    if (text.size() <= before.size()) {
-      ADD_FAILURE() << "no answer: " << text.substr(0, 500) << read_text(file("stderr"));
-      return {};
-    }
-    text.erase(0, before.size());
-    for (const auto& [entity, letter] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}})
-      for (std::size_t at; (at = text.find(entity)) != std::string::npos;)
-        text.replace(at, std::string(entity).size(), letter);
-    return Json::parse(text);
+  Json ask_page(const std::string& page, const std::string& script) const {
+    return ask(read_text(file(page)), script);
   }
 };
 
@@ -135,12 +62,12 @@ class ViewPositionsSlow : public ViewPageSlow, public testing::WithParamInterfac
 TEST_P(ViewPositionsSlow, AreThoseOfTheHistory) {
   write_text(file("far.xml"), far_away);
   const Placed& c = GetParam();
-  run_view(c.model);
+  run(c.model, "--view");
   const mbd::History history = read_history(file(c.model));
   std::vector<std::size_t> frames;
   for (std::size_t i = 0; i <= 6; ++i) frames.push_back((history.rows() - 1) * i / 6);
-  const Json answer =
-      ask(file(c.model) / "view.html", fmt::format(R"(
+  const Json answer = ask_page(c.model + std::string("/view.html"),
+                               fmt::format(R"(
       const all = {}, beam = mbdView.parts.find(p => p.kind === 'beam' && p.name === '{}');
       return {{frames: mbdView.frames, size: JSON.parse(document.getElementById('drawing').textContent).size,
         rows: all.map(k => {{
@@ -154,7 +81,7 @@ TEST_P(ViewPositionsSlow, AreThoseOfTheHistory) {
           }}
           return {{frame: mbdView.frame(), key: mbdView.keys[k], ...r, drawn}};
         }}), centre: JSON.parse(document.getElementById('drawing').textContent).centre}};)",
-                                                   Json(frames).dump(), c.beam, c.record));
+                                           Json(frames).dump(), c.beam, c.record));
   ASSERT_TRUE(answer.contains("rows")) << answer.dump();
   EXPECT_EQ(answer.at("frames"), history.rows());
   const auto columns =
@@ -197,8 +124,8 @@ constexpr const char* colours = R"(
   };)";
 
 TEST_F(ViewPageSlow, DrawsAndHides) {
-  run_view("pendulum", "--frames 20");
-  const Json answer = ask(file("pendulum/view.html"), std::string(colours) + R"(
+  run("pendulum", "--view --frames 20");
+  const Json answer = ask_page("pendulum/view.html", std::string(colours) + R"(
     const all = colours().size, first = document.getElementById('canvas').toDataURL();
     mbdView.setFrame(10);
     const moved = document.getElementById('canvas').toDataURL() !== first;
@@ -212,8 +139,8 @@ TEST_F(ViewPageSlow, DrawsAndHides) {
 
 // A click on a part of the picture, and on its name, shows its name, its line and what stands there; beside it nothing.
 TEST_F(ViewPageSlow, ClicksNameTheParts) {
-  run_view("four_bar", "--frames 30");
-  const Json answer = ask(file("four_bar/view.html"), R"(
+  run("four_bar", "--view --frames 30");
+  const Json answer = ask_page("four_bar/view.html", R"(
     mbdView.setFrame(9);
     mbdView.fit(mbdView.views.z);
     const canvas = document.getElementById('canvas'), said = {};
@@ -243,50 +170,46 @@ TEST_F(ViewPageSlow, ClicksNameTheParts) {
 
 // Nothing is asked for elsewhere; a page that would is found out.
 TEST_F(ViewPageSlow, LoadsNothing) {
-  run_view("pendulum", "--frames 20");
-  const std::string count = R"(
-    document.getElementById('speed').value = '10';
-    mbdView.play(true);
-    await new Promise(done => setTimeout(done, 800));
-    return {requests: performance.getEntriesByType('resource').length + blocked.length, frame: mbdView.frame()};)";
-  const std::pair<std::string, std::string> watch{
-      "<style>",
-      "<script>const blocked = []; document.addEventListener('securitypolicyviolation', e => "
-      "blocked.push(e.blockedURI));</script><style>"};
-  const Json answer = ask(file("pendulum/view.html"), count, "1000,700", watch);
+  run("pendulum", "--view --frames 20");
+  const std::string page = read_text(file("pendulum/view.html"));
+  // It plays until it has moved: a busy machine takes its time.
+  const auto ask_with = [&](const std::string& more) {
+    std::string watched = page;
+    watched.insert(
+        watched.find("<style>"),
+        "<script>const blocked = []; document.addEventListener('securitypolicyviolation', "
+        "e => blocked.push(e.blockedURI));</script>" +
+            more);
+    return ask(watched, R"(
+      document.getElementById('speed').value = '10';
+      mbdView.play(true);
+      while (mbdView.frame() === 0) await new Promise(done => setTimeout(done, 20));
+      return {requests: performance.getEntriesByType('resource').length + blocked.length, frame: mbdView.frame()};)");
+  };
+  const Json answer = ask_with("");
   EXPECT_EQ(answer.at("requests"), 0) << answer.dump();
-  EXPECT_GT(answer.at("frame"), 0);  // it plays
-  EXPECT_GT(ask(file("pendulum/view.html"), count, "1000,700",
-                {watch.first, watch.second.substr(0, watch.second.size() - 7) +
-                                  "<script src=\"https://example.org/x.js\"></script><style>"})
-                .at("requests"),
-            0);
+  EXPECT_GT(answer.at("frame"), 0);
+  EXPECT_GT(ask_with("<script src=\"https://example.org/x.js\"></script>").at("requests"), 0);
 }
 
 // At 390 pixels nothing stands beyond the edge, all that opens being open, with a part chosen, in light and dark.
 TEST_F(ViewPageSlow, FitsAPhone) {
-  run_view("swept_cantilever");
+  run("swept_cantilever", "--view");
   for (const bool too_wide : {false, true}) {
-    std::string page = read_text(file("swept_cantilever/view.html")), escaped;
+    std::string page = read_text(file("swept_cantilever/view.html"));
     if (too_wide) page.insert(page.find("<main>"), "<div style='width:420px'>wide</div>");
-    for (const char c : page)
-      escaped += c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-    write_text(file("phone.html"),
-               R"html(<!DOCTYPE html><title>phone</title><pre id="answer"></pre><script>
-      async function measure(f) {
-        const w = f.contentWindow, d = f.contentDocument, all = [];
-        for (let i = 0; i < 50 && !w.mbdView; ++i) await new Promise(done => setTimeout(done, 50));
-        for (const e of d.querySelectorAll('details')) e.open = true;
-        for (let i = 0; i < 2; ++i) {
-          w.mbdView.choose(w.mbdView.parts[i]);
-          d.getElementById('theme').click();
-          all.push(d.documentElement.scrollWidth);
-        }
-        document.getElementById('answer').textContent = JSON.stringify({inner: w.innerWidth, all,
-          canvas: d.getElementById('canvas').clientWidth});
-      }</script><iframe onload="measure(this)" style="border:0;width:390px;height:800px" srcdoc=")html" +
-                   escaped + "\"></iframe>");
-    const Json answer = answer_of(file("phone.html"), "1000,900");
+    const Json answer = ask_in_frame(page, R"(
+      while (!w.mbdView) await new Promise(done => setTimeout(done, 20));
+      const all = [];
+      for (const e of d.querySelectorAll('details')) e.open = true;
+      for (let i = 0; i < 2; ++i) {
+        w.mbdView.choose(w.mbdView.parts[i]);
+        d.getElementById('theme').click();
+        all.push(d.documentElement.scrollWidth);
+      }
+      return {inner: w.innerWidth, all, canvas: d.getElementById('canvas').clientWidth};)",
+                                     390, 800);
+    ASSERT_TRUE(answer.contains("inner")) << answer.dump();
     EXPECT_EQ(answer.at("inner"), 390);
     for (const Json& wide : answer.at("all")) {
       if (too_wide)
@@ -306,7 +229,7 @@ TEST_F(ViewPageSlow, LegendIsThatOfClosedForms) {
     <beam name="b" section="s" from="0 0 0" to="2 0 0" normal="0 0 1" elements="4"/>
     <fixed name="clamp" between="ground b.start"/><load at="b.end" moment="0 -25 0"/><static/>
     <record name="tip" at="b.end" quantities="displacement"/></mbd>)");
-  run_view("arc");
+  run("arc", "--view");
   const std::string legend = R"(
     const said = {};
     for (const o of document.querySelectorAll('#colour option')) {
@@ -315,7 +238,7 @@ TEST_F(ViewPageSlow, LegendIsThatOfClosedForms) {
         Number(document.getElementById('legend-low').textContent), Number(document.getElementById('legend-high').textContent)];
     }
     return said;)";
-  Json answer = ask(file("arc/view.html"), legend);
+  Json answer = ask_page("arc/view.html", legend);
   EXPECT_EQ(answer.at("M").at(0), "bending moment |M| [N.m]");
   EXPECT_EQ(answer.at("M").at(1), 0.0);  // no load
   EXPECT_EQ(answer.at("M").at(2), 25.0);
@@ -335,15 +258,15 @@ TEST_F(ViewPageSlow, LegendIsThatOfClosedForms) {
     <drive joint="r" rate="t &lt; 1 ? 3*t*t*(3 - 2*t) : 3"/>
     <transient duration="2" step="0.01"/>
     <record name="tip" at="b.end" quantities="velocity"/></mbd>)");
-  run_view("arm");
-  answer = ask(file("arm/view.html"), legend);
+  run("arm", "--view");
+  answer = ask_page("arm/view.html", legend);
   EXPECT_EQ(answer.at("velocity").at(0), "velocity [m/s]");
   EXPECT_EQ(answer.at("velocity").at(1), 0.0);  // at rest at the start
   EXPECT_NEAR(answer.at("velocity").at(2).get<double>(), 6.0, 0.005);
   // N = m w^2 (L^2 - x^2)/2 at the first quadrature point, x = 1 + (1 - sqrt(0.6))/2.
   EXPECT_NEAR(answer.at("N").at(2).get<double>(), 12.43, 0.2);
-  answer = ask(file("arm/view.html"),
-               "mbdView.setFrame(200); document.getElementById('now').click();" + legend);
+  answer = ask_page("arm/view.html",
+                    "mbdView.setFrame(200); document.getElementById('now').click();" + legend);
   EXPECT_NEAR(answer.at("velocity").at(1).get<double>(), 3.0, 0.003);
   EXPECT_NEAR(answer.at("velocity").at(2).get<double>(), 6.0, 0.005);
 }
@@ -351,8 +274,8 @@ TEST_F(ViewPageSlow, LegendIsThatOfClosedForms) {
 // At the start a beam is drawn on its reference shape; later its displacements are drawn times the scale. 1e-6 of the size.
 TEST_F(ViewPageSlow, ScalesDisplacements) {
   write_text(file("far.xml"), far_away);
-  run_view("far");
-  const Json answer = ask(file("far/view.html"), R"(
+  run("far", "--view");
+  const Json answer = ask_page("far/view.html", R"(
     const beam = mbdView.parts.find(p => p.kind === 'beam' && p.name === 'two');
     const off = () => beam.now.r.map((r, i) => r.map((c, j) => c - beam.reference[i][j]));
     const most = all => Math.max(...all.flat().map(Math.abs));
@@ -386,8 +309,8 @@ TEST_F(ViewPageSlow, OverlaysTwoRuns) {
     other.replace(other.find(from), std::string(from).size(), to);
   write_text(file("far.xml"), far_away);
   write_text(file("less.xml"), other);
-  run_view("far");
-  run_view("less");
+  run("far", "--view");
+  run("less", "--view");
   const mbd::History first = read_history(file("far")), second = read_history(file("less"));
   const auto tip = choose_columns(first, std::vector<std::string>{"tip.displacement"});
   const std::string say = R"(
@@ -405,7 +328,7 @@ TEST_F(ViewPageSlow, OverlaysTwoRuns) {
   const auto ask_for = [&](const std::string& page, const std::string& record) {
     std::string script = say;
     script.replace(script.find("SECOND"), 6, "'" + record + "'");
-    return ask(file(page), script);
+    return ask_page(page, script);
   };
   const Output made = mbd("view far less");
   ASSERT_EQ(made.status, 0) << made.text;
@@ -450,16 +373,11 @@ TEST_F(ViewPageSlow, OverlaysTwoRuns) {
 
 // A model before a run, and one whose joints do not close, with the gap.
 TEST_F(ViewPageSlow, ShowsGaps) {
-  write_text(file("open.xml"), R"(<mbd name="open"><section name="s">
-      <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="80" EI2="100" EI3="100"/></section>
-    <beam name="a" section="s" from="0 0 0" to="1 0 0" normal="0 0 1"/>
-    <beam name="b" section="s" from="1.03 0.04 0" to="2 0 0" normal="0 0 1"/>
-    <fixed name="clamp" between="ground a.start"/>
-    <revolute name="hinge" between="a.end b.start" axis="0 0 1"/><static/></mbd>)");
+  write_text(file("open.xml"), open_hinge);
   const Output made = mbd("view open.xml --out open.html");
   EXPECT_EQ(made.status, 1);
   EXPECT_NE(made.text.find("hinge"), std::string::npos) << made.text;
-  const Json answer = ask(file("open.html"), R"(
+  const Json answer = ask_page("open.html", R"(
     const hinge = mbdView.parts.find(p => p.name === 'hinge');
     mbdView.choose(hinge);
     return {fault: document.getElementById('fault').textContent, hidden: document.getElementById('fault').hidden,
@@ -494,7 +412,7 @@ TEST_F(ViewFile, OfEveryModel) {
 
 // Frames are left out evenly until the page has its size, at most; names that would end a script do not.
 TEST_F(ViewFile, KeepsItsSize) {
-  run_view("four_bar");
+  run("four_bar", "--view");
   const Output small = mbd("view four_bar --size 2 --out small.html");
   EXPECT_EQ(small.status, 0) << small.text;
   const auto bytes = fs::file_size(file("small.html"));

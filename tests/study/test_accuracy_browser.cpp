@@ -10,8 +10,7 @@
 #include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "libmbd/study/effects/effects.hpp"
 #include "libmbd/study/effects/effects_report.hpp"
-#include "tests/support/machine.hpp"
-#include "tests/support/shell.hpp"
+#include "tests/support/browser.hpp"
 #include "tests/support/synthetic_study.hpp"
 
 namespace mbd::test::test_accuracy_browser {
@@ -19,28 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class AccuracyPageSlow : public testing::Test {
+class AccuracyPageSlow : public BrowserTest {
  protected:
   void SetUp() override {
-    if (shell("command -v chromium").status != 0)
-      GTEST_SKIP() << "there is no Chromium to look at the page with; install it with "
-                      "tools/install-dependencies --with-browser";
+    BrowserTest::SetUp();
+    if (IsSkipped()) return;
     page_ = accuracy_page(synthetic_study(), synthetic_scene());
-    write_text(directory_.path() / "page.html", page_);
+    write_text(file("page.html"), page_);
   }
 
-  // A profile of its own, so that nothing of the user's is touched; stops when it hangs.
-  Output chromium(const std::string& options, const fs::path& page) const {
-    return shell("cd " + quote(directory_.path().string()) + " && timeout " +
-                 std::to_string(whole_guard(200)) +
-                 " chromium --headless --no-sandbox --disable-gpu --hide-scrollbars "
-                 "--user-data-dir=profile " +
-                 options + " " + quote("file://" + page.string()) + " 2>stderr");
-  }
-
-  fs::path file(const std::string& name) const { return directory_.path() / name; }
-
-  TemporaryDirectory directory_;
   std::string page_;
 };
 
@@ -59,20 +45,6 @@ Png read_png(const std::string& bytes) {
   if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n") || bytes.substr(12, 4) != "IHDR")
     return {};
   return {true, number(16), number(20)};
-}
-
-// A page that shows another one in a frame of that width (the windows of headless Chromium are never narrower than
-// 500) and says in its title how wide its contents have become, all that opens being open.
-std::string measuring(const std::string& page, int width) {
-  std::string text;
-  for (const char c : page) text += c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-  return "<!DOCTYPE html><title>not measured</title><script>function measure(f) {"
-         "const d = f.contentDocument, r = d.documentElement;"
-         "for (const e of d.querySelectorAll('details')) e.open = true;"
-         "document.title = ['measured', f.contentWindow.innerWidth, r.scrollWidth, r.scrollHeight, "
-         "d.querySelectorAll('table').length].join(' '); }</script>"
-         "<iframe onload='measure(this)' style='border:0;width:" +
-         std::to_string(width) + "px;height:2000px' srcdoc=\"" + text + "\"></iframe>";
 }
 
 // Nothing stands beyond the edge of the window; what is wider scrolls in a box of its own.
@@ -95,15 +67,13 @@ TEST_F(AccuracyPageSlow, FitsPhoneAndDesk) {
     ASSERT_TRUE(read_png(blank).is);
     EXPECT_GT(picture.size(), 10 * blank.size() + 50000);
 
-    write_text(file("measured.html"), measuring(page_, width));
-    const Output dom = chromium(window + " --dump-dom", file("measured.html"));
-    ASSERT_EQ(dom.status, 0) << dom.text << read_text(file("stderr"));
-    const std::size_t at = dom.text.find("<title>measured ");
-    ASSERT_NE(at, std::string::npos) << dom.text.substr(0, 500);
-    int inner = 0, wide = 0, high = 0, tables = 0;
-    ASSERT_EQ(std::sscanf(dom.text.c_str() + at, "<title>measured %d %d %d %d", &inner, &wide,
-                          &high, &tables),
-              4);
+    const auto said = ask_in_frame(page_, R"(
+      for (const e of d.querySelectorAll('details')) e.open = true;
+      return [w.innerWidth, d.documentElement.scrollWidth, d.documentElement.scrollHeight,
+        d.querySelectorAll('table').length];)",
+                                   width);
+    ASSERT_EQ(said.size(), 4U) << said.dump();
+    const int inner = said[0], wide = said[1], high = said[2], tables = said[3];
     EXPECT_EQ(inner, width);
     EXPECT_LE(wide, inner);
     EXPECT_GT(high, height);  // all of it, with what opens
@@ -120,18 +90,6 @@ TEST_F(AccuracyPageSlow, Prints) {
   EXPECT_GT(pdf.size(), 50000u);
 }
 
-// What an appended script says of a page, in its title, at 390 pixels.
-std::string asked(const std::string& page, const std::string& script) {
-  std::string text;
-  for (const char c : page) text += c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-  return "<!DOCTYPE html><title>not asked</title><script>function ask(f) {"
-         "const d = f.contentDocument, w = f.contentWindow; document.title = 'said ' + (() => {" +
-         script +
-         "})() + ' end'; }</script><iframe onload='ask(this)' "
-         "style='border:0;width:390px;height:2000px' srcdoc=\"" +
-         text + "\"></iframe>";
-}
-
 // Heads sort their tables up and down, numbers by their size; a double click enlarges a picture about its point, Escape
 // undoes it. Tried, and killed: numbers as words (in the test); the picture about its corner.
 TEST_F(AccuracyPageSlow, SortsAndEnlarges) {
@@ -139,11 +97,7 @@ TEST_F(AccuracyPageSlow, SortsAndEnlarges) {
                         const std::string& to = "") {
     std::string page = page_;
     if (!from.empty()) page.replace(page.find(from), from.size(), to);
-    write_text(file("asked.html"), asked(page, script));
-    const Output dom = chromium("--window-size=800,1000 --dump-dom", file("asked.html"));
-    const std::size_t at = dom.text.find("<title>said ");
-    if (at == std::string::npos) return dom.text.substr(0, 500) + read_text(file("stderr"));
-    return dom.text.substr(at + 12, dom.text.find(" end", at) - at - 12);
+    return ask_in_frame(page, script, 390);
   };
   // Whether there is something to sort; whether it goes up after one click, and down after two.
   const std::string sorting = R"(
@@ -192,16 +146,13 @@ TEST_F(AccuracyPageSlow, BarsOfEffectsAreReadable) {
   }
   page_ = effects_page(study);
   EXPECT_NE(page_.find(">-1451<"), std::string::npos);
-  write_text(file("asked.html"), asked(page_, R"(
+  EXPECT_EQ(ask_in_frame(page_, R"(
     const svgs = [...d.querySelectorAll('figure svg')], bars = [...svgs[svgs.length - 1].querySelectorAll('rect[stroke]')];
     const widths = bars.map(b => b.getBoundingClientRect().width), letters = svgs.map(s => 11 * s.getScreenCTM().a);
     return [svgs.length, bars.length, Math.min(...widths.slice(1)) > 5, widths[0] < 200,
       bars.every(b => b.querySelector('title').textContent.startsWith('effect ')),
-      Math.min(...letters) >= 10, d.documentElement.scrollWidth <= 390].join();)"));
-  const Output dom = chromium("--window-size=800,1000 --dump-dom", file("asked.html"));
-  const std::size_t at = dom.text.find("<title>said ");
-  ASSERT_NE(at, std::string::npos) << dom.text.substr(0, 500);
-  EXPECT_EQ(dom.text.substr(at + 12, dom.text.find(" end", at) - at - 12),
+      Math.min(...letters) >= 10, d.documentElement.scrollWidth <= 390].join();)",
+                         390),
             "2,6,true,true,true,true,true");
 }
 
