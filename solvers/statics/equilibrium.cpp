@@ -85,9 +85,19 @@ void retract(const System& system, State& state, const VecX& increment, double s
       H = H * exp_se3<double>(scale / pieces * increment.segment<6>(6 * (n - 1)));
       renormalize(H);
     }
-    system.follow_angles(state);
+    if (!state.angles.empty()) system.follow_angles(state);
   }
   state.lambda += scale * increment.segment(6 * (nodes - 1), state.lambda.size());
+}
+
+double motion_between(const System& system, const State& a, const State& b) {
+  double largest = 0.0;
+  for (std::size_t n = 1; n < a.pose.size(); ++n) {
+    const Pose<double> g = relative(a.pose[n], b.pose[n]);
+    largest = std::max({largest, (b.pose[n].r - a.pose[n].r).norm() / system.length_scale(),
+                        2.0 * g.p.vec().norm()});
+  }
+  return largest;
 }
 
 double largest_rotation_in(const System& system, const VecX& increment) {

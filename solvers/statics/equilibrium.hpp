@@ -14,6 +14,9 @@ namespace mbd {
 // followed on the way, so that an increment of more than half a turn loses none.
 void retract(const System& system, State& state, const VecX& increment, double scale = 1.0);
 
+// Largest motion between two states: displacements over the scene's length, rotations [rad].
+double motion_between(const System& system, const State& a, const State& b);
+
 // Largest rotation of an increment of the unknowns [rad].
 double largest_rotation_in(const System& system, const VecX& increment);
 

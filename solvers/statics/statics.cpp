@@ -140,23 +140,12 @@ class LoadPath {
   Resultants S_, S_rate_, S_bend_;
 };
 
-// Largest motion between two states: of the scene's length, or [rad].
-double motion(const System& system, const State& a, const State& b) {
-  double largest = 0.0;
-  for (std::size_t n = 1; n < a.pose.size(); ++n) {
-    const Pose<double> g = relative(a.pose[n], b.pose[n]);
-    largest = std::max({largest, (b.pose[n].r - a.pose[n].r).norm() / system.length_scale(),
-                        2.0 * g.p.vec().norm()});
-  }
-  return largest;
-}
-
 // (2) of statics.hpp; true where nothing was foretold.
 bool is_near(const System& system, const State& last, const std::optional<State>& foretold,
              const State& found) {
   if (!foretold) return true;
-  const double off = motion(system, *foretold, found);
-  return off <= std::max(smallest_motion, astray * motion(system, last, *foretold));
+  const double off = motion_between(system, *foretold, found);
+  return off <= std::max(smallest_motion, astray * motion_between(system, last, *foretold));
 }
 
 // The rate of the path without load, where there is an equilibrium to start from and nothing is neutral, and the sign of
@@ -274,7 +263,7 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
                                   (searched || is_near(system, state, foretold, trial))));
     }
     if (leaves && increment < smallest_passed) {
-      if (motion(system, state, trial) > jump) {
+      if (motion_between(system, state, trial) > jump) {
         found = false;
         increment = 0.0;
       } else if ((options.conservative && sign != mixed.sign) || negative != negative_there) {

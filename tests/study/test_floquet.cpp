@@ -74,6 +74,21 @@ TEST(Floquet, BoundariesOfMathieu) {
     }
 }
 
+// Solutions of x' = rates(t, x) after a period, from the unit vectors on: by Runge and Kutta's method of order 4.
+template <class Rates>
+Eigen::MatrixXd monodromy_of(const Rates& rates, Index size, double period) {
+  constexpr int steps = 20000;
+  const double h = period / steps;
+  Eigen::MatrixXd x = Eigen::MatrixXd::Identity(size, size);
+  for (int i = 0; i < steps; ++i) {
+    const double t = i * h;
+    const Eigen::MatrixXd k1 = rates(t, x), k2 = rates(t + h / 2, x + h / 2 * k1),
+                          k3 = rates(t + h / 2, x + h / 2 * k2), k4 = rates(t + h, x + h * k3);
+    x += h / 6 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+  }
+  return x;
+}
+
 // Two rigid blades with lag hinges on a hub that a soft tower lets move sideways only: in no axes are coefficients constant.
 // In the plane, with blade i at psi_i = W t + i pi, q of the hub and z_i of the hinges,
 //   (mh + 2 m) q'' + c q' + k q + m a sum (-sin(psi_i) z_i)'' = 0
@@ -109,7 +124,7 @@ struct TwoBlades {
         "blades.xml");
   }
 
-  // Of [q z1 z2 q' z1' z2'] over a period, by Runge and Kutta's method of order 4.
+  // Of [q z1 z2 q' z1' z2'] over a period.
   Eigen::MatrixXd monodromy(double W) const {
     const auto rates = [&](double t, const Eigen::MatrixXd& x) {
       Eigen::Matrix3d M = Eigen::Matrix3d::Zero(), C = M, K = M;
@@ -130,16 +145,7 @@ struct TwoBlades {
       dx.bottomRows(3) = -M.inverse() * (C * x.bottomRows(3) + K * x.topRows(3));
       return dx;
     };
-    constexpr int steps = 20000;
-    const double h = 2.0 * pi / W / steps;
-    Eigen::MatrixXd x = Eigen::MatrixXd::Identity(6, 6);
-    for (int i = 0; i < steps; ++i) {
-      const double t = i * h;
-      const Eigen::MatrixXd k1 = rates(t, x), k2 = rates(t + h / 2, x + h / 2 * k1),
-                            k3 = rates(t + h / 2, x + h / 2 * k2), k4 = rates(t + h, x + h * k3);
-      x += h / 6 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    }
-    return x;
+    return monodromy_of(rates, 6, 2.0 * pi / W);
   }
 };
 
@@ -185,15 +191,7 @@ TEST(Floquet, PendulumWithFriction) {
                   400.0 * 0.5 / inertia * (9.81 - 0.25 * W * W * std::cos(W * t)) * x.row(0);
       return dx;
     };
-    constexpr int steps = 20000;
-    const double h = 2.0 * pi / W / steps;
-    Eigen::MatrixXd x = Eigen::MatrixXd::Identity(2, 2);
-    for (int i = 0; i < steps; ++i) {
-      const double t = i * h;
-      const Eigen::MatrixXd k1 = rates(t, x), k2 = rates(t + h / 2, x + h / 2 * k1),
-                            k3 = rates(t + h / 2, x + h / 2 * k2), k4 = rates(t + h, x + h * k3);
-      x += h / 6 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    }
+    const Eigen::MatrixXd x = monodromy_of(rates, 2, 2.0 * pi / W);
     EXPECT_LT(distance(floquet(shaken_pendulum(W, true, damping), W), x), 2e-9) << W;
   }
 }

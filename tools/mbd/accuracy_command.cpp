@@ -5,19 +5,17 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
-#include "libmbd/results/build_facts.hpp"
 #include "libmbd/study/accuracy/accuracy.hpp"
 #include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "libmbd/study/accuracy/accuracy_report.hpp"
 #include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
+#include "tools/mbd/fingerprint.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
 
@@ -31,26 +29,6 @@ struct AccuracyArguments {
   int refinements = AccuracyOptions().refinements;
   bool quiet = false;
 };
-
-// What finished trials belong to: the text of the model and what it includes, the parameters, this program.
-std::string fingerprint(const Scene& scene, const std::vector<std::string>& set) {
-  std::string all;
-  for (const auto& [name, value] : to_lines(build_facts())) all += name + "=" + value + ";";
-  std::vector<std::string> files{scene.file};
-  files.insert(files.end(), scene.includes.begin(), scene.includes.end());
-  std::size_t sum = 0;
-  for (const std::string& file : files) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    sum = sum * 31 + std::hash<std::string>()(text.str());
-  }
-  for (const std::string& one : set) all += one + ";";
-  std::error_code code;  // the commit does not tell builds of a changed tree apart
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", code);
-  all += fmt::format("{} {}", std::filesystem::file_size(self, code),
-                     std::filesystem::last_write_time(self, code).time_since_epoch().count());
-  return fmt::format("{:016x} {}", sum, all);
-}
 
 std::string command_of(const AccuracyArguments& arguments) {
   std::string text = "mbd accuracy " + arguments.model;
@@ -81,7 +59,9 @@ int study_model(const AccuracyArguments& arguments) {
       results_directory(arguments.output, arguments.model, "accuracy");
   make_directory(output);
   options.keep = output / "trials";
-  options.fingerprint = fingerprint(scene, arguments.set);
+  std::vector<std::string> files{scene.file};
+  files.insert(files.end(), scene.includes.begin(), scene.includes.end());
+  options.fingerprint = fingerprint(files, arguments.set);
   options.command = command_of(arguments);
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
   if (shown)

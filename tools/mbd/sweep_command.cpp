@@ -5,19 +5,16 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
-#include "libmbd/results/build_facts.hpp"
 #include "libmbd/study/sweep/sweep.hpp"
 #include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
+#include "tools/mbd/fingerprint.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
 
@@ -44,25 +41,6 @@ SweepPlan plan_of(const SweepArguments& arguments) {
   return grid_plan(arguments.vary);
 }
 
-// What rows that are kept belong to: this program, the text of the model and what it includes, the parameters that are set.
-std::string fingerprint(const std::vector<std::string>& files,
-                        const std::vector<std::string>& set) {
-  std::string all;
-  for (const auto& [name, value] : to_lines(build_facts())) all += name + "=" + value + ";";
-  std::size_t sum = 0;
-  for (const std::string& file : files) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    sum = sum * 31 + std::hash<std::string>()(text.str());
-  }
-  for (const std::string& one : set) all += one + ";";
-  std::error_code code;  // the commit does not tell builds of a changed tree apart
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", code);
-  all += fmt::format("{} {}", std::filesystem::file_size(self, code),
-                     std::filesystem::last_write_time(self, code).time_since_epoch().count());
-  return fmt::format("{:016x} {}", sum, all);
-}
-
 int sweep_model(const SweepArguments& arguments) {
   const SweepPlan plan = plan_of(arguments);
   const Overrides set = to_overrides(arguments.set);
@@ -83,9 +61,7 @@ int sweep_model(const SweepArguments& arguments) {
                      ? arguments.jobs
                      : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const std::filesystem::path output =
-      arguments.output.empty() ? std::filesystem::path("results") /
-                                     std::filesystem::path(arguments.model).stem() / "sweep"
-                               : std::filesystem::path(arguments.output);
+      results_directory(arguments.output, arguments.model, "sweep");
   options.keep = output;
   options.fingerprint = fingerprint(files, arguments.set);
   options.command = "mbd sweep " + arguments.model + given("--vary", arguments.vary) +

@@ -14,6 +14,7 @@
 #include "libmbd/text/tables.hpp"
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/motion.hpp"
+#include "solvers/statics/equilibrium.hpp"
 
 namespace mbd {
 namespace {
@@ -25,16 +26,6 @@ constexpr double seen = 1e-6;                       // tail of a small motion th
 constexpr int most_exponents = 256;
 constexpr Index most_unknowns =
     10000;  // for which more harmonics are tried: all instants are coupled
-
-double distance(const System& system, const State& a, const State& b) {
-  double largest = 0.0;
-  for (std::size_t n = 1; n < a.pose.size(); ++n) {
-    const Pose<double> g = relative(a.pose[n], b.pose[n]);
-    largest = std::max({largest, (a.pose[n].r - b.pose[n].r).norm() / system.length_scale(),
-                        2.0 * g.p.vec().norm()});
-  }
-  return largest;
-}
 
 // Drives may go on by whole turns.
 void check_period(const Scene& scene, const System& system, const State& state, double begin,
@@ -109,7 +100,6 @@ FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
   times.erase(std::unique(times.begin(), times.end()), times.end());
   const std::vector<State> run =
       states_of_run(scene, model, start, times, "floquet", options.interrupted);
-  study.closure = distance(system, run.front(), run.back());
 
   std::unique_ptr<PeriodicMotion> motion;
   FloquetFound found;
@@ -144,12 +134,11 @@ FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
                 fmt::format("floquet: no periodic motion was found: {} (over the period that was "
                             "integrated the motion closes to {:.3g} of the scene's size or rad; "
                             "--settle gives it more periods before)",
-                            study.report.failure, study.closure));
+                            study.report.failure, motion_between(system, run.front(), run.back())));
   if (study.report.tail >= resolved)
     study.notes.push_back(
         fmt::format("the motion is not smooth: of its velocities {:.2g} is in the fastest of {} "
-                    "harmonics, and so "
-                    "large are the errors",
+                    "harmonics, and so large are the errors",
                     study.report.tail, study.harmonics));
 
   if (found.modes.empty()) found = find_floquet_modes(*motion, most_exponents);
@@ -169,15 +158,13 @@ FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
   if (study.resolved < found.modes.size())
     study.notes.push_back(
         fmt::format("{} small motions are too fast, or change too much in a period, for {} "
-                    "harmonics: they are not "
-                    "judged",
+                    "harmonics: they are not judged",
                     found.modes.size() - study.resolved, study.harmonics));
   if (!study.all)
     study.notes.push_back(
         fmt::format("only the {} exponents nearest to 0 were looked at; faster decay or growth may "
-                    "be among the "
-                    "others",
-                    study.resolved));
+                    "be among the others",
+                    found.modes.size()));
 
   if (!motion_file.empty()) {
     const MotionBlocks blocks = motion_blocks(model);

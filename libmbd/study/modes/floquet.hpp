@@ -29,14 +29,12 @@ struct FloquetStudy {
   double begin = 0.0, period = 0.0;  // [s]
   int harmonics = 0;
   PeriodicReport report;
-  double closure =
-      0.0;  // of the integrated motion over the period, before: of the scene's size, or [rad]
   std::vector<NamedFloquetMode> modes;  // the least stable first
   std::size_t resolved = 0;             // exponents that were found and are resolved
   bool all = false;                     // those of every motion that the harmonics resolve
   std::vector<std::string> notes;
 
-  // Largest growth over a period, Re l T; beyond `neutral` of 0 there is a verdict.
+  // Largest growth over a period, Re l T; further from 0 than neutral_growth there is a verdict.
   double growth() const { return modes.empty() ? 0.0 : modes.front().exponent.real() * period; }
 };
 

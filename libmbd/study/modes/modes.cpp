@@ -109,10 +109,7 @@ void MotionsOfScene::rest() {
   state_ = model_.initial;
   for (Vec6& V : state_.V) V.setZero();
   for (Vec6& V : state_.Vdot) V.setZero();
-  const std::unique_ptr<LinearSolver> solver =
-      make_linear_solver(scene_.statics->linear_solver, PivotOrder::merged);
-  const StaticReport found =
-      solve_statics(*model_.system, *solver, static_options(scene_, *scene_.statics), state_);
+  const StaticReport found = find_equilibrium(scene_, model_, state_);
   if (!found.converged)
     throw Error(scene_.source,
                 "there is no equilibrium to have small motions about: " + found.failure);

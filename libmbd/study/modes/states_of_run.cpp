@@ -10,7 +10,6 @@
 #include "libmbd/scene/label.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/linear/block_solver.hpp"
-#include "solvers/statics/statics.hpp"
 
 namespace mbd {
 
@@ -33,13 +32,16 @@ Scene scene_of_run(const Scene& given, double duration) {
   return scene;
 }
 
+StaticReport find_equilibrium(const Scene& scene, const Model& model, State& state) {
+  const std::unique_ptr<LinearSolver> solver =
+      make_linear_solver(scene.statics->linear_solver, PivotOrder::merged);
+  return solve_statics(*model.system, *solver, static_options(scene, *scene.statics), state);
+}
+
 State start_of_run(const Scene& scene, const Model& model) {
   State start = model.initial;
   if (!scene.statics) return start;
-  const std::unique_ptr<LinearSolver> solver =
-      make_linear_solver(scene.statics->linear_solver, PivotOrder::merged);
-  const StaticReport found =
-      solve_statics(*model.system, *solver, static_options(scene, *scene.statics), start);
+  const StaticReport found = find_equilibrium(scene, model, start);
   if (!found.converged) throw Error(scene.source, "static equilibrium: " + found.failure);
   return start;
 }

@@ -6,12 +6,16 @@
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/scene/scene.hpp"
+#include "solvers/statics/statics.hpp"
 
 namespace mbd {
 
 // The scene with its <transient> for `duration` [s], or what follows it in whole steps; without one by Radau to 1e-8.
 // Expectations, plots and paths are left out.
 Scene scene_of_run(const Scene& scene, double duration);
+
+// The equilibrium of the scene's <static> from a state on, which it becomes.
+StaticReport find_equilibrium(const Scene& scene, const Model& model, State& state);
 
 // What a model of scene_of_run() starts from: its initial state, in the equilibrium of its <static> if it has one. Throws
 // Error where there is none.
