@@ -12,6 +12,7 @@
 #pragma once
 
 #include "libmbd/compile/model.hpp"
+#include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/error.hpp"
 #include "libmbd/core/state.hpp"
@@ -35,6 +36,7 @@
 #include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "libmbd/study/accuracy/accuracy_report.hpp"
 #include "libmbd/study/accuracy/choose.hpp"
+#include "libmbd/study/modes/linearize.hpp"
 #include "libmbd/study/modes/modes.hpp"
 #include "libmbd/study/trust/certify.hpp"
 #include "libmbd/view/drawing.hpp"

@@ -62,6 +62,8 @@ class Compiler {
           scene_.source,
           label("mbd", scene_.name) +
               ": there is nothing to do; give <static/>, <transient …/> or both, or <path/>");
+    for (const InputScene& input : scene_.inputs)
+      system_->add_input({input.name, input.unit, input.factor, input.value});
     find_boundaries();
     fuse();
     for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
@@ -750,6 +752,7 @@ class Compiler {
     const int derivatives = static_cast<int>(kind);  // taken of the law
     const std::string who =
         fmt::format("base_motion: {} {} \"{}\"", name, i + 1, excerpt(law.text()));
+    check_prescribed(law, base.source, who);
     std::vector<Jump> jumps = signal.jumps();
     if (derivatives > 0 && duration > 0.0)
       if (const auto hidden = signal.undeclared_jump(0.0, duration)) jumps.push_back(*hidden);
@@ -759,7 +762,7 @@ class Compiler {
                     fmt::format("{}: {} jumps by {:.6g} at t = {:.9g} s, an impact; make the law "
                                 "continuous",
                                 who, jump.derivative == 0 ? "it" : "its rate", jump.size, jump.t));
-    const SignalValue start = signal(0.0);
+    const SignalValue start = signal(0.0, Side::right, system_->initial_inputs());
     const double acceleration = derivatives == 0   ? start.f
                                 : derivatives == 1 ? start.fdot
                                                    : start.fddot;
@@ -816,7 +819,7 @@ class Compiler {
       for (int i = 1; i <= q->components; ++i)
         c.columns.push_back({q->components == 1 ? fmt::format("{}.{}", record.name, q->name)
                                                 : fmt::format("{}.{}.{}", record.name, q->name, i),
-                             std::string(q->unit)});
+                             std::string(q->unit), std::string(in_words(q->axes))});
     c.sample = std::move(sample);
     return c;
   }

@@ -247,6 +247,14 @@ void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
   };
 }
 
+void check_prescribed(const Expression& law, const Source& source, const std::string& who) {
+  if (law.has_inputs() && !law.breakpoints().empty())
+    throw Error(source,
+                fmt::format("{}: \"{}\" depends on an input and switches in time: how far it jumps "
+                            "there is not known; write the switch into the input",
+                            who, excerpt(law.text())));
+}
+
 // A signal that may drive: continuous with its rate. Returns its index.
 int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& source,
                            const std::string& who, std::string_view what) {
@@ -259,6 +267,7 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
       throw Error(source, fmt::format("{}: {}", who, e.what()));
     }
   }();
+  check_prescribed(law, source, who);
   std::vector<Jump> jumps = signal.jumps();
   if (const auto hidden = signal.undeclared_jump(0.0, duration)) jumps.push_back(*hidden);
   for (const Jump& jump : jumps) {
@@ -272,7 +281,8 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
   }
   // The scene is drawn where the law starts; without a transient the value at t = 0 grows from nothing.
   const double nothing = 1e-12 * (what == "displacement" ? length_ : 1.0);
-  if (const double start = signal(0.0).f; scene_.transient && !(std::abs(start) <= nothing))
+  if (const double start = signal(0.0, Side::right, system_.initial_inputs()).f;
+      scene_.transient && !(std::abs(start) <= nothing))
     throw Error(source,
                 fmt::format("{}: the {} is {:.6g} at t = 0, but must start at 0: it counts from "
                             "the geometry as given; subtract this from the law",

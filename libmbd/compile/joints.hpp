@@ -25,6 +25,9 @@ Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {});
 void check_axes(const std::optional<Vec3>& axis, const std::optional<Vec3>& second_axis,
                 const Source& source, const std::string& who);
 
+// Throws Error for a law of motion whose jumps cannot be known before the run.
+void check_prescribed(const Expression& law, const Source& source, const std::string& who);
+
 class JointCompiler {
  public:
   // `length`: size of the scene; `is_fused`: whether the joint of that index needs no constraint, because what it joins

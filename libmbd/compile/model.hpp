@@ -19,6 +19,7 @@ namespace mbd {
 struct Column {
   std::string name;
   std::string unit;
+  std::string frame = {};  // along whose axes; empty: of no axes
 };
 
 // Some neighbouring columns, and how to read them from a state (a, of the model's System).

@@ -301,6 +301,7 @@ class Expression::Parser {
       switch (i.op) {
         case Opcode::constant:
         case Opcode::time:
+        case Opcode::input:
         case Opcode::before:
         case Opcode::after:
           ++depth;
@@ -678,9 +679,11 @@ class Expression::Parser {
     if (left.kind == Operand::general || right.kind == Operand::general) {
       fail(op.position, "a comparison of a general function of " + variable_,
            "terms of the form a*" + variable_ + " + b",
-           "solve for the switching " +
-               std::string(allowed_ == Variables::time ? "time" : "point") + " and compare " +
-               variable_ + " with it; write abs(x) < a as -a < x && x < a");
+           has_inputs_
+               ? "inputs cannot be compared; decide in the program that sets them"
+               : "solve for the switching " +
+                     std::string(allowed_ == Variables::time ? "time" : "point") + " and compare " +
+                     variable_ + " with it; write abs(x) < a as -a < x && x < a");
     }
     const double slope = left.slope - right.slope;
     if (slope == 0.0) {
@@ -849,6 +852,15 @@ class Expression::Parser {
       const std::size_t begin = emit(Opcode::time);
       return {Operand::affine, begin, name.position, 1.0, 0.0, kSound};
     }
+    if (const auto input = parameters_.inputs.find(name.text); input != parameters_.inputs.end()) {
+      if (allowed_ != Variables::time)
+        fail(name.position, "the input " + quoted(name.text),
+             allowed_ == Variables::none ? "a constant" : "a function of " + variable_,
+             "inputs vary in time, and are for the laws of loads and drives");
+      has_inputs_ = true;
+      const std::size_t begin = emit(Opcode::input, input->second.factor, input->second.index);
+      return {Operand::general, begin, name.position};
+    }
     if (const auto* function = find_name(kFunctions, name.text)) return call(*function, name);
     fail_unknown(name);
   }
@@ -940,8 +952,9 @@ class Expression::Parser {
   [[noreturn]] void fail_kink(const Function& function, const Operand& x) const {
     fail(x.position, std::string(function.name) + " of a general function of " + variable_,
          "arguments that are constant or of the form a*" + variable_ + " + b",
-         "the times of its kinks are not known; write them as " + variable_ + " < " + variable_ +
-             "1 ? value : value");
+         has_inputs_ ? std::string("limit inputs in the program that sets them")
+                     : "the times of its kinks are not known; write them as " + variable_ + " < " +
+                           variable_ + "1 ? value : value");
   }
 
   [[noreturn]] void fail_unknown(const Token& name) const {
@@ -960,6 +973,9 @@ class Expression::Parser {
     const auto by_name = [](const auto& row) { return row.name; };
     add("parameters ", parameters_, [](const auto& row) { return std::string_view(row.first); });
     if (list.empty()) list = "no parameters";
+    if (allowed_ == Variables::time && !parameters_.inputs.empty())
+      add("; inputs ", parameters_.inputs,
+          [](const auto& row) { return std::string_view(row.first); });
     add("; constants ", kConstants, by_name);
     if (allowed_ != Variables::none) {
       names.push_back(variable_);
@@ -979,10 +995,11 @@ class Expression::Parser {
   std::string_view text_;
   const Parameters& parameters_;
   Variables allowed_;
-  std::string variable_;  // its name, for messages
-  std::size_t at_ = 0;    // where the next token is looked for
-  Token token_;           // the current token
-  int depth_ = -1;        // levels of recursion; the whole is level 0
+  std::string variable_;     // its name, for messages
+  std::size_t at_ = 0;       // where the next token is looked for
+  Token token_;              // the current token
+  int depth_ = -1;           // levels of recursion; the whole is level 0
+  bool has_inputs_ = false;  // the text names one
   std::vector<Instruction> program_;
   std::vector<Fault> faults_;
 };
@@ -1052,6 +1069,11 @@ bool Expression::is_constant() const {
   return program_.size() == 1 && program_.front().op == Opcode::constant;
 }
 
+bool Expression::has_inputs() const {
+  return std::any_of(program_.begin(), program_.end(),
+                     [](const Instruction& i) { return i.op == Opcode::input; });
+}
+
 double Expression::value() const {
   if (!is_constant()) {
     throw Error("expression \"" + excerpt(text_, 0) +
@@ -1061,7 +1083,7 @@ double Expression::value() const {
 }
 
 template <class S>
-Taylor<S> Expression::evaluate(S t, Side side) const {
+Taylor<S> Expression::evaluate(S t, Side side, std::span<const InputValue> inputs) const {
   std::array<Taylor<S>, kMaxStack> stack;  // uninitialised; the parser has checked the depth
   std::size_t size = 0;
   const auto push = [&](S v, S d) { stack[size++] = {v, d, S(0)}; };
@@ -1079,6 +1101,14 @@ Taylor<S> Expression::evaluate(S t, Side side) const {
       case Opcode::time:
         push(t, S(1));
         break;
+      case Opcode::input: {
+        constexpr S unknown = std::numeric_limits<S>::quiet_NaN();
+        const auto place = static_cast<std::size_t>(instruction.target);
+        const Taylor<S> u =
+            place < inputs.size() ? inputs[place].at(t) : Taylor<S>{unknown, unknown, unknown};
+        stack[size++] = {S(value) * u.v, S(value) * u.d, S(value) * u.dd};
+        break;
+      }
       case Opcode::before:
         push(is_after(value) ? S(0) : S(1), S(0));
         break;
@@ -1136,7 +1166,8 @@ Taylor<S> Expression::evaluate(S t, Side side) const {
   return stack[0];
 }
 
-template Taylor<double> Expression::evaluate(double, Side) const;
-template Taylor<long double> Expression::evaluate(long double, Side) const;
+template Taylor<double> Expression::evaluate(double, Side, std::span<const InputValue>) const;
+template Taylor<long double> Expression::evaluate(long double, Side,
+                                                  std::span<const InputValue>) const;
 
 }  // namespace mbd

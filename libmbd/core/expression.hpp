@@ -14,7 +14,7 @@
 //   primary     = number | name | function '(' choice {',' choice} ')' | '(' choice ')'
 //
 // Names: the parameters given; the constants pi and deg (= pi/180: 5*deg is an angle in rad);
-// the variable t (time, s) where the caller allows it, or in its place x or v (law.hpp), for which all that
+// the variable t (time, s) where the caller allows it, and there the inputs of the model (input.hpp), or in its place x or v (law.hpp), for which all that
 // is said of t here holds as well. Functions: sin cos tan asin acos atan
 // atan2(y,x) sinh cosh tanh exp log ln (both natural) log10 sqrt pow(x,p) abs min(x,y) max(x,y),
 // and, of constants only, floor ceil round. Numbers and conditions are different types.
@@ -24,7 +24,7 @@
 // one-sided limits, and the caller says which side. A condition in t therefore compares terms
 // affine in t, a t + b, so that its switching time is known; < and <= (> and >=) mean the same, and
 // == and != in t, true at an instant only, are refused. The same holds for the kinks of abs, min
-// and max: their arguments must be constant or affine in t. Other functions are taken to be smooth:
+// and max: their arguments must be constant or affine in t, and without inputs. Other functions are taken to be smooth:
 // the cut of atan2 and kinks such as that of sqrt(sin(t)^2) are not detected.
 //
 // Not used: comparisons of general functions of t with root finding (a root can be missed, and its
@@ -39,12 +39,23 @@
 #include <string_view>
 #include <vector>
 
+#include "libmbd/core/input.hpp"
 #include "libmbd/core/taylor.hpp"
 
 namespace mbd {
 
-// Named constants of a model.
-using Parameters = std::map<std::string, double, std::less<>>;
+// An input of a model, as expressions of time know it: its place among State::inputs, and what makes SI of its values.
+struct NamedInput {
+  int index = 0;
+  double factor = 1.0;
+};
+
+// Named constants of a model, and its inputs.
+class Parameters : public std::map<std::string, double, std::less<>> {
+ public:
+  using map::map;
+  std::map<std::string, NamedInput, std::less<>> inputs;
+};
 
 // What an expression may depend on besides parameters: t, or in laws (law.hpp) a displacement x or a rate v.
 enum class Variables { none, time, x, v };
@@ -89,21 +100,26 @@ class Expression {
   static bool is_reserved(std::string_view name);
 
   bool is_constant() const;
+  bool has_inputs() const;  // it depends on inputs of the model
 
   // The value of a constant expression, always finite. Throws Error if it depends on t.
   double value() const;
 
   // Value and time derivatives at t [s]. At a breakpoint, the limit from `side`. Outside the domain
-  // of a function (sqrt(t) at t < 0) or at a pole the result is not finite and returned as it is.
-  Taylor2 operator()(double t, Side side = Side::right) const { return evaluate(t, side); }
+  // of a function (sqrt(t) at t < 0) or at a pole the result is not finite and returned as it is; so is that of
+  // inputs that are not given. `inputs`: those of the model, in its order.
+  Taylor2 operator()(double t, Side side = Side::right,
+                     std::span<const InputValue> inputs = {}) const {
+    return evaluate(t, side, inputs);
+  }
 
   // The same for S = double and long double.
   template <class S>
-  Taylor<S> evaluate(S t, Side side = Side::right) const;
+  Taylor<S> evaluate(S t, Side side = Side::right, std::span<const InputValue> inputs = {}) const;
 
   // Taylor coefficients at all t in [a, b]: c[k] holds f^(k)(t)/k! [1/s^k], round-off included; infinite where a
   // pole, or the end of a domain, cannot be excluded. No breakpoint may lie between a and b; at one that is a or b,
-  // the limit from inside. At most most_coefficients of them. The recurrences of Griewank and Walther (2008, 13.2),
+  // the limit from inside; of inputs, nothing is known. At most most_coefficients of them. The recurrences of Griewank and Walther (2008, 13.2),
   // on intervals (Moore 1966).
   static constexpr std::size_t most_coefficients = 9;
   void enclose(double a, double b, std::span<Interval> c) const;
@@ -133,7 +149,9 @@ class Expression {
   std::vector<double> breakpoints_;   // [s], ascending, distinct
 };
 
-extern template Taylor<double> Expression::evaluate(double, Side) const;
-extern template Taylor<long double> Expression::evaluate(long double, Side) const;
+extern template Taylor<double> Expression::evaluate(double, Side,
+                                                    std::span<const InputValue>) const;
+extern template Taylor<long double> Expression::evaluate(long double, Side,
+                                                         std::span<const InputValue>) const;
 
 }  // namespace mbd

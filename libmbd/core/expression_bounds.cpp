@@ -286,6 +286,13 @@ void Expression::enclose(double a, double b, std::span<Interval> c) const {
       case Opcode::constant:
         stack.push_back(with.constant(instruction.value));
         break;
+      case Opcode::input: {
+        Series unknown;
+        unknown.fill(
+            {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()});
+        stack.push_back(unknown);
+        break;
+      }
       case Opcode::time: {
         Series t{};
         t[0] = {a, b};

@@ -9,6 +9,7 @@ namespace mbd {
 enum class Opcode : std::uint8_t {
   constant,  // push value
   time,      // push t
+  input,     // push `value` times the input at the place `target`
   // of two numbers
   add,
   subtract,

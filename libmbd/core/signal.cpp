@@ -83,6 +83,10 @@ class Signal::RateLaw {
       throw Error(name() + ": found the interval " + interval() +
                   ", expected finite times, the first before the second; correct the interval");
     }
+    if (rate_.has_inputs())
+      throw Error(name() +
+                  ": depends on an input, whose future is not known; prescribe the angle or the "
+                  "displacement, and give the input its rates (InputValue)");
     if (!std::isfinite(f0)) {
       throw Error(name() + ": found the initial value " + to_text(f0) +
                   ", expected a finite number; correct it");
@@ -265,10 +269,10 @@ Signal Signal::from_rate(Expression rate, double f0, double t_begin, double t_en
   return Signal(Law(std::make_shared<const RateLaw>(std::move(rate), f0, t_begin, t_end)));
 }
 
-SignalValue Signal::operator()(double t, Side side) const {
+SignalValue Signal::operator()(double t, Side side, std::span<const InputValue> inputs) const {
   if (const auto* f = std::get_if<double>(&law_)) return {*f, 0.0, 0.0};
   if (const auto* expression = std::get_if<Expression>(&law_)) {
-    const Taylor2 f = (*expression)(t, side);
+    const Taylor2 f = (*expression)(t, side, inputs);
     return {f.v, f.d, f.dd};
   }
   return (*std::get<std::shared_ptr<const RateLaw>>(law_))(t, side);
@@ -284,6 +288,11 @@ bool Signal::is_constant() const {
   if (std::holds_alternative<double>(law_)) return true;
   const auto* expression = std::get_if<Expression>(&law_);
   return expression != nullptr && expression->is_constant();
+}
+
+bool Signal::has_inputs() const {
+  const auto* expression = std::get_if<Expression>(&law_);
+  return expression != nullptr && expression->has_inputs();
 }
 
 // The magnitude against which a jump is measured is that on the pieces on both sides, of length τ:
@@ -313,6 +322,10 @@ std::vector<Jump> Signal::jumps() const {
   std::vector<Jump> result;
   for (std::size_t i = 0; i < times.size(); ++i) {
     const double t = times[i];
+    if (has_inputs()) {
+      result.push_back({t, 0, std::numeric_limits<double>::quiet_NaN()});
+      continue;
+    }
     double before = t - (i == 0 ? begin : times[i - 1]);
     double after = (i + 1 == times.size() ? end : times[i + 1]) - t;
     if (std::isinf(before)) before = std::isinf(after) ? std::max(1.0, std::abs(t)) : after;
@@ -349,7 +362,7 @@ std::vector<Jump> Signal::jumps() const {
 // does not; two jumps within the interval, which may cancel in (6), do not in (7).
 std::optional<Jump> Signal::undeclared_jump(double t_begin, double t_end) const {
   const auto* expression = std::get_if<Expression>(&law_);
-  if (expression == nullptr || expression->is_constant()) return {};
+  if (expression == nullptr || expression->is_constant() || expression->has_inputs()) return {};
   constexpr double smallest = 1e-4;  // jump / V
   constexpr double shortest = 1e-9;  // interval / (t_end - t_begin)
   constexpr int samples = 199;       // of a piece; uneven, so as not to fall in step with a period

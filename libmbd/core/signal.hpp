@@ -25,6 +25,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -55,26 +56,30 @@ class Signal {
   static Signal from_expression(Expression f);
 
   // Equation (1) on [t_begin, t_end] (finite, t_begin < t_end) [s]. Throws Error if the interval or
-  // f0 is unusable, and, naming the time, if the rate is not finite or cannot be resolved on panels
+  // f0 is unusable, if the rate depends on inputs, and, naming the time, if the rate is not finite or cannot be resolved on panels
   // of 1e-10 of the interval (a pole, an undeclared jump, a frequency beyond 1e5 panels).
   static Signal from_rate(Expression rate, double f0, double t_begin, double t_end);
 
   // Value and derivatives at t [s]; at a breakpoint, the limit from `side`. Values that are not
   // finite are returned as they are: whoever steps checks them. A rate law throws Error outside its
   // interval, of which 16 rounding units at either end are forgiven to accumulated step times.
-  SignalValue operator()(double t, Side side = Side::right) const;
+  // `inputs`: those of the model, in its order (input.hpp).
+  SignalValue operator()(double t, Side side = Side::right,
+                         std::span<const InputValue> inputs = {}) const;
 
   // The jumps in ascending time, inside the interval for a rate law. A breakpoint counts if a limit
-  // is not finite or the difference exceeds 1e-10 of the signal's magnitude on the adjacent pieces.
+  // is not finite or the difference exceeds 1e-10 of the signal's magnitude on the adjacent pieces, and if the
+  // expression depends on inputs: the value may jump there, by how much (`size`) is not known.
   std::vector<Jump> jumps() const;
 
   // A jump of f or of its first derivative between t_begin and t_end at which the expression does not switch:
   // asin(sin(t)), sqrt((t-1)^2), atan2. Found where an interval, halved to 1e-9 of the whole, keeps a change of
   // the derivative by more than 1e-4 of its largest value (smaller ones, and narrower pulses than 1/200 of a
-  // piece, can be missed). Of a rate law there is none: its integration would have failed.
+  // piece, can be missed). Of a rate law there is none: its integration would have failed. Inputs are not looked at.
   std::optional<Jump> undeclared_jump(double t_begin, double t_end) const;
 
   bool is_constant() const;
+  bool has_inputs() const;
 
   // The expression that the signal is, or that its rate is (`is_rate`); nullptr: a constant.
   const Expression* expression(bool& is_rate) const;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "libmbd/core/input.hpp"
 #include "libmbd/core/se3.hpp"
 #include "libmbd/core/signal.hpp"
 #include "libmbd/core/types.hpp"
@@ -44,6 +45,8 @@ struct State {
   // a System that allows them.
   std::vector<Index> idle;
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)
+  std::vector<InputValue>
+      inputs;  // in the order of System::inputs(): what a program sets between steps
   Work work;
   double momentum_rate = 0.0;  // [1/s] c of a stepper that balances momenta; 0: none (mass.hpp)
   std::vector<double> angles;  // unwrapped angle of each followed joint at the last accepted state;

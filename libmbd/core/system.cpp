@@ -30,6 +30,11 @@ Index System::add_signal(Signal signal, SignalUse use, std::string name) {
   return static_cast<Index>(signals_.size()) - 1;
 }
 
+Index System::add_input(InputInfo input) {
+  inputs_.push_back(std::move(input));
+  return static_cast<Index>(inputs_.size()) - 1;
+}
+
 Index System::add_angle() { return angles_++; }
 
 void System::add_batch(std::unique_ptr<Batch> batch) { batches_.push_back(std::move(batch)); }
@@ -82,14 +87,27 @@ State System::reference_state() const {
   }
   state.lambda = VecX::Zero(multipliers_);
   state.signals.resize(signals_.size());
+  state.inputs = initial_inputs();
   state.angles.assign(static_cast<std::size_t>(angles_), 0.0);
   set_time(state, 0.0);
   return state;
 }
 
+std::vector<InputValue> System::initial_inputs() const {
+  std::vector<InputValue> values;
+  for (const InputInfo& input : inputs_) values.push_back({.f = input.initial});
+  return values;
+}
+
 void System::set_time(State& state, double t, Side side) const {
   state.t = t;
-  for (std::size_t i = 0; i < signals_.size(); ++i) state.signals[i] = signals_[i](t, side);
+  signals_at(t, side, state.inputs, state.signals);
+}
+
+void System::signals_at(double t, Side side, std::span<const InputValue> inputs,
+                        std::vector<SignalValue>& signals) const {
+  signals.resize(signals_.size());
+  for (std::size_t i = 0; i < signals_.size(); ++i) signals[i] = signals_[i](t, side, inputs);
 }
 
 std::string System::unusable_signal(const State& state, bool accelerations) const {

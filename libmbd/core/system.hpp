@@ -42,6 +42,8 @@ class System {
   // Returns its index in State::signals. `use` says which of its jumps make the accelerations jump, `name` what
   // messages call it: `rod.xml:12: load "push": force 2 "1/t"`.
   Index add_signal(Signal signal, SignalUse use = SignalUse::drive, std::string name = {});
+  // Returns its index in State::inputs.
+  Index add_input(InputInfo input);
   Index add_angle();  // one more followed angle; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
@@ -71,12 +73,18 @@ class System {
   const std::vector<Signal>& signals() const { return signals_; }
   SignalUse signal_use(std::size_t i) const { return signal_uses_[i]; }
   const std::string& signal_name(std::size_t i) const { return signal_names_[i]; }
+  const std::vector<InputInfo>& inputs() const { return inputs_; }
   const std::vector<Breakpoint>& breakpoints() const { return breakpoints_; }  // t rising, distinct
 
   // --- evaluation ---
-  State reference_state() const;  // all at rest in the reference configuration
+  State reference_state()
+      const;  // all at rest in the reference configuration, inputs at their initial values
+  std::vector<InputValue> initial_inputs() const;
   // t and the signals at t; at a jump, their limits from `side`.
   void set_time(State& state, double t, Side side = Side::right) const;
+  // The signals alone, of other inputs.
+  void signals_at(double t, Side side, std::span<const InputValue> inputs,
+                  std::vector<SignalValue>& signals) const;
   // The first signal of the state that cannot be used, with its value, its time and what to do: a load that is not
   // finite, or a drive that is not, or with rates its first derivative; the second counts where `accelerations`
   // follow from it. Empty if there is none.
@@ -144,6 +152,7 @@ class System {
   std::vector<std::size_t> first_contributions_;
   std::vector<SignalUse> signal_uses_;
   std::vector<std::string> signal_names_;
+  std::vector<InputInfo> inputs_;
   std::vector<Breakpoint> breakpoints_;
   Index multipliers_ = 0;
   Index angles_ = 0;

@@ -160,6 +160,22 @@ static_assert(is_whole<Place>(of_places) && is_whole<Joint>(of_joints) &&
 
 }  // namespace
 
+std::string_view in_words(Quantity::Axes axes) {
+  switch (axes) {
+    case Axes::inertial:
+      return "inertial axes";
+    case Axes::own:
+      return "axes of the section or body";
+    case Axes::of_joint:
+      return "axes of the joint on b";
+    case Axes::of_bushing:
+      return "axes of the bushing on b";
+    case Axes::none:
+      break;
+  }
+  return {};
+}
+
 std::span<const Quantity> place_quantities() { return of_places; }
 std::span<const Quantity> joint_quantities() { return of_joints; }
 std::span<const Quantity> spring_quantities() { return of_springs; }

@@ -96,6 +96,9 @@ struct Quantity {
   }
 };
 
+// "inertial axes", "axes of the joint on b", …; "" of what has none.
+std::string_view in_words(Quantity::Axes axes);
+
 std::span<const Quantity> place_quantities();
 std::span<const Quantity> joint_quantities();
 std::span<const Quantity> spring_quantities();

@@ -212,15 +212,23 @@ class Reader {
     }
   }
 
-  void define(const Item& item, const std::string& name, double value) {
+  // A name that expressions may use for something else than it means already.
+  void check_free(const Item& item, const std::string& name) const {
     if (name.empty() || !schema::is_name(name) || name.find('-') != std::string::npos ||
         (name[0] >= '0' && name[0] <= '9'))
       item.fail("expressions cannot use the name " + in_quotes(name) +
                 "; it must have letters, digits and _ only and not begin with a digit");
     if (Expression::is_reserved(name))
       item.fail(in_quotes(name) + " means something else in expressions; choose another name");
-    if (!parameters_.try_emplace(name, value).second)
+    if (parameters_.contains(name))
       item.fail("there is a parameter " + in_quotes(name) + " already; choose another name");
+    if (parameters_.inputs.contains(name))
+      item.fail("there is an input " + in_quotes(name) + " already; choose another name");
+  }
+
+  void define(const Item& item, const std::string& name, double value) {
+    check_free(item, name);
+    parameters_.emplace(name, value);
   }
 
   // f(item) for what stands in an element, and in any <repeat> there.
@@ -461,6 +469,18 @@ class Reader {
                       "is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
     if (auto* const curve = std::get_if<Curve>(&beam.line))
       each(item, [&](const Item& part) { curve->points.push_back(read<CurvePoint>(part)); });
+    return true;
+  }
+
+  bool complete(const Item& item, InputScene& input) {
+    check_free(item, input.name);
+    if (!input.unit.empty()) try {
+        input.factor = unit_factor(input.unit, any_unit);
+      } catch (const Error& error) {
+        item.fail("unit", error.what());
+      }
+    parameters_.inputs.emplace(input.name,
+                               NamedInput{static_cast<int>(scene_.inputs.size()), input.factor});
     return true;
   }
 

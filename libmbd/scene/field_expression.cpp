@@ -48,11 +48,11 @@ FieldExpression FieldExpression::on_part(double from, double to) const {
 Expression FieldExpression::at(double s) const {
   if (!varies()) return Expression::parse(text, parameters, Variables::time);
   Parameters all = parameters;
-  if (!all.try_emplace("s", s).second)
-    throw Error(
-        "\"" + text +
-        "\": s is the place along the beam here, and a parameter of the model too; give the "
-        "parameter another name");
+  const bool is_input = all.inputs.contains("s");
+  if (!all.try_emplace("s", s).second || is_input)
+    throw Error("\"" + text + "\": s is the place along the beam here, and " +
+                (is_input ? "an input" : "a parameter") + " of the model too; give the " +
+                (is_input ? "input" : "parameter") + " another name");
   return Expression::parse(text, all, Variables::time);
 }
 

@@ -1,11 +1,21 @@
 #include "libmbd/scene/places.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "libmbd/scene/reference_line.hpp"
 
 namespace mbd {
+
+std::string text_of(const Place& place) {
+  if (place.kind == Place::Kind::ground) return "ground";
+  if (place.kind == Place::Kind::body) return place.name;
+  if (place.parameter == 0.0) return place.name + ".start";
+  if (place.parameter == 1.0) return place.name + ".end";
+  return fmt::format("{}@{}", place.name, place.parameter);
+}
 
 namespace {
 

@@ -1,6 +1,7 @@
 // The places of a scene, and where they divide its beams.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <unordered_map>
@@ -9,6 +10,9 @@
 #include "libmbd/scene/scene.hpp"
 
 namespace mbd {
+
+// As models write it: "ground", "top", "bar2.end", "bar2@0.5".
+std::string text_of(const Place& place);
 
 // Calls look(place) for every place that an item is at or joins; of an item that is not const they may be changed.
 template <class Item, class Look>

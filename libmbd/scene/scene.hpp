@@ -13,6 +13,7 @@
 #include "libmbd/scene/analyses.hpp"
 #include "libmbd/scene/beams.hpp"
 #include "libmbd/scene/bodies.hpp"
+#include "libmbd/scene/inputs.hpp"
 #include "libmbd/scene/joints.hpp"
 #include "libmbd/scene/loads.hpp"
 #include "libmbd/scene/springs.hpp"
@@ -25,6 +26,7 @@ struct Scene {
   Source source;                      // of the <mbd> element
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
+  std::vector<InputScene> inputs;  // their order is that of State::inputs
   std::vector<Section> sections;
   std::vector<BeamScene> beams;
   std::vector<BodyScene> bodies;
@@ -57,6 +59,7 @@ struct Scene {
 template <class SomeScene, class F>
 requires std::is_same_v<std::remove_const_t<SomeScene>, Scene>
 void each_kind(SomeScene& scene, const F& f) {
+  f(scene.inputs);
   f(scene.sections);
   f(scene.beams);
   f(scene.bodies);

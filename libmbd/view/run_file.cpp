@@ -20,24 +20,6 @@ constexpr std::size_t most_kept = 1 << 17;  // numbers: 1 MB, so that a full dis
 constexpr std::size_t most_rows = 256;      // of the history, handed over together
 constexpr auto longest_kept = std::chrono::milliseconds(500);
 
-// "" of what has none.
-std::string_view in_words(schema::Quantity::Axes axes) {
-  using Axes = schema::Quantity::Axes;
-  switch (axes) {
-    case Axes::inertial:
-      return "inertial axes";
-    case Axes::own:
-      return "axes of the section or body";
-    case Axes::of_joint:
-      return "axes of the joint on b";
-    case Axes::of_bushing:
-      return "axes of the bushing on b";
-    case Axes::none:
-      break;
-  }
-  return {};
-}
-
 std::string unit_of(const std::string& unit) { return unit.empty() ? "1" : unit; }
 
 std::string text_of(const std::filesystem::path& file) {
@@ -96,7 +78,7 @@ struct RunFile::Content {
       if (const auto* const quantity = schema::recorded_in(scene, column.name).quantity) {
         attributes.emplace_back("label",
                                 std::string(quantity->name) + ": " + std::string(quantity->doc));
-        if (const std::string frame(in_words(quantity->axes)); !frame.empty())
+        if (const std::string frame(schema::in_words(quantity->axes)); !frame.empty())
           attributes.emplace_back("frame", frame);
       }
       history.push_back(file.add_series("history/" + column.name, {}, attributes));

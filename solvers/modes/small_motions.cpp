@@ -9,6 +9,12 @@
 
 namespace mbd {
 
+namespace {
+
+using Block = Eigen::Map<Eigen::Matrix<double, 6, 6>, 0, Eigen::OuterStride<>>;
+
+}  // namespace
+
 SmallMotions::SmallMotions(const System& system)
     : system_(system), pencil_(make_klu_pencil_solver()), motions_(6 * (system.nodes() - 1)) {
   pencil_->analyze(system.graph());
@@ -43,9 +49,9 @@ bool SmallMotions::assemble(std::span<const Vec6> axes) {
   return in_range;
 }
 
-// What is done with the blocks of K, C, M between nodes, each once, and the node of its columns.
+// What is done with the blocks of K, C, M between nodes, each once, and the nodes of its rows and columns.
 template <class Change>
-void SmallMotions::each_block(const Change& change) {
+void SmallMotions::each_block(const Change& change) const {
   std::unordered_set<const double*> seen;  // contributions share places
   const auto& contributions = system_.graph().contributions;
   const auto nodes = static_cast<int>(motions_ / 6);
@@ -53,22 +59,22 @@ void SmallMotions::each_block(const Change& change) {
     const auto [row, column] = contributions[i];
     if (row < 0 || column < 0 || row >= nodes || column >= nodes) continue;
     if (!seen.insert(pencil_->slots(2)[i].data).second) continue;
-    using Block = Eigen::Map<Eigen::Matrix<double, 6, 6>, 0, Eigen::OuterStride<>>;
     const auto block = [&](int power) {
       const Slot slot = pencil_->slots(power)[i];
       return Block(slot.data, Eigen::OuterStride<>(slot.ld));
     };
-    change(block(0), block(1), block(2), static_cast<std::size_t>(column) + 1);
+    change(block, row + 1, column + 1);
   }
 }
 
 // C -= M (V - W)~, K -= M (V - W)~ W~.
 void SmallMotions::turn_axes(std::span<const Mat6> W_hat) {
-  each_block([&](auto K, auto C, auto M, std::size_t n) {
+  each_block([&](const auto& block, int, int column) {
+    const auto n = static_cast<std::size_t>(column);
     const Eigen::Matrix<double, 6, 6> W = W_hat[n],
-                                      ahead = M * (twist_hat<double>(state_.V[n]) - W);
-    C -= ahead;
-    K -= ahead * W;
+                                      ahead = block(2) * (twist_hat<double>(state_.V[n]) - W);
+    block(1) -= ahead;
+    block(0) -= ahead * W;
   });
 }
 
@@ -77,9 +83,10 @@ void SmallMotions::accelerate() {
   if (std::all_of(state_.Vdot.begin(), state_.Vdot.end(),
                   [](const Vec6& A) { return A.isZero(0.0); }))
     return;
-  each_block([&](auto K, auto, auto M, std::size_t n) {
-    const Eigen::Matrix<double, 6, 6> A = twist_hat<double>(state_.Vdot[n]);
-    K += M * A;
+  each_block([&](const auto& block, int, int column) {
+    const Eigen::Matrix<double, 6, 6> A =
+        twist_hat<double>(state_.Vdot[static_cast<std::size_t>(column)]);
+    block(0) += block(2) * A;
   });
 }
 
@@ -92,21 +99,35 @@ VecXc SmallMotions::times(const Eigen::SparseMatrix<double>& A, const VecXc& x) 
 
 Eigen::SparseMatrix<double> SmallMotions::nonzeros(int power) const {
   std::vector<Eigen::Triplet<double>> entries;
-  std::unordered_set<const double*> seen;  // contributions share places
+  each_block([&](const auto& block, int row, int column) {
+    const Block values = block(power);
+    for (Index k = 0; k < 6; ++k)
+      for (Index j = 0; j < 6; ++j)
+        if (values(j, k) != 0.0)
+          entries.emplace_back(6 * (row - 1) + j, 6 * (column - 1) + k, values(j, k));
+  });
+  Eigen::SparseMatrix<double> matrix(motions_, motions_);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+Eigen::SparseMatrix<double> SmallMotions::constraint_gradient() const {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::unordered_set<const double*> seen;
   const auto& contributions = system_.graph().contributions;
-  const std::span<const Slot> slots = pencil_->slots(power);
   const auto nodes = static_cast<int>(motions_ / 6);
   for (std::size_t i = 0; i < contributions.size(); ++i) {
     const auto [row, column] = contributions[i];
-    if (row < 0 || column < 0 || row >= nodes || column >= nodes) continue;
-    const Slot slot = slots[i];
+    if (row < nodes || column < 0 || column >= nodes) continue;
+    const Slot slot = pencil_->slots(0)[i];
     if (!seen.insert(slot.data).second) continue;
-    for (int k = 0; k < 6; ++k)
-      for (int j = 0; j < 6; ++j)
+    const ConstraintInfo& of = system_.constraints()[static_cast<std::size_t>(row - nodes)];
+    for (Index k = 0; k < 6; ++k)
+      for (Index j = 0; j < of.rows; ++j)
         if (const double value = slot.data[k * slot.ld + j]; value != 0.0)
-          entries.emplace_back(6 * row + j, 6 * column + k, value);
+          entries.emplace_back(of.first_row + j, 6 * Index{column} + k, value);
   }
-  Eigen::SparseMatrix<double> matrix(motions_, motions_);
+  Eigen::SparseMatrix<double> matrix(unknowns() - motions_, motions_);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
 }

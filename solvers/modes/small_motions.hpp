@@ -47,6 +47,12 @@ class SmallMotions final : public MotionPencil {
   VecX rate_times(const VecX& x) const override { return C_ * x; }
   VecXc rate_times(const VecXc& x) const override { return times(C_, x); }
 
+  // (1) as matrices, of motions and multipliers; without zeros.
+  const Eigen::SparseMatrix<double>& mass_matrix() const { return M_; }
+  const Eigen::SparseMatrix<double>& rate_matrix() const { return C_; }
+  Eigen::SparseMatrix<double> stiffness_matrix() const { return nonzeros(0); }
+  Eigen::SparseMatrix<double> constraint_gradient() const;
+
   // Sizes of the entries of K: of what cancels in x^H K x, |x|^T |K| |x|, there is round-off in each eigenvalue.
   Eigen::SparseMatrix<double> sizes_of_stiffness() const { return nonzeros(0).cwiseAbs(); }
 
@@ -68,7 +74,7 @@ class SmallMotions final : public MotionPencil {
   Eigen::SparseMatrix<double> nonzeros(int power) const;
   bool assemble(std::span<const Vec6> axes);
   template <class Change>
-  void each_block(const Change& change);
+  void each_block(const Change& change) const;
   void turn_axes(std::span<const Mat6> W_hat);
   void accelerate();
   static VecXc times(const Eigen::SparseMatrix<double>& A, const VecXc& x);

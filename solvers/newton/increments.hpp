@@ -33,6 +33,9 @@ class IncrementNorm {
   void set_floor(const State& state, double stiffness);
   double floor() const { return floor_ / tolerance_; }  // under motion, in units of its tolerance
 
+  // What it has followed (solvers/time/archive.hpp).
+  void archive(auto& a) { a(floor_, force_, force_floor_); }
+
  private:
   Index motions_;
   double length_, tolerance_, multiplier_tolerance_;

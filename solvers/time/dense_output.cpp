@@ -66,6 +66,7 @@ void HermiteStep::at(double t, State& out) const {
   const double h = end_->t - begin_->t;
   const double s = (t - begin_->t) / h;
   out.load_factor = begin_->load_factor;
+  out.inputs = begin_->inputs;
   out.momentum_rate = 0.0;
   out.pose.resize(c_.size());
   out.V.resize(c_.size());

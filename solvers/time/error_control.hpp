@@ -47,6 +47,9 @@ class ErrorNorm {
   // wrong as tolerated: Newton's increments of motion have to be that small. At most 1.
   double velocity_share(double rate) const;
 
+  // What it has measured (archive.hpp).
+  void archive(auto& a) { a(speed_, spin_, round_off_, step_, position_, rotation_, worst_row_); }
+
  private:
   ErrorTolerances tolerances_;
   double length_, duration_;
@@ -70,6 +73,8 @@ class StepController {
   void accepted(double h, double error);
   void rejected(double h, double error);
   void failed(double h);  // Newton's iterations did not converge
+
+  void archive(auto& a) { a(h_, allowed_, steady_, rising_); }
 
  private:
   int order_;

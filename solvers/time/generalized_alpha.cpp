@@ -79,6 +79,26 @@ BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
   return graph;
 }
 
+std::string GeneralizedAlpha::signature() const {
+  return signature_of("generalized-alpha", {a_.alpha_m, a_.alpha_f, momentum_.empty() ? 0.0 : 1.0});
+}
+
+void GeneralizedAlpha::archive(Archive& a) {
+  OneStep::archive(a);
+  a(kept_, h_, starting_, stiffness_, A_, history_, t_old_, t_older_, Vdot_old_, lambda_old_,
+    lambda_older_, power_, gdot_old_, alternations_, steps_since_start_, projects_, damps_little_,
+    calm_next_);
+  for (Momentum& m : momentum_) a(m.mu, m.f, m.a, m.past, m.at_start);
+}
+
+// Pivots too are chosen anew.
+void GeneralizedAlpha::take_new_tangent() {
+  solver_->analyze(own_graph(false));
+  tolerant_solver_.reset();
+  factored_ = false;
+  refactor_next_ = true;
+}
+
 void GeneralizedAlpha::begin_at(State& state) {
   system_.linearize(state, {.U = 1.0, .V = 0.0, .A = 0.0, .T_inv = {}}, r_, *solver_);
   stiffness_ = largest_stiffness(system_, *solver_);

@@ -100,6 +100,9 @@ class GeneralizedAlpha final : public OneStep {
   void forget() override;
   const State& solved() const override { return end_; }
 
+  std::string signature() const override;
+  void archive(Archive& a) override;
+  void take_new_tangent() override;
   BlockGraph own_graph(bool tolerant) const;
   bool solve_tolerantly(double t, StepReport& report);
   void set_step(double h);

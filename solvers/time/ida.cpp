@@ -155,6 +155,7 @@ class Ida::Integrator final : public DenseStep {
     IDAGetLastStep(memory_.get(), &h);
     const double inside = std::clamp(t, now - h, now);  // but for round-off it is
     out.load_factor = begin_->load_factor;
+    out.inputs = begin_->inputs;
     out.momentum_rate = 0.0;
     out.pose.resize(begin_->pose.size());
     out.V.resize(begin_->V.size());
@@ -358,6 +359,7 @@ Ida::Ida(const System& system, std::unique_ptr<LinearSolver> solver, const IdaOp
 Ida::~Ida() = default;
 
 StepReport Ida::start(State& state) {
+  begin_watching(system_, state);
   span_ = time_between(state.t, options_.end);
   slack_ = time_floor * span_;
   laws_ = LawSteps(system_, state.t, options_.end);
@@ -381,8 +383,17 @@ StepReport Ida::restart(State& state) {
 // Where idle rows have parted from the others, or no step is found, which of them are idle is chosen anew at the start
 // of the step: those that determine the motion in one configuration may depend on each other in another.
 StepReport Ida::step(State& state) {
-  StepReport report = one_step(state);
+  StepReport report;
+  if (!may_step(system_, state, InputChange::any, report)) return report;
+  report = one_step(state);
+  watch(state);
   if (report.converged || integrator_->unusable() || !system_.idle_rows_allowed()) return report;
+  report = with_other_rows(state, report);
+  watch(state);
+  return report;
+}
+
+StepReport Ida::with_other_rows(State& state, StepReport report) {
   if (!parted_) begin_ = state;
   const Redundancy found = find_redundancy(system_, begin_);
   if (found.idle == begin_.idle) return report;
@@ -404,7 +415,8 @@ StepReport Ida::step(State& state) {
 StepReport Ida::one_step(State& state) {
   StepReport report;
   parted_ = false;
-  Landing landing = next_landing(system_.breakpoints(), state.t, options_.end, slack_);
+  const double last = std::min(options_.end, stop_);
+  Landing landing = next_landing(system_.breakpoints(), state.t, last, slack_);
   if (last_usable_ < landing.t) {
     if (!(last_usable_ - state.t > slack_)) {
       report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable_);
@@ -413,7 +425,8 @@ StepReport Ida::one_step(State& state) {
     landing = {.t = last_usable_};
   }
   if (!(landing.t - state.t > slack_)) {
-    report.failure = fmt::format("t = {:.9g} s is the end of the integration", state.t);
+    report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
+                                 last < options_.end ? " (Stepper::stop_at)" : "");
     return report;
   }
   double reached = state.t;

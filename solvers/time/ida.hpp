@@ -54,7 +54,9 @@ class Ida final : public Stepper {
   class Integrator;  // what knows SUNDIALS
 
   StepReport restart(State& state) override;
+  const System& system() const override { return system_; }
   StepReport one_step(State& state);
+  StepReport with_other_rows(State& state, StepReport report);
 
   const System& system_;
   std::unique_ptr<LinearSolver> solver_;

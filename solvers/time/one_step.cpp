@@ -95,21 +95,53 @@ std::string OneStep::newton_failure(const std::string& out_of_range, const VecX&
 
 StepReport OneStep::start(State& state) {
   origin_ = state.t;
-  if (settings_.adaptive()) {
-    const double span = time_between(origin_, settings_.end);
-    error_norm_ = std::make_unique<ErrorNorm>(system_, settings_.tolerances, span);
-    controller_ = std::make_unique<StepController>(
-        error_order_, settings_.max_step > 0.0 ? settings_.max_step : longest_step * span);
-    slack_ = time_floor * span;
-    laws_ = LawSteps(system_, origin_, settings_.end);
-  } else {
-    slack_ = time_rounding * settings_.step;
-  }
+  prepare();
   state.t = start_time(system_.breakpoints(), origin_, slack_);
+  begin_watching(system_, state);
   count_ = 0;
   halvings_ = 0;
   sizes_ = {};
   return restart(state);
+}
+
+// What follows from settings and the time of start().
+void OneStep::prepare() {
+  if (!settings_.adaptive()) {
+    slack_ = time_rounding * settings_.step;
+    return;
+  }
+  const double span = time_between(origin_, settings_.end);
+  error_norm_ = std::make_unique<ErrorNorm>(system_, settings_.tolerances, span);
+  controller_ = std::make_unique<StepController>(
+      error_order_, settings_.max_step > 0.0 ? settings_.max_step : longest_step * span);
+  slack_ = time_floor * span;
+  laws_ = LawSteps(system_, origin_, settings_.end);
+}
+
+void OneStep::archive(Archive& a) {
+  const double before = origin_;
+  const bool started = controller_ != nullptr;
+  a(origin_);
+  if (a.reads() && !(started && origin_ == before)) prepare();
+  Stepper::archive(a);
+  a(norm_, mass_, tolerant_, rank_tolerance_, count_, halvings_, good_, contradictions_,
+    choose_rows_);
+  if (error_norm_) a(*error_norm_);
+  if (controller_) a(*controller_);
+}
+
+std::string OneStep::signature_of(std::string_view method,
+                                  std::initializer_list<double> own) const {
+  const ErrorTolerances& t = settings_.tolerances;
+  const NewtonOptions& n = settings_.newton;
+  std::string text = fmt::format(
+      "{} with step {:.17g}, tolerances {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}, end {:.17g}, "
+      "longest step {:.17g}, {} halvings, Newton {:.17g} {:.17g} {} {}",
+      method, settings_.step, t.relative, t.position, t.rotation, t.velocity, t.angular_velocity,
+      settings_.end, settings_.max_step, settings_.max_halvings, n.tolerance,
+      n.multiplier_tolerance, n.max_iterations, static_cast<int>(n.tangent));
+  for (const double x : own) text += fmt::format(", {:.17g}", x);
+  return text;
 }
 
 StepReport OneStep::restart(State& state) {
@@ -124,7 +156,11 @@ StepReport OneStep::restart(State& state) {
 }
 
 StepReport OneStep::step(State& state) {
-  return settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
+  StepReport report;
+  if (!may_step(system_, state, InputChange::jump, report)) return report;
+  report = settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
+  watch(state);
+  return report;
 }
 
 bool OneStep::try_step(const State& state, double t, StepReport& report) {
@@ -243,9 +279,15 @@ StepReport OneStep::fixed_step(State& state) {
 
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
-  Landing landing = next_landing(system_.breakpoints(), state.t, settings_.end, slack_);
+  const double end = std::min(settings_.end, stop_);
+  Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
   std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false, contradicted = false;
+  if (!(landing.t - state.t > slack_)) {
+    report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
+                                 end < settings_.end ? " (Stepper::stop_at)" : "");
+    return report;
+  }
   for (;;) {
     // A law of time may ask for less than the estimate does, which knows only what it has seen.
     const double most = laws_.end_of_step(state.t) - state.t;

@@ -66,6 +66,10 @@ class OneStep : public Stepper {
   // none that reaches that time can be solved.
   bool usable(const State& state, StepReport& report);
 
+  void archive(Archive& a) override;
+  // The settings that all methods have, and a method's own.
+  std::string signature_of(std::string_view method, std::initializer_list<double> own) const;
+
   // eps of rank-tolerant steps, in units of 1/mass.
   static constexpr double rank_tolerance = 1e-3;
   double rank_tolerance_ = rank_tolerance;
@@ -110,6 +114,8 @@ class OneStep : public Stepper {
   virtual const State& solved() const = 0;
 
   StepReport restart(State& state) final;
+  const System& system() const final { return system_; }
+  void prepare();
   StepReport fixed_step(State& state);
   StepReport adaptive_step(State& state);
   bool try_step(const State& state, double t, StepReport& report);

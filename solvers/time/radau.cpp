@@ -95,11 +95,7 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
     error_norm_ = std::make_unique<ErrorNorm>(
         system, ErrorTolerances{.relative = settings_.newton.tolerance}, 1000.0 * settings_.step);
   solver_->analyze(system.graph());
-  BlockGraph graph = system.graph();  // and diagonal blocks of multipliers, for rank-tolerant steps
-  const int blocks = static_cast<int>(graph.blocks.size());
-  for (int k = static_cast<int>(system.nodes()) - 1; k < blocks; ++k)
-    graph.contributions.push_back({k, k});
-  pencil_->analyze(graph);
+  analyze_pencil();
   const auto n = static_cast<std::size_t>(system.nodes());
   for (std::size_t j = 0; j < stages; ++j) {
     q_[j].assign(n, Vec6::Zero());
@@ -116,6 +112,33 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
   x_.resize(system.unknowns());
   y_.resize(system.unknowns());
   z_.resize(static_cast<std::size_t>(system.unknowns()));
+}
+
+void Radau::analyze_pencil() {
+  BlockGraph graph =
+      system_.graph();  // and diagonal blocks of multipliers, for rank-tolerant steps
+  const int blocks = static_cast<int>(graph.blocks.size());
+  for (int k = static_cast<int>(system_.nodes()) - 1; k < blocks; ++k)
+    graph.contributions.push_back({k, k});
+  pencil_->analyze(graph);
+}
+
+std::string Radau::signature() const { return signature_of("Radau", {}); }
+
+void Radau::archive(Archive& a) {
+  OneStep::archive(a);
+  if (!settings_.adaptive()) a(*error_norm_);
+  a(kept_, carry_, history_, t_old_, h_old_, q_old_, pose_old_, V_old_, lambda_old_, stiffness_);
+}
+
+// Pivots too are chosen anew.
+void Radau::take_new_tangent() {
+  analyze_pencil();
+  solver_->analyze(system_.graph());
+  linearized_ = false;
+  fresh_ = false;
+  factored_step_ = 0.0;
+  relinearize_next_ = true;
 }
 
 void Radau::begin_at(State&) {

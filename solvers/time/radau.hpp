@@ -85,6 +85,10 @@ class Radau final : public OneStep {
   void forget() override;
   const State& solved() const override { return stage_[2]; }
 
+  std::string signature() const override;
+  void archive(Archive& a) override;
+  void take_new_tangent() override;
+  void analyze_pencil();
   void predict(bool extrapolate);
   void update_stages();
   bool residuals();

@@ -200,6 +200,7 @@ void StabilizedIndex2::follow(const State& accepted) {
   at_.angles = mu_state_.angles = accepted.angles;
   at_.load_factor = mu_state_.load_factor = accepted.load_factor;
   at_.idle = mu_state_.idle = accepted.idle;
+  at_.inputs = mu_state_.inputs = accepted.inputs;
 }
 
 void StabilizedIndex2::set(double t, std::span<const double> y, std::span<const double> ydot) {

@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string_view>
 
 #include "libmbd/core/error.hpp"
 #include "solvers/newton/increments.hpp"
@@ -19,6 +24,210 @@ bool Stepper::restart_at(double t, State& state, StepReport& report) {
   report.failure =
       fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", reached, again.failure);
   return false;
+}
+
+void Stepper::begin_watching(const System& system, const State& state) {
+  check_sizes(system, state);
+  watched_ = state.t;
+  inputs_ = state.inputs;
+}
+
+bool Stepper::may_step(const System& system, State& state, InputChange restarts,
+                       StepReport& report) {
+  if (!watched_) {
+    report.failure = "start() comes before step()";
+    return false;
+  }
+  if (state.t != *watched_) {
+    report.failure = fmt::format(
+        "the state is of t = {:.9g} s, and the stepper was left at {:.9g} s; call start() with it",
+        state.t, *watched_);
+    return false;
+  }
+  const auto same = [](const InputValue& a, const InputValue& b) {
+    return a.f == b.f && a.fdot == b.fdot && a.fddot == b.fddot && a.since == b.since;
+  };
+  if (std::equal(state.inputs.begin(), state.inputs.end(), inputs_.begin(), inputs_.end(), same))
+    return true;
+  if (state.inputs.size() != inputs_.size()) check_sizes(system, state);
+  // What laws make of them before and after, at the same time; what is said anew in other words does not jump.
+  std::vector<InputValue> old, now;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    const InputValue &was = inputs_[i], &is = state.inputs[i];
+    const auto size = [&](const InputValue& u) {
+      const double tau = state.t - u.since;
+      return std::abs(u.f) + std::abs(u.fdot * tau) + std::abs(u.fddot * tau * tau);
+    };
+    const Taylor2 a = was.at(state.t), b = is.at(state.t);
+    constexpr double round_off = 1e-13;
+    const bool goes_on = std::abs(b.v - a.v) <= round_off * std::max(size(was), size(is));
+    old.push_back({a.v, a.d, a.dd, state.t});
+    now.push_back({goes_on ? a.v : b.v, b.d, b.dd, state.t});
+  }
+  std::vector<SignalValue> before, after;
+  system.signals_at(state.t, Side::right, old, before);
+  system.signals_at(state.t, Side::right, now, after);
+  bool jump = restarts == InputChange::any;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const SignalValue &was = before[i], &is = after[i];
+    if (system.signal_use(i) == SignalUse::load) {
+      jump = jump || is.f != was.f;
+      continue;
+    }
+    constexpr double round_off = 1e-9;
+    const double least = round_off * std::min(1.0, system.length_scale());
+    const auto differs = [&](double x, double y) {
+      return !(std::abs(x - y) <= std::max(least, round_off * std::max(std::abs(x), std::abs(y))));
+    };
+    if (differs(is.f, was.f) || differs(is.fdot, was.fdot)) {
+      const bool rate = !differs(is.f, was.f);
+      report.failure = fmt::format(
+          "at t = {:.9g} s an input makes {}{} jump from {:.9g} to {:.9g}, an impact; let it go on "
+          "from its value and its rate (InputValue)",
+          state.t, rate ? "the rate of " : "", system.signal_name(i), rate ? was.fdot : was.f,
+          rate ? is.fdot : is.f);
+      return false;
+    }
+    jump = jump || is.fddot != was.fddot;
+  }
+  inputs_ = state.inputs;
+  return !jump || restart_at(state.t, state, report);
+}
+
+void Stepper::archive(Archive& a) { a(counters_, sizes_, stop_, watched_, inputs_); }
+
+namespace {
+
+// FNV-1a.
+class Hash {
+ public:
+  void add(const void* data, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i)
+      value_ = (value_ ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ULL;
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 14695981039346656037ULL;
+};
+
+std::uint64_t hash_of(std::span<const char> bytes) {
+  Hash hash;
+  hash.add(bytes.data(), bytes.size());
+  return hash.value();
+}
+
+// Of everything that a system's equations depend on: its parts by name, and the residual of some motion.
+std::uint64_t fingerprint(const System& system) {
+  Hash hash;
+  const auto add_text = [&](const std::string& text) { hash.add(text.data(), text.size()); };
+  for (Index n = 0; n < system.nodes(); ++n) add_text(system.node_name(n));
+  for (const ConstraintInfo& c : system.constraints()) add_text(c.name);
+  for (std::size_t i = 0; i < system.signals().size(); ++i) add_text(system.signal_name(i));
+  for (const InputInfo& input : system.inputs()) add_text(input.name + " " + input.unit);
+  State state = system.reference_state();
+  const auto motion = [&](double size, Index n) {
+    Vec6 x;
+    for (Index i = 0; i < 6; ++i)
+      x(i) = size * std::sin(1.0 + 6.0 * static_cast<double>(n) + static_cast<double>(i)) *
+             (i < 3 ? system.length_scale() : 1.0);
+    return x;
+  };
+  for (Index n = 1; n < system.nodes(); ++n) {
+    const auto N = static_cast<std::size_t>(n);
+    state.pose[N] = state.pose[N] * exp_se3<double>(motion(1e-3, n));
+    state.V[N] = motion(1.0, n + 1);
+    state.Vdot[N] = motion(1.0, n + 2);
+  }
+  VecX r;
+  system.residual(state, r);
+  hash.add(r.data(), static_cast<std::size_t>(r.size()) * sizeof(double));
+  return hash.value();
+}
+
+constexpr std::string_view checkpoint_format = "mbd checkpoint 1";
+
+}  // namespace
+
+Checkpoint Stepper::kept(const State& state) const {
+  const std::string of = signature();
+  if (of.empty())
+    throw Error(
+        "this method keeps a history that cannot be saved; keep the state, and start() from it");
+  if (!watched_ || state.t != *watched_)
+    throw Error(fmt::format("the state of t = {:.9g} s is not the one that the stepper has reached",
+                            state.t));
+  Archive a;
+  std::string format(checkpoint_format), signed_by = of;
+  std::uint64_t model = fingerprint(system());
+  State copy = state;
+  a(format, signed_by, model, copy);
+  const_cast<Stepper*>(this)->archive(a);  // which writes
+  Checkpoint made{a.take()};
+  const std::uint64_t sum = hash_of(made.bytes);
+  const auto* const first = reinterpret_cast<const char*>(&sum);
+  made.bytes.insert(made.bytes.end(), first, first + sizeof sum);
+  return made;
+}
+
+void Stepper::resume(const Checkpoint& checkpoint, State& state) {
+  std::uint64_t sum = 0, model = 0;
+  std::span<const char> bytes(checkpoint.bytes);
+  if (bytes.size() > sizeof sum) {
+    std::memcpy(&sum, &*(bytes.end() - sizeof sum), sizeof sum);
+    bytes = bytes.first(bytes.size() - sizeof sum);
+  }
+  if (bytes.empty() || sum != hash_of(bytes))
+    throw Error("the checkpoint is damaged: it is cut off, or has been changed");
+  Archive a(bytes);
+  std::string format, signed_by;
+  a(format);
+  if (format != checkpoint_format)
+    throw Error("this is no checkpoint, or one of another version of mbd");
+  a(signed_by, model);
+  if (model != fingerprint(system()))
+    throw Error("the checkpoint is of another model, or of other values of its parameters");
+  if (signed_by != signature())
+    throw Error(fmt::format("the checkpoint is of {}, and this is {}", signed_by, signature()));
+  State read;
+  a(read);
+  check_sizes(system(), read);
+  archive(a);
+  state = read;  // arrays stay where they are, for those who look at them
+}
+
+Checkpoint Stepper::save(const State& state) {
+  Checkpoint made = kept(state);
+  take_new_tangent();
+  return made;
+}
+
+void Stepper::restore(const Checkpoint& checkpoint, State& state) {
+  resume(checkpoint, state);
+  take_new_tangent();
+}
+
+Checkpoint Stepper::remember(const State& state) const { return kept(state); }
+
+void Stepper::go_back(const Checkpoint& checkpoint, State& state) { resume(checkpoint, state); }
+
+void check_sizes(const System& system, const State& state) {
+  const auto nodes = static_cast<std::size_t>(system.nodes());
+  const std::size_t rates = system.with_rates() ? nodes : 0;
+  const auto check = [](const char* what, std::size_t is, std::size_t wanted) {
+    if (is != wanted)
+      throw Error(
+          fmt::format("the state is not one of this model: {} {}, and the model has {}; "
+                      "begin with Model::initial",
+                      is, what, wanted));
+  };
+  check("nodes", state.pose.size(), nodes);
+  check("velocities", state.V.size(), rates);
+  check("accelerations", state.Vdot.size(), rates);
+  check("multipliers", static_cast<std::size_t>(state.lambda.size()),
+        static_cast<std::size_t>(system.multipliers()));
+  check("signals", state.signals.size(), system.signals().size());
+  check("inputs", state.inputs.size(), system.inputs().size());
 }
 
 void Stepper::record_size(double h, bool cut) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "libmbd/core/system.hpp"
 #include "solvers/newton/report.hpp"
+#include "solvers/time/archive.hpp"
 #include "solvers/time/law_steps.hpp"
 
 namespace mbd {
@@ -25,6 +27,11 @@ class DenseStep {
   // The states at both ends, of steppers that keep them while the step is shown; else nullptr, and at() tells.
   virtual const State* first() const { return nullptr; }
   virtual const State* last() const { return nullptr; }
+};
+
+// The whole of a stepper between two steps, and its state: made by Stepper::save(), for this program on this kind of machine.
+struct Checkpoint {
+  std::vector<char> bytes;
 };
 
 // What round-off leaves unknown because of the size of a step h. Positions are known to eps of their size, so
@@ -47,9 +54,30 @@ class Stepper {
   virtual StepReport start(State& state) = 0;
 
   // Fixed steps: from the last multiple of the step, counted from start(), to the next. Adaptive steps: one
-  // step of the method, which ends at options.end at the latest, and there exactly. On failure the state is
-  // the last one that was reached, which may lie inside the step.
+  // step of the method, which ends at options.end, or where stop_at() says, at the latest, and there exactly. On
+  // failure the state is the last one that was reached, which may lie inside the step.
+  //
+  // Inputs of the state may have been set since the last step (State::inputs). Where loads jump by that, accelerations
+  // and multipliers are made consistent first, as at any jump, so that a value held over a step acts from its beginning
+  // and costs no order. What a drive prescribes must go on without a jump, and with its rate.
+  // It fails before start(), and for a state of another time.
   virtual StepReport step(State& state) = 0;
+
+  // Adaptive steps end there at the latest, and there exactly; fixed ones do not look at it.
+  void stop_at(double t) { stop_ = t; }
+
+  // The stepper and its state, to go on from. Both who saves and who restores take a new tangent at the next step, so that
+  // they go on alike to the last bit: also in another process of the same program. `state` must be the one reached.
+  // Throws Error before start(), and for methods that keep a history of their own (IDA): start() from the state then.
+  Checkpoint save(const State& state);
+  // In place of start(), of a stepper of the same System with the same options; the state becomes the one that was saved.
+  // Throws Error for a checkpoint of another model, method, setting or version, or one that is cut off.
+  void restore(const Checkpoint& checkpoint, State& state);
+
+  // The same for taking steps again, with other inputs: the tangent is kept. What follows go_back() is equal to what came
+  // before to the tolerance of Newton's iterations.
+  Checkpoint remember(const State& state) const;
+  void go_back(const Checkpoint& checkpoint, State& state);
 
   const Counters& counters() const { return counters_; }
   const StepSizes& sizes() const { return sizes_; }
@@ -74,16 +102,42 @@ class Stepper {
 
   // Consistent accelerations and multipliers; nothing from before state.t is used after it.
   virtual StepReport restart(State& state) = 0;
+
+  // Of start(). Throws Error for a state that is not one of the system.
+  void begin_watching(const System& system, const State& state);
+  // Of step(), before it: whether the state may be stepped from, after a restart if its inputs have changed so that the
+  // method needs one.
+  enum class InputChange { jump, any };
+  bool may_step(const System& system, State& state, InputChange restarts, StepReport& report);
+  // Of step(), after it.
+  void watch(const State& state) { watched_ = state.t; }
   // At the end of a step that landed on breakpoints, of which the last is at t. False: `report` says why.
   bool restart_at(double t, State& state, StepReport& report);
   // Of an accepted step, `cut` by a breakpoint or the end.
   void record_size(double h, bool cut);
 
+  // What it has besides its settings, which signature() tells; archive() reads into a stepper that has not been started.
+  virtual std::string signature() const { return {}; }
+  virtual void archive(Archive& a);
+  virtual void take_new_tangent() {}
+
   Counters counters_;
   StepSizes sizes_;
   LawSteps laws_;
   std::function<void(const DenseStep&)> observer_;
+  double stop_ = std::numeric_limits<double>::infinity();  // [s]
+
+ private:
+  Checkpoint kept(const State& state) const;
+  void resume(const Checkpoint& checkpoint, State& state);
+  virtual const System& system() const = 0;
+
+  std::optional<double> watched_;   // the time that was reached [s]; none: not started
+  std::vector<InputValue> inputs_;  // with which
 };
+
+// Throws Error unless the arrays of the state are as long as the system wants them.
+void check_sizes(const System& system, const State& state);
 
 // Where a step that would end at `end` has to stop.
 struct Landing {

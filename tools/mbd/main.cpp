@@ -14,6 +14,7 @@
 #include "tools/mbd/explain_command.hpp"
 #include "tools/mbd/export_command.hpp"
 #include "tools/mbd/floquet_command.hpp"
+#include "tools/mbd/linearize_command.hpp"
 #include "tools/mbd/modes_command.hpp"
 #include "tools/mbd/plot_command.hpp"
 #include "tools/mbd/run_command.hpp"
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
   mbd::add_accuracy_command(app, status);
   mbd::add_effects_command(app, status);
   mbd::add_modes_command(app, status);
+  mbd::add_linearize_command(app, status);
   mbd::add_campbell_command(app, status);
   mbd::add_floquet_command(app, status);
   mbd::add_sweep_command(app, status);

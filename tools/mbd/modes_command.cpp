@@ -23,8 +23,8 @@ namespace mbd {
 namespace {
 
 struct ModesArguments {
-  std::string model, output, near, rate, time;
-  RotationArguments rotation;
+  std::string model, output, near;
+  AboutArguments about;
   std::vector<std::string> set, without;
   int count = 10;
   bool motion = false, quiet = false;
@@ -43,17 +43,7 @@ int find_modes_of(const ModesArguments& arguments) {
     if (!(options.near >= 0.0))
       throw Error("--near " + arguments.near + ": give a frequency that is not negative");
   }
-  if (!arguments.rate.empty()) {
-    options.rotation = rotation_of(arguments.rotation);
-    options.at_rest = arguments.rotation.at_rest;
-    options.rotation->rate = option_value("rate", arguments.rate, "rad/s", scene);
-  }
-  if (!arguments.time.empty()) {
-    options.time = option_value("at", arguments.time, "s", scene);
-    if (options.rotation) throw Error("give --rate or --at, one of them");
-    if (!(*options.time >= 0.0))
-      throw Error("--at " + arguments.time + ": give a time that is not negative");
-  }
+  apply(arguments.about, scene, options);
   const std::filesystem::path output =
       results_directory(arguments.output, arguments.model, "modes");
   const ModesStudy study =
@@ -84,17 +74,7 @@ void add_modes_command(CLI::App& app, int& status) {
       ->add_option("--near", arguments->near,
                    "those nearest to this frequency, in Hz or with a unit; default: 0")
       ->type_name("F");
-  command
-      ->add_option("-r,--rate", arguments->rate,
-                   "about steady rotation of the whole at this rate, in rad/s or with a unit "
-                   "(\"300 rpm\")")
-      ->type_name("RATE");
-  command
-      ->add_option("--at", arguments->time,
-                   "about the state of a run at this time, in s or with a unit: what small motions "
-                   "are at that moment")
-      ->type_name("TIME");
-  add_rotation_options(*command, arguments->rotation);
+  add_about_options(*command, arguments->about);
   add_set_option(*command, arguments->set);
   add_without_option(*command, arguments->without);
   command

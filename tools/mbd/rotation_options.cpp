@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "libmbd/core/error.hpp"
+#include "tools/mbd/overrides.hpp"
 
 namespace mbd {
 
@@ -28,6 +29,33 @@ SteadyRotation rotation_of(const RotationArguments& arguments) {
     throw Error("--axis: give a direction that is not zero");
   if (!through.allFinite()) throw Error("--through: give a point");
   return {0.0, axis / axis.norm(), through, {}};
+}
+
+void add_about_options(CLI::App& command, AboutArguments& arguments) {
+  command
+      .add_option("-r,--rate", arguments.rate,
+                  "about steady rotation of the whole at this rate, in rad/s or with a unit "
+                  "(\"300 rpm\")")
+      ->type_name("RATE");
+  command
+      .add_option("--at", arguments.time,
+                  "about the state of a run at this time, in s or with a unit: what small motions "
+                  "are at that moment")
+      ->type_name("TIME");
+  add_rotation_options(command, arguments.rotation);
+}
+
+void apply(const AboutArguments& arguments, const Scene& scene, ModesOptions& options) {
+  if (!arguments.rate.empty()) {
+    options.rotation = rotation_of(arguments.rotation);
+    options.at_rest = arguments.rotation.at_rest;
+    options.rotation->rate = option_value("rate", arguments.rate, "rad/s", scene);
+  }
+  if (arguments.time.empty()) return;
+  options.time = option_value("at", arguments.time, "s", scene);
+  if (options.rotation) throw Error("give --rate or --at, one of them");
+  if (!(*options.time >= 0.0))
+    throw Error("--at " + arguments.time + ": give a time that is not negative");
 }
 
 }  // namespace mbd

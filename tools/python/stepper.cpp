@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/results/report.hpp"
@@ -28,49 +29,25 @@
 namespace mbd::python {
 namespace {
 
-// "arm", "b.end", "b@0.5", as models write places.
-std::string text_of(const Place& place) {
-  if (place.kind == Place::Kind::ground) return "ground";
-  if (place.kind == Place::Kind::body) return place.name;
-  if (place.parameter == 0.0) return place.name + ".start";
-  if (place.parameter == 1.0) return place.name + ".end";
-  return fmt::format("{}@{}", place.name, place.parameter);
-}
-
-// Where a name is: a node, and a frame in it.
-struct Spot {
-  int node = 0;
-  Pose<double> frame;
-};
-
-// All names of a compiled model.
+// Places and nodes of a compiled model, by all their names.
 class Names {
  public:
   explicit Names(const Model& model) {
-    add("ground", {});
-    for (const Model::PlaceFrame& place : model.places)
-      add(text_of(place.place), {place.node, place.frame});
-    for (const Model::Line& line : model.lines)
-      for (std::size_t k = 0; k < line.size(); ++k) {
-        const Place place{Place::Kind::beam, line.name, line.s[k]};
-        add(text_of(place), {line.nodes[k], line.frames[k]});
-      }
-    const System& system = *model.system;
-    for (Index n = 1; n < system.nodes(); ++n) add(system.node_name(n), {static_cast<int>(n), {}});
+    for (NamedPlace& place : named_places(model)) {
+      words_.push_back(place.name);
+      places_.emplace(place.name, std::move(place));
+    }
   }
 
-  const Spot& find(const std::string& name) const {
-    if (const auto found = spots_.find(name); found != spots_.end()) return found->second;
+  const NamedPlace& find(const std::string& name) const {
+    if (const auto found = places_.find(name); found != places_.end()) return found->second;
     throw UnknownName(fmt::format("\"{}\" is not a place that has a node{}", name,
                                   known_names(name, words_, "places and nodes")));
   }
   const std::vector<std::string>& words() const { return words_; }
 
  private:
-  void add(const std::string& name, const Spot& spot) {
-    if (spots_.emplace(name, spot).second) words_.push_back(name);
-  }
-  std::map<std::string, Spot> spots_;
+  std::map<std::string, NamedPlace> places_;
   std::vector<std::string> words_;
 };
 
@@ -265,7 +242,7 @@ class StepperHandle {
   };
   Motion motion(const std::string& name) {
     const Lock lock(*this);
-    const Spot& spot = names_.find(name);
+    const NamedPlace& spot = names_.find(name);
     const auto n = static_cast<std::size_t>(spot.node);
     // A point that moves with the node: v + w x r, then to the axes of the place.
     const Mat3 R = spot.frame.R();

@@ -248,8 +248,9 @@ Scene reordered(const Scene& scene, std::uint64_t seed) {
   TransformRandom random(seed);
   each_kind(s, [&random]<class Items>(Items& items) {
     using Item = typename Items::value_type;
-    // The order of records is that of columns, which are compared.
-    if constexpr (requires { items.size(); } && !std::is_same_v<Item, RecordScene>)
+    // The order of records is that of columns, which are compared; laws know inputs by their place.
+    if constexpr (requires { items.size(); } && !std::is_same_v<Item, RecordScene> &&
+                  !std::is_same_v<Item, InputScene>)
       random.shuffle(items);
   });
   return s;

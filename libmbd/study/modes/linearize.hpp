@@ -1,0 +1,48 @@
+// A scene linearised, with its inputs and outputs: E x' = A x + B du, dy = C x + D du (solvers/modes/linearization.hpp).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libmbd/compile/ports.hpp"
+#include "libmbd/scene/scene.hpp"
+#include "libmbd/study/modes/modes.hpp"
+#include "solvers/modes/linearization.hpp"
+
+namespace mbd {
+
+struct Linearization {
+  std::string model, file;
+  std::optional<SteadyRotation> rotation;
+  std::optional<double> time;  // [s] of the run
+  State state;                 // about which
+  LinearMotion motion;         // of all nodes
+  // On the constraints: [q; q'], each q a displacement [m] or rotation [rad] of a node in its body axes. Nothing about a
+  // state that moves otherwise than in a steady rotation.
+  std::optional<ReducedMotion> reduced;
+  std::vector<Port> states;
+  Ports ports;
+  VecX outputs;  // at the state
+  // dy = C x + D du, du in the units of the inputs. By central differences of the outputs along exact small motions: to about
+  // 1e-8 of the largest entry of a row.
+  MatX C, D;
+  std::vector<std::string> notes;
+};
+
+// About the equilibrium of a scene, a steady rotation, or the state of a run at a time (ModesOptions says how; `count` and
+// `near` are not used). Throws Error as study_modes() does.
+Linearization linearize(const Scene& scene, const ModesOptions& options = {});
+
+// About a state that the program has, of the model with the inputs that it has: in full where it is an equilibrium at rest
+// (velocities, and accelerations that the equations of motion give it, to 1e-6 of the largest over a second). Throws Error
+// where accelerations are not determined, or an element is outside its range.
+Linearization linearize(const Model& model, const State& state);
+
+// linear.json (names, units, and the matrices E, A, B, C, D by rows) and M.mtx, C.mtx, K.mtx, G.mtx (the gradient of the
+// constraints), F.mtx: (1) of linearization.hpp in the format of Matrix Market. Throws Error if a file cannot be written.
+void write_linearization(const Linearization& linear, const std::filesystem::path& directory);
+std::string to_text(const Linearization& linear);
+
+}  // namespace mbd
