@@ -201,7 +201,8 @@ to the file that says so. That file is a model too; its own name is not used.
   surfaces is not taken into account.
 - **Control**: a PD controller to a fixed target is a `<joint_spring>` with `angular_stiffness`,
   `angular_damping` and `rest_angle`; what is known beforehand as a function of time is a `<joint_torque>` or a
-  `<drive>`. Feedback from other quantities, and integral parts, are not there.
+  `<drive>`. Everything else is for a program (C++ or Python) that steps the model, reads what its records say and sets
+  its `<input>`s. Controllers in the model file itself are not there.
 - **Gears, racks, belts, cams, rolling wheels**: not there. A ratio between two angles can be had where both
   are driven by laws; a `<screw>` ties an angle to a displacement.
 - **Cables that go slack**: a `<spring>` with `force="x > 0 ? k*x : 0"`; a `<distance>` holds in pressure as well.
@@ -404,6 +405,29 @@ recorded.
   <record name="path" joint="path" quantities="reaction_force"/>
   <expect quantity="shaft.angle" at="1" value="1.5*pi" tolerance="1e-9"
           source="integral of the rate"/>
+</mbd>
+)xml"},
+    {"Inputs from a program", "input",
+     R"md(An input is a number that a program sets between steps: a controller, an aeroelastic code, a simulator that has libmbd
+as a part. The laws of loads, distributed loads, joint torques, drags and drives use it by its name, beside t, parameters and
+functions; it stands before them in the file. An input with a `unit` is set in that unit.
+
+A value may be held, or go on in a straight line or a parabola, over a step; where a load jumps by that the step begins with
+the accelerations that the new load gives. Conditions, `min`, `max` and `abs` of an input are not taken: the times at which
+they switch are not known, and the program can do it. What a `<drive>` or `<motion>` prescribes may depend on an input by its
+`angle` or `displacement`, and must not jump. `mbd run` and all studies keep inputs at their `value`; `mbd linearize` gives the
+matrices from inputs to what is recorded. `mbd check` counts inputs.
+)md",
+     R"xml(<mbd name="servo_arm">
+  <!-- A horizontal arm held by a motor whose torque a program sets; here it keeps its first value, the arm's weight. -->
+  <input name="torque" unit="N.mm" value="-4905"/>
+  <body name="arm" at="0 0 0" center="0.5 0 0" mass="1" inertia="0.001 0.08 0.08"/>
+  <revolute name="shoulder" between="ground arm" axis="0 1 0"/>
+  <joint_torque joint="shoulder" moment="torque"/>
+  <gravity acceleration="0 0 -9.81"/>
+  <transient duration="0.5" step="1 ms"/>
+  <record name="shoulder" joint="shoulder" quantities="angle rate"/>
+  <expect quantity="shoulder.angle" at="0.5" value="0" tolerance="1e-9" source="equilibrium"/>
 </mbd>
 )xml"},
     {"Loads", "load distributed gravity",

@@ -372,10 +372,19 @@ std::string usual_word(std::string_view word) {
       {"tire", "there is no rolling", true},
       {"tyre", "there is no rolling", true},
       {"rolling", "there is none", true},
-      {"control", "a PD controller to a fixed target is a <joint_spring> with rest_angle", true},
-      {"controller", "a PD controller to a fixed target is a <joint_spring> with rest_angle", true},
-      {"pid", "a PD controller to a fixed target is a <joint_spring> with rest_angle", true},
-      {"sensor", "there is no feedback from results; <record> writes them", true},
+      {"control",
+       "a PD controller to a fixed target is a <joint_spring> with rest_angle; others are programs "
+       "that set an <input>",
+       true},
+      {"controller",
+       "a PD controller to a fixed target is a <joint_spring> with rest_angle; others are programs "
+       "that set an <input>",
+       true},
+      {"pid",
+       "a PD controller to a fixed target is a <joint_spring> with rest_angle; others are programs "
+       "that set an <input>",
+       true},
+      {"sensor", "a program that steps the model reads its <record>s and sets its <input>s", true},
       {"motor", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
       {"actuator", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
       {"shell", "there are beams and bodies only", true},

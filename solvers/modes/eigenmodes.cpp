@@ -292,7 +292,9 @@ bool is_hidden(const SmallMotions& motions, const Eigen::SparseMatrix<double>& s
   const double mass = mode.shape.dot(motions.mass_times(mode.shape)).real();
   const VecX size = mode.shape.cwiseAbs();
   const double hidden = std::sqrt(unseen * size.dot(sizes * size) / std::max(mass, 1e-300));
-  constexpr double of_shift = 1e-9;  // what is left of it where 1/theta takes it off
+  // What is left of it where 1/theta takes it off: of an eigenvalue 0 with one shape (a place and its velocity) the root of
+  // round-off.
+  constexpr double of_shift = 1e-7;
   return std::abs(mode.eigenvalue) <= std::max(hidden, of_shift * shift);
 }
 

@@ -405,7 +405,7 @@ TEST_F(PictureBrowserSlow, ReadThem) {
     return fmt::format("await load('data:image/{};base64,{}')", type,
                        base64(read_text(file(name))));
   };
-  const Json answer = ask(
+  const Json answer = Json::parse(ask(
       "<!DOCTYPE html><title>pictures</title>",
       R"(
     const load = async data => {
@@ -430,7 +430,7 @@ TEST_F(PictureBrowserSlow, ReadThem) {
     let ink = 0;
     for (let i = 0; i < png.d.length; i += 4) if (png.d[i] < 200) ++ink;
     return {svg: [svg.w, svg.h], png: [png.w, png.h], webp: [webp.w, webp.h], ink: ink / (480 * 300),
-      same: far(svg, png), moved: far(png, other), frame: far(webp, png)};)");
+      same: far(svg, png), moved: far(png, other), frame: far(webp, png)};)"));
   ASSERT_TRUE(answer.contains("same")) << answer.dump();
   for (const char* picture : {"svg", "png", "webp"})
     EXPECT_EQ(answer.at(picture), Json({480, 300}));

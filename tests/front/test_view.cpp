@@ -47,7 +47,7 @@ class ViewPageSlow : public BrowserTest {
     if (!IsSkipped()) skip_without_pages(mbd(view_pendulum));
   }
   Json ask_page(const std::string& page, const std::string& script) const {
-    return ask(read_text(file(page)), script);
+    return Json::parse(ask(read_text(file(page)), script));
   }
 };
 
@@ -180,11 +180,11 @@ TEST_F(ViewPageSlow, LoadsNothing) {
         "<script>const blocked = []; document.addEventListener('securitypolicyviolation', "
         "e => blocked.push(e.blockedURI));</script>" +
             more);
-    return ask(watched, R"(
+    return Json::parse(ask(watched, R"(
       document.getElementById('speed').value = '10';
       mbdView.play(true);
       while (mbdView.frame() === 0) await new Promise(done => setTimeout(done, 20));
-      return {requests: performance.getEntriesByType('resource').length + blocked.length, frame: mbdView.frame()};)");
+      return {requests: performance.getEntriesByType('resource').length + blocked.length, frame: mbdView.frame()};)"));
   };
   const Json answer = ask_with("");
   EXPECT_EQ(answer.at("requests"), 0) << answer.dump();
@@ -198,7 +198,7 @@ TEST_F(ViewPageSlow, FitsAPhone) {
   for (const bool too_wide : {false, true}) {
     std::string page = read_text(file("swept_cantilever/view.html"));
     if (too_wide) page.insert(page.find("<main>"), "<div style='width:420px'>wide</div>");
-    const Json answer = ask_in_frame(page, R"(
+    const Json answer = Json::parse(ask_in_frame(page, R"(
       while (!w.mbdView) await new Promise(done => setTimeout(done, 20));
       const all = [];
       for (const e of d.querySelectorAll('details')) e.open = true;
@@ -208,7 +208,7 @@ TEST_F(ViewPageSlow, FitsAPhone) {
         all.push(d.documentElement.scrollWidth);
       }
       return {inner: w.innerWidth, all, canvas: d.getElementById('canvas').clientWidth};)",
-                                     390, 800);
+                                                 390, 800));
     ASSERT_TRUE(answer.contains("inner")) << answer.dump();
     EXPECT_EQ(answer.at("inner"), 390);
     for (const Json& wide : answer.at("all")) {

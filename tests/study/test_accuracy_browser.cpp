@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "libmbd/study/accuracy/accuracy_page.hpp"
@@ -17,6 +18,7 @@ namespace mbd::test::test_accuracy_browser {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 class AccuracyPageSlow : public BrowserTest {
  protected:
@@ -67,11 +69,11 @@ TEST_F(AccuracyPageSlow, FitsPhoneAndDesk) {
     ASSERT_TRUE(read_png(blank).is);
     EXPECT_GT(picture.size(), 10 * blank.size() + 50000);
 
-    const auto said = ask_in_frame(page_, R"(
+    const auto said = Json::parse(ask_in_frame(page_, R"(
       for (const e of d.querySelectorAll('details')) e.open = true;
       return [w.innerWidth, d.documentElement.scrollWidth, d.documentElement.scrollHeight,
         d.querySelectorAll('table').length];)",
-                                   width);
+                                               width));
     ASSERT_EQ(said.size(), 4U) << said.dump();
     const int inner = said[0], wide = said[1], high = said[2], tables = said[3];
     EXPECT_EQ(inner, width);
@@ -97,7 +99,7 @@ TEST_F(AccuracyPageSlow, SortsAndEnlarges) {
                         const std::string& to = "") {
     std::string page = page_;
     if (!from.empty()) page.replace(page.find(from), from.size(), to);
-    return ask_in_frame(page, script, 390);
+    return Json::parse(ask_in_frame(page, script, 390));
   };
   // Whether there is something to sort; whether it goes up after one click, and down after two.
   const std::string sorting = R"(
@@ -146,13 +148,13 @@ TEST_F(AccuracyPageSlow, BarsOfEffectsAreReadable) {
   }
   page_ = effects_page(study);
   EXPECT_NE(page_.find(">-1451<"), std::string::npos);
-  EXPECT_EQ(ask_in_frame(page_, R"(
+  EXPECT_EQ(Json::parse(ask_in_frame(page_, R"(
     const svgs = [...d.querySelectorAll('figure svg')], bars = [...svgs[svgs.length - 1].querySelectorAll('rect[stroke]')];
     const widths = bars.map(b => b.getBoundingClientRect().width), letters = svgs.map(s => 11 * s.getScreenCTM().a);
     return [svgs.length, bars.length, Math.min(...widths.slice(1)) > 5, widths[0] < 200,
       bars.every(b => b.querySelector('title').textContent.startsWith('effect ')),
       Math.min(...letters) >= 10, d.documentElement.scrollWidth <= 390].join();)",
-                         390),
+                                     390)),
             "2,6,true,true,true,true,true");
 }
 

@@ -16,6 +16,7 @@
 #include "libmbd/language/reader.hpp"
 #include "libmbd/results/observers.hpp"
 #include "libmbd/scene/scene.hpp"
+#include "libmbd/study/modes/linearize.hpp"
 
 namespace mbd::python {
 
@@ -81,6 +82,9 @@ Range find_columns(const std::vector<Column>& columns, const std::string& name,
                    const std::string& model);
 
 // "a, b, c", shortened; and a sentence that suggests the nearest.
+// Matrices and names of a linearisation.
+py::dict dict_of(const Linearization& linear);
+
 std::string known_names(const std::string& name, const std::vector<std::string>& known,
                         const char* what);
 

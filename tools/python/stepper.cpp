@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "libmbd/results/report.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
+#include "libmbd/study/modes/linearize.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/linear/block_solver.hpp"
@@ -252,6 +254,83 @@ class StepperHandle {
             six<double>(Vec3(R.transpose() * at), Vec3(R.transpose() * w))};
   }
 
+  // ---- inputs
+  void set_input(const std::string& name, double value, const std::optional<double>& over) {
+    const Lock lock(*this);
+    InputValue& input = state_.inputs[find_input(name)];
+    if (!std::isfinite(value))
+      throw UseError(fmt::format("input \"{}\": the value is not finite; give a number", name));
+    if (!over) {
+      input.hold(value, state_.t);
+      return;
+    }
+    if (!(*over > 0.0) || !std::isfinite(*over))
+      throw UseError(
+          fmt::format("input \"{}\": over = {:g}; give seconds, more than 0", name, *over));
+    input.ramp(value, state_.t, state_.t + *over);
+  }
+  py::dict inputs() {
+    const Lock lock(*this);
+    py::dict all;
+    const std::vector<InputInfo>& known = of_->model.system->inputs();
+    for (std::size_t i = 0; i < known.size(); ++i)
+      all[py::str(known[i].name)] = state_.inputs[i].at(state_.t).v;
+    return all;
+  }
+  std::vector<std::pair<std::string, std::string>> input_names() const {
+    std::vector<std::pair<std::string, std::string>> all;
+    for (const InputInfo& input : of_->model.system->inputs())
+      all.emplace_back(input.name, input.unit);
+    return all;
+  }
+
+  // To a time; adaptive steps end there.
+  void step_to(double t) {
+    if (!std::isfinite(t) || t > transient_.duration * (1.0 + 1e-12))
+      throw UseError(fmt::format("step_to({:g}): give a time up to the duration, {:g} s", t,
+                                 transient_.duration));
+    const double enough = 1e-9 * (transient_.step ? *transient_.step : transient_.duration);
+    stepper_->stop_at(std::min(t, transient_.duration));
+    try {
+      while (state_.t < t - enough) step(1);
+    } catch (...) {
+      stepper_->stop_at(std::numeric_limits<double>::infinity());
+      throw;
+    }
+    stepper_->stop_at(std::numeric_limits<double>::infinity());
+  }
+
+  // ---- checkpoints
+  py::bytes save() {
+    const Lock lock(*this);
+    const Checkpoint made = stepper_->save(state_);
+    return {made.bytes.data(), made.bytes.size()};
+  }
+  py::bytes remember() {
+    const Lock lock(*this);
+    const Checkpoint made = stepper_->remember(state_);
+    return {made.bytes.data(), made.bytes.size()};
+  }
+  void resume(const py::bytes& bytes, bool goes_back) {
+    const Lock lock(*this);
+    const std::string text = bytes;
+    const Checkpoint from{{text.begin(), text.end()}};
+    try {
+      if (goes_back)
+        stepper_->go_back(from, state_);
+      else
+        stepper_->restore(from, state_);
+    } catch (const Error& error) {
+      throw UseError(error.what());
+    }
+  }
+
+  const StateHandle linearized_about() {
+    const Lock lock(*this);
+    return {of_, state_};
+  }
+  const Model& model() const { return of_->model; }
+
   StateHandle copy() {
     const Lock lock(*this);
     return {of_, state_};
@@ -322,6 +401,17 @@ class StepperHandle {
                               static_cast<const void*>(state_.V.data()),
                               static_cast<const void*>(state_.Vdot.data())};
     if (before != after) throw std::logic_error("a stepper has moved the arrays of its state");
+  }
+
+  std::size_t find_input(const std::string& name) const {
+    const std::vector<InputInfo>& known = of_->model.system->inputs();
+    std::vector<std::string> names;
+    for (const InputInfo& input : known) {
+      if (input.name == name) return names.size();
+      names.push_back(input.name);
+    }
+    throw UnknownName(
+        fmt::format("there is no input \"{}\"{}", name, known_names(name, names, "inputs")));
   }
 
   bool at_end() const { return state_.t > transient_.duration * (1.0 - 1e-12); }
@@ -449,6 +539,47 @@ void bind_stepper(py::module_& module) {
            "was before, as after a jump: no continuation to the last bit. Raises mbd.UseError for "
            "states of other "
            "models, numbers that are not finite, and states that do not satisfy their constraints.")
+      .def("step_to", &StepperHandle::step_to, py::arg("t"),
+           "Steps until that time [s]: adaptive ones end there, fixed ones at the first of theirs "
+           "that is not before it.")
+      .def_property_readonly(
+          "inputs", &StepperHandle::inputs,
+          "dict: inputs of the model as they are now, in their units (`input_names`).")
+      .def_property_readonly("input_names", &StepperHandle::input_names,
+                             "Names and units of the model's inputs.")
+      .def("set_input", &StepperHandle::set_input, py::arg("name"), py::arg("value"),
+           py::arg("over") = py::none(),
+           "Sets an input from now on, in its unit: held, or in a straight line that is at `value` "
+           "after `over` "
+           "seconds. Raises mbd.UnknownName and mbd.UseError.")
+      .def("save", &StepperHandle::save,
+           "The whole of the stepper as bytes. It and who restores them go on alike to the last "
+           "bit. Raises mbd.Error "
+           "for ida.")
+      .def(
+          "restore", [](StepperHandle& s, const py::bytes& bytes) { s.resume(bytes, false); },
+          py::arg("checkpoint"),
+          "Goes on from what save() gave, of the same model with the same method and settings. "
+          "Raises mbd.UseError for "
+          "others.")
+      .def("remember", &StepperHandle::remember,
+           "As save(), for go_back(), which takes steps again with other inputs: the tangent is "
+           "kept.")
+      .def(
+          "go_back", [](StepperHandle& s, const py::bytes& bytes) { s.resume(bytes, true); },
+          py::arg("checkpoint"), "To where remember() was called.")
+      .def(
+          "linearize",
+          [](StepperHandle& s) {
+            const StateHandle about = s.linearized_about();
+            std::optional<Linearization> linear;
+            raise_if(in_background([&](const std::atomic<bool>&) {
+                       linear = linearize(s.model(), about.state);
+                     }),
+                     py::none());
+            return dict_of(*linear);
+          },
+          "As mbd.linearize(), about the present state.")
       .def("state", &StepperHandle::copy, "A copy of the present state.")
       .def_property_readonly("t", &StepperHandle::t, "Time [s].")
       .def_property_readonly("duration", &StepperHandle::duration, "Of the transient [s].")

@@ -17,6 +17,7 @@
 #include "libmbd/study/effects/effects.hpp"
 #include "libmbd/study/effects/effects_report.hpp"
 #include "libmbd/study/modes/campbell.hpp"
+#include "libmbd/study/modes/linearize.hpp"
 #include "libmbd/study/modes/modes.hpp"
 #include "tools/mbd/overrides.hpp"
 #include "tools/python/background.hpp"
@@ -166,6 +167,23 @@ py::dict modes(const ModelHandle& model, int count, const std::string& near,
   return all;
 }
 
+py::dict linear(const ModelHandle& model, const std::string& time, const std::string& rate,
+                const std::array<double, 3>& axis, const std::array<double, 3>& through,
+                const std::vector<std::string>& at_rest, const std::vector<std::string>& left_out) {
+  const Scene scene = scene_without(model, left_out);
+  ModesOptions options;
+  if (!rate.empty()) {
+    options.rotation = rotation_of({axis, through});
+    options.at_rest = at_rest;
+    options.rotation->rate = option_value("rate", rate, "rad/s", scene);
+  }
+  if (!time.empty()) options.time = option_value("at", time, "s", scene);
+  std::optional<Linearization> made;
+  raise_if(in_background([&](const std::atomic<bool>&) { made = linearize(scene, options); }),
+           py::none());
+  return dict_of(*made);
+}
+
 const char* word_of(SpecialSpeed::Kind kind) {
   switch (kind) {
     case SpecialSpeed::Kind::critical:
@@ -240,13 +258,69 @@ py::tuple campbell(const ModelHandle& model, const std::string& from, const std:
   return py::make_tuple(all, raised);
 }
 
+py::array_t<double> array_of(const MatX& matrix) {
+  py::array_t<double> array({matrix.rows(), matrix.cols()});
+  for (Index i = 0; i < matrix.rows(); ++i)
+    for (Index j = 0; j < matrix.cols(); ++j) array.mutable_at(i, j) = matrix(i, j);
+  return array;
+}
+
+// Values, rows, columns and shape, as scipy.sparse.coo_array takes them.
+py::tuple sparse_of(const Eigen::SparseMatrix<double>& matrix) {
+  const auto n = static_cast<py::ssize_t>(matrix.nonZeros());
+  py::array_t<double> values(n);
+  py::array_t<long> rows(n), columns(n);
+  py::ssize_t at = 0;
+  for (Index j = 0; j < matrix.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, j); it; ++it, ++at) {
+      values.mutable_at(at) = it.value();
+      rows.mutable_at(at) = static_cast<long>(it.row());
+      columns.mutable_at(at) = static_cast<long>(it.col());
+    }
+  return py::make_tuple(py::make_tuple(values, py::make_tuple(rows, columns)),
+                        py::make_tuple(matrix.rows(), matrix.cols()));
+}
+
+py::list ports_of(const std::vector<Port>& ports) {
+  py::list all;
+  for (const Port& port : ports) all.append(py::make_tuple(port.name, port.unit));
+  return all;
+}
+
 }  // namespace
+
+py::dict dict_of(const Linearization& linear) {
+  py::dict all;
+  all["inputs"] = ports_of(linear.ports.inputs);
+  all["outputs"] = ports_of(linear.ports.outputs);
+  all["y"] = py::array_t<double>(linear.outputs.size(), linear.outputs.data());
+  if (linear.reduced) {
+    all["states"] = ports_of(linear.states);
+    all["E"] = array_of(linear.reduced->E);
+    all["A"] = array_of(linear.reduced->A);
+    all["B"] = array_of(linear.reduced->G);
+    all["C"] = array_of(linear.C);
+    all["D"] = array_of(linear.D);
+    all["N"] = array_of(linear.reduced->N);
+  }
+  py::dict motion;
+  motion["M"] = sparse_of(linear.motion.M);
+  motion["C"] = sparse_of(linear.motion.C);
+  motion["K"] = sparse_of(linear.motion.K);
+  motion["G"] = sparse_of(linear.motion.B);
+  motion["F"] = array_of(linear.motion.F);
+  all["motion"] = motion;
+  all["notes"] = linear.notes;
+  return all;
+}
 
 void bind_studies(py::module_& module) {
   module.def("accuracy", &accuracy, py::arg("model"), py::arg("quantities"), py::arg("vary"),
              py::arg("reference"), py::arg("budget"), py::arg("refinements"));
   module.def("effects", &effects, py::arg("model"), py::arg("quantities"), py::arg("tolerance"),
              py::arg("budget"));
+  module.def("linearize", &linear, py::arg("model"), py::arg("at"), py::arg("rate"),
+             py::arg("axis"), py::arg("through"), py::arg("at_rest"), py::arg("without"));
   module.def("modes", &modes, py::arg("model"), py::arg("count"), py::arg("near"), py::arg("rate"),
              py::arg("axis"), py::arg("through"), py::arg("at_rest"), py::arg("without"));
   module.def("campbell", &campbell, py::arg("model"), py::arg("first"), py::arg("last"),

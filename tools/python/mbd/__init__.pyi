@@ -259,8 +259,9 @@ class Scene(Element):
           <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
           <joint_torque>, <drag>, <added_mass>, <base_motion>, <gravity>, <static>,
           <path>, <mark>, <stop>, <transient>, <record>, <motion_output>, <plot>,
-          <expect>, <fixed>, <rigid_link>, <revolute>, <prismatic>, <cylindrical>,
-          <screw>, <universal>, <spherical>, <planar>, <point_on_line>, <distance>.
+          <expect>, <input>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
+          <cylindrical>, <screw>, <universal>, <spherical>, <planar>, <point_on_line>,
+          <distance>.
 
         For example:
           <mbd name="balls" version="1">
@@ -1600,7 +1601,7 @@ class Scene(Element):
           <beam>, <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>,
           <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
           <joint_torque>, <drag>, <added_mass>, <mark>, <stop>, <record>, <plot>,
-          <expect>, <repeat>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
+          <expect>, <repeat>, <input>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
           <cylindrical>, <screw>, <universal>, <spherical>, <planar>, <point_on_line>,
           <distance>.
 
@@ -1626,6 +1627,37 @@ class Scene(Element):
             <gravity acceleration="0 0 -10"/>
             <transient duration="0.5" step="5e-3"/>
             <expect quantity="ball3.position.3" at="0.5" value="0" tolerance="1e-9" source="h - g t^2/2"/>
+          </mbd>
+        """
+        ...
+    def input(self, *, name: Value = None, unit: Value = None, value: Value = None) -> InputElement:
+        """<input>
+          A value that a program sets while the model runs; the laws of loads, joint
+          torques, flows and drives use it by its name, as they use t. In a run of `mbd
+          run` it keeps its `value`.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             what expressions of time call it: letters, digits and _,
+                             after its <input>
+          unit               text, optional
+                             of its values, which expressions know in SI units; without
+                             one they are taken as they are
+          value              number, default 0
+                             at the start, in that unit
+
+        For example:
+          <mbd name="servo_arm">
+            <!-- A horizontal arm held by a motor whose torque a program sets; here it keeps its first value, the arm's weight. -->
+            <input name="torque" unit="N.mm" value="-4905"/>
+            <body name="arm" at="0 0 0" center="0.5 0 0" mass="1" inertia="0.001 0.08 0.08"/>
+            <revolute name="shoulder" between="ground arm" axis="0 1 0"/>
+            <joint_torque joint="shoulder" moment="torque"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1 ms"/>
+            <record name="shoulder" joint="shoulder" quantities="angle rate"/>
+            <expect quantity="shoulder.angle" at="0.5" value="0" tolerance="1e-9" source="equilibrium"/>
           </mbd>
         """
         ...
@@ -2061,6 +2093,17 @@ class Stepper:
     def energies(self) -> Dict[str, Any]:
         """dict: kinetic, strain, potential and total energy [J]."""
         ...
+    def go_back(self, checkpoint: bytes) -> None:
+        """To where remember() was called."""
+        ...
+    @property
+    def input_names(self) -> List[Tuple[str, str]]:
+        """Names and units of the model's inputs."""
+        ...
+    @property
+    def inputs(self) -> Dict[str, Any]:
+        """dict: inputs of the model as they are now, in their units (`input_names`)."""
+        ...
     @property
     def iterations(self) -> int:
         """Of Newton's method, in the last step."""
@@ -2068,6 +2111,9 @@ class Stepper:
     @property
     def joints(self) -> List[str]:
         """Names of joints that have multipliers."""
+        ...
+    def linearize(self) -> Dict[str, Any]:
+        """As mbd.linearize(), about the present state."""
         ...
     @property
     def method(self) -> str:
@@ -2108,6 +2154,18 @@ class Stepper:
     def record(self) -> Dict[str, Any]:
         """dict: all that the model records, at the present state, by column."""
         ...
+    def remember(self) -> bytes:
+        """As save(), for go_back(), which takes steps again with other inputs: the tangent is kept."""
+        ...
+    def restore(self, checkpoint: bytes) -> None:
+        """Goes on from what save() gave, of the same model with the same method and settings. Raises mbd.UseError for others."""
+        ...
+    def save(self) -> bytes:
+        """The whole of the stepper as bytes. It and who restores them go on alike to the last bit. Raises mbd.Error for ida."""
+        ...
+    def set_input(self, name: str, value: float, over: Optional[float] = None) -> None:
+        """Sets an input from now on, in its unit: held, or in a straight line that is at `value` after `over` seconds. Raises mbd.UnknownName and mbd.UseError."""
+        ...
     def start(self, state: State) -> None:
         """Goes on from a State of the same Model. Accelerations and multipliers are found anew and the method forgets what was before, as after a jump: no continuation to the last bit. Raises mbd.UseError for states of other models, numbers that are not finite, and states that do not satisfy their constraints."""
         ...
@@ -2116,6 +2174,9 @@ class Stepper:
         ...
     def step(self, count: int = 1) -> None:
         """Takes `count` steps: whole fixed ones, or such as the tolerance asks for, of which the last ends at the duration. Raises mbd.RunError where one fails (the state is then the last that was reached) and after the end; Ctrl-C is looked for every 64 steps."""
+        ...
+    def step_to(self, t: float) -> None:
+        """Steps until that time [s]: adaptive ones end there, fixed ones at the first of theirs that is not before it."""
         ...
     @property
     def t(self) -> float:
@@ -2590,6 +2651,9 @@ class DefaultsElement(Element):
         ...
     def expect(self, *, quantity: Value = None, of: Value = None, number: Value = None, at: Value = None, value: Value = None, tolerance: Value = None, source: Value = None, when: Value = None) -> ExpectElement:
         """A number the run must give."""
+        ...
+    def input(self, *, name: Value = None, unit: Value = None, value: Value = None) -> InputElement:
+        """A value that a program sets while the model runs; the laws of loads, joint torques, flows and drives use it by its name, as they use t. In a run of `mbd run` it keeps its `value`."""
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
@@ -3556,6 +3620,9 @@ class RepeatElement(Element):
     def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
         """Reads its contents several times."""
         ...
+    def input(self, *, name: Value = None, unit: Value = None, value: Value = None) -> InputElement:
+        """A value that a program sets while the model runs; the laws of loads, joint torques, flows and drives use it by its name, as they use t. In a run of `mbd run` it keeps its `value`."""
+        ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
         ...
@@ -3589,6 +3656,9 @@ class RepeatElement(Element):
     def distance(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None) -> DistanceElement:
         """A massless rod with ball joints at its ends."""
         ...
+
+class InputElement(Element):
+    ...
 
 class FixedElement(Element):
     ...
@@ -3657,6 +3727,23 @@ def effects(model: Any, *, set: Any = None, quantities: Any = (), tolerance: Any
     tolerance: rms change of each quantity over its largest value; budget: CPU seconds
 
     Raises ModelError, UseError, and Interrupted with the study so far.
+    """
+    ...
+
+def linearize(model: Any, *, set: Any = None, at: Any = None, rate: Any = None, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = ()) -> Dict[str, Any]:
+    """Equations of motion as matrices, from the model's inputs to all that it records: E x' = A x + B u, y = C x + D u,
+    about equilibrium, or steady rotation of the whole at a rate (as of modes()), or the state of a run.
+
+    at: time of a run [s]: then there are the matrices of all motions only
+    rate, axis, through, at_rest, without as of modes()
+
+    Returns a dict. With n states, i inputs, o outputs:
+      E, A (n, n), B (n, i), C (o, n), D (o, i); states, inputs, outputs: lists of (name, unit); y (o,): outputs there
+      N (k, n/2): motions of all nodes, six each, by states
+      motion: M u'' + C u' + K u + G^T l = F w, G u = 0 of all nodes: M, C, K, G as ((values, (rows, columns)), shape), which
+      is what scipy.sparse.coo_array takes: coo_array(*motion["K"]); F (k, i)
+      notes
+    Raises ModelError and UseError.
     """
     ...
 

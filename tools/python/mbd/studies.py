@@ -83,6 +83,26 @@ def modes(model, *, set=None, count=10, near=None, rate=None, axis=(1, 0, 0), th
                       _three(axis, "axis"), _three(through, "through"), names_of(at_rest), names_of(without))
 
 
+def linearize(model, *, set=None, at=None, rate=None, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
+              without=()) -> "Dict[str, Any]":
+    """Equations of motion as matrices, from the model's inputs to all that it records: E x' = A x + B u, y = C x + D u,
+    about equilibrium, or steady rotation of the whole at a rate (as of modes()), or the state of a run.
+
+    at: time of a run [s]: then there are the matrices of all motions only
+    rate, axis, through, at_rest, without as of modes()
+
+    Returns a dict. With n states, i inputs, o outputs:
+      E, A (n, n), B (n, i), C (o, n), D (o, i); states, inputs, outputs: lists of (name, unit); y (o,): outputs there
+      N (k, n/2): motions of all nodes, six each, by states
+      motion: M u'' + C u' + K u + G^T l = F w, G u = 0 of all nodes: M, C, K, G as ((values, (rows, columns)), shape), which
+      is what scipy.sparse.coo_array takes: coo_array(*motion["K"]); F (k, i)
+      notes
+    Raises ModelError and UseError.
+    """
+    return _mbd.linearize(_model_of(model, set), optional_text(at, "at"), optional_text(rate, "rate"), _three(axis, "axis"),
+                          _three(through, "through"), names_of(at_rest), names_of(without))
+
+
 def campbell(model, rates, *, set=None, points=61, count=8, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
              without=()) -> "Dict[str, Any]":
     """Modes followed over the rate of a steady rotation.
