@@ -15,6 +15,7 @@
 #include "elements/beam/beam_elastic_batch.hpp"
 #include "elements/beam/beam_place.hpp"
 #include "elements/node/batches.hpp"
+#include "elements/node/force_batch.hpp"
 #include "libmbd/compile/fusion.hpp"
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/model.hpp"
@@ -55,7 +56,7 @@ class Compiler {
  public:
   explicit Compiler(const Scene& scene) : scene_(scene), system_(std::make_unique<System>()) {}
 
-  Model compile() {
+  Model compile(const Extensions& extensions) {
     check_scene(scene_);
     if (!scene_.transient && !scene_.statics && !scene_.path)
       throw Error(
@@ -83,6 +84,7 @@ class Compiler {
                     [this](std::size_t joint) { return fusion_->is_fused(joint); });
     joints_->add_all();
     add_springs(nodes.find);
+    for (const std::shared_ptr<const Force>& force : extensions.forces) add_force(force);
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
@@ -775,6 +777,47 @@ class Compiler {
         signal, derivatives == 0 ? SignalUse::load : SignalUse::drive, said(base.source, who)));
   }
 
+  // --- forces of a program ---
+
+  void add_force(const std::shared_ptr<const Force>& force) {
+    std::vector<ForceBatch::At> places;
+    for (const std::string& name : force->places()) {
+      const std::vector<ForceBatch::At> at = nodes_called(name, *force);
+      places.insert(places.end(), at.begin(), at.end());
+    }
+    if (places.empty())
+      throw Error(scene_.source,
+                  fmt::format("force \"{}\" acts on no place; give it one", force->name()));
+    system_->add_batch(std::make_unique<ForceBatch>(force, std::move(places), length_));
+  }
+
+  // All nodes of a beam of that name, or the node of a place.
+  std::vector<ForceBatch::At> nodes_called(const std::string& name, const Force& force) const {
+    std::vector<std::string> known;
+    for (const BodyScene& body : scene_.bodies) {
+      const Attachment& at = body_nodes_.at(body.name);
+      if (body.name == name) return {{at.node, frame_of(at)}};
+      known.push_back(body.name);
+    }
+    for (const CompiledBeam& beam : beams_) {
+      std::vector<ForceBatch::At> nodes;
+      double last = -1.0;
+      for (const BeamNode& node : beam.nodes) {
+        if (node.s == last) continue;  // where two elements meet
+        last = node.s;
+        nodes.push_back({node.node, node.frame});
+        known.push_back(text_of({Place::Kind::beam, beam.scene->name, node.s}));
+        if (known.back() == name) return {nodes.back()};
+      }
+      if (beam.scene->name == name) return nodes;
+      known.push_back(beam.scene->name);
+    }
+    const std::vector<std::string_view> words(known.begin(), known.end());
+    throw Error(scene_.source,
+                fmt::format("force \"{}\": there is no node at \"{}\"{}", force.name(),
+                            excerpt(name), suggest(name, words, "places and beams")));
+  }
+
   void add_springs(const FindPlace& find_place) {
     springs_.emplace(*system_, length_, scene_.transient.has_value(), *joints_, find_place);
     for (const SpringScene& spring : scene_.springs) springs_->add(spring);
@@ -1083,6 +1126,10 @@ std::string without_potential(const Scene& scene) {
   return {};
 }
 
-Model compile(const Scene& scene) { return Compiler(scene).compile(); }
+Model compile(const Scene& scene) { return Compiler(scene).compile({}); }
+
+Model compile(const Scene& scene, const Extensions& extensions) {
+  return Compiler(scene).compile(extensions);
+}
 
 }  // namespace mbd

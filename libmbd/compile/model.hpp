@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "libmbd/core/force.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/scene/scene.hpp"
@@ -98,6 +99,10 @@ struct Model {
 // or duplicate names, open joints (with the gap), sections that are not positive definite, free massless
 // nodes in a transient, relative angles beyond the metric's range.
 Model compile(const Scene& scene);
+
+// The same with forces of the program, which the scene and its studies know nothing of. Throws Error for places that they do
+// not have.
+Model compile(const Scene& scene, const Extensions& extensions);
 
 // What makes the beam or body of that name rigid; nullptr if nothing does.
 const RigidScene* rigid_with(const Scene& scene, std::string_view name);
