@@ -16,8 +16,10 @@
 
 #include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/study/trust/torture.hpp"
 #include "solvers/time/ida.hpp"
 #include "solvers/time/stepper.hpp"
+#include "tests/support/machine.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/stepping.hpp"
 
@@ -275,6 +277,18 @@ TEST(Inputs, StatesAreTheSteppersOwn) {
     <transient duration="1" step="0.1"/>)"));
   State wrong = less.initial;
   EXPECT_THROW(run.stepper->start(wrong), Error);
+}
+
+// Moved, turned, in other units and in another order, a model with inputs is the same model.
+TEST(Inputs, HoldThroughTransforms) {
+  Scene scene = read(many_loads(
+      "u", "v+0*t", R"(<input name="u" unit="kN" value="0.004"/><input name="v" value="2"/>)"));
+  scene.transient->duration = 0.05;
+  const Torture trials =
+      torture(scene, {.kinds = {"motion", "units", "order"}, .budget = no_limit, .progress = {}});
+  EXPECT_GE(trials.trials.size(), 4U);
+  for (const TortureTrial& trial : trials.trials)
+    EXPECT_EQ(trial.verdict, Verdict::pass) << trial.kind << trial.name << trial.reason;
 }
 
 TEST(Inputs, SayWhatIsWrong) {

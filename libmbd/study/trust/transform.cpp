@@ -45,18 +45,23 @@ std::string self_contained(const FieldExpression& field, double stretch) {
 
 FieldVector scaled_law(const FieldVector& fields, double factor, double stretch) {
   FieldVector result;
-  for (std::size_t i = 0; i < 3; ++i)
+  for (std::size_t i = 0; i < 3; ++i) {
     result[i].text = fmt::format("{}*({})", factor, self_contained(fields[i], stretch));
+    result[i].parameters.inputs = fields[i].parameters.inputs;
+  }
   return result;
 }
 
 FieldVector turned_law(const FieldVector& fields, const Mat3& R) {
   FieldVector result;
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < 3; ++k) {
+      result[i].parameters.inputs.insert(fields[k].parameters.inputs.begin(),
+                                         fields[k].parameters.inputs.end());
       result[i].text += fmt::format("{}({})*({})", k == 0 ? "" : " + ",
                                     R(static_cast<Index>(i), static_cast<Index>(k)),
                                     self_contained(fields[k], 1.0));
+    }
   return result;
 }
 
