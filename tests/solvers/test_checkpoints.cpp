@@ -104,6 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Way{"alpha_adaptive", "double_pendulum", "", 0.0, 1e-4, 0.8, 37, 60},
                     Way{"alpha_momenta", "free_beam", "", 1e-3, 0.0, 0.6, 20, 30, "momentum"},
                     Way{"alpha_beams", "four_bar", "", 9e-3, 0.0, 0.6, 50, 30},
+                    Way{"alpha_at_the_start", "four_bar", "", 9e-3, 0.0, 0.6, 0, 30},
+                    Way{"radau_at_the_start", "four_bar", "radau", 0.0, 1e-4, 0.0, 0, 20},
                     Way{"alpha_rings", "chain", "", 5e-3, 0.0, 1.0, 30, 40},
                     Way{"alpha_redundant", "windows", "", 1e-3, 0.0, 0.9, 40, 40},
                     Way{"radau", "double_pendulum", "radau", 1e-2, 0.0, 0.0, 37, 60},
