@@ -1,7 +1,4 @@
-"""A model that a program drives: inputs, checkpoints, steps taken again, matrices. Against closed forms.
-
-Tried in the package, and killed: an input held from 0 on; `over` as a time in place of a duration; restore() that keeps the
-tangent; matrices by columns."""
+"""A model that a program drives: inputs, checkpoints, steps taken again, matrices. Against closed forms."""
 
 import numpy as np
 import pytest

@@ -1,7 +1,4 @@
 // Forces that a program computes: against the same loads and springs of a model, closed forms, and differences.
-//
-// Tried in the library, and killed: wrenches in inertial axes; places without their frame in the node; the transpose of the
-// derivatives; K without the load factor; C left out; power booked although there is a potential; false taken for true.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,7 @@
 // Inputs that a program sets between steps: against closed equations, and against the same law of time.
 //
-// Tried in the library, and killed: no restart where a load jumps (order 1); inputs in SI; inputs of the first value for
-// ever; a load dropped because its input begins at 0; a switch of a law dropped because both sides are 0 at the start; a
-// drive that may jump; an input's own rates forgotten.
+// Tried in the library, and killed: no restart where a load jumps; inputs in SI; inputs of the first value for ever; a load
+// dropped because its input begins at 0; a switch of a law dropped because both sides are 0 at the start; a drive that may jump.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

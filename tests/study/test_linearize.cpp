@@ -1,9 +1,5 @@
 // Equations of motion as matrices: against transfer functions in closed form, eigenvalues of the paper's shaft (two independent
 // computations, ten digits), and neighbouring motions of the integrator.
-//
-// Tried in the library, and killed: N without its dependent rows; F of the wrong sign, and in SI in place of the input's unit;
-// outputs without what accelerations and multipliers add; K without Vdot (about motion); B of idle rows; lengths and angles in
-// one unit where columns are chosen (rank of a model in mm).
 
 #include "libmbd/study/modes/linearize.hpp"
 
