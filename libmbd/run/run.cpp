@@ -207,7 +207,7 @@ class Run {
   // a part without inertia; else the failure is told as it is.
   [[noreturn]] void fail_to_start(const std::string& failure) {
     const System& system = *model_.system;
-    constexpr Index most_analysed = 1500;  // rows: a few seconds
+    constexpr Index most_analysed = 50'000;  // rows: seconds
     const Mechanism mechanism = system.multipliers() <= most_analysed
                                     ? analyze_mechanism(system, model_.initial)
                                     : Mechanism{};
