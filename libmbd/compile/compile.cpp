@@ -22,6 +22,7 @@
 #include "libmbd/compile/nodal_terms.hpp"
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/springs.hpp"
+#include "libmbd/core/stop.hpp"
 #include "libmbd/language/check_scene.hpp"
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
@@ -175,6 +176,8 @@ class Compiler {
         batch = beam.kinematics == Kinematics::classical
                     ? make_beam_classical(beam.rule, beam.order)
                     : make_beam_elastic(beam.metric, beam.form, beam.rule, beam.order);
+      } catch (const Stopped&) {
+        throw;
       } catch (const Error& e) {
         throw Error(beam.source, fmt::format("{}: {}", label(beam), e.what()));
       }
@@ -207,6 +210,7 @@ class Compiler {
   }
 
   void add_beam(CompiledBeam& compiled) {
+    stop::check();
     const BeamScene& beam = *compiled.scene;
     const Section& scene_section = section_of(beam);
     const SectionTable section(scene_section);
@@ -459,6 +463,7 @@ class Compiler {
   // --- bodies ---
 
   void add_body(const BodyScene& body) {
+    stop::check();
     const std::string who = label(body);
     const Mat3& I = body.inertia;
     if (!(I - I.transpose()).isZero(1e-12 * (I.norm() + 1e-300)))
@@ -521,6 +526,7 @@ class Compiler {
   }
 
   void attach_to_what_is_there(const BodyScene& body) {
+    stop::check();
     const Place& to = *body.attached_to;
     const Attachment at = find(to, body.source, label(body));
     if (at.node == 0)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "libmbd/core/stop.hpp"
+
 namespace mbd {
 
 RowEchelon::RowEchelon(const std::vector<Eigen::Triplet<double>>& entries, Index rows,
@@ -37,6 +39,7 @@ RowEchelon::RowEchelon(const std::vector<Eigen::Triplet<double>>& entries, Index
 }
 
 void RowEchelon::merge(Row row) {
+  stop::check();
   Row upper, lower;
   while (!row.empty()) {
     Row& with = rows_[static_cast<std::size_t>(row.front().first)];

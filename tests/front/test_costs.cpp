@@ -73,7 +73,7 @@ Scene chain(int n, bool closed) {
   return read_model_text(model(text));
 }
 
-TEST(Costs, ChecksOfChains) {
+TEST(CostsSlow, ChecksOfChains) {
   for (const bool closed : {false, true}) {
     Index freedoms = 0;
     EXPECT_LT(exponent(300,
@@ -90,7 +90,7 @@ TEST(Costs, ChecksOfChains) {
 }
 
 // A ladder: loops that share bodies, all of them redundant.
-TEST(Costs, LoopsThatShareBodies) {
+TEST(CostsSlow, LoopsThatShareBodies) {
   const double of_loops = exponent(20, [](int n) {
     std::string text;
     for (int i = 0; i < n; ++i)
