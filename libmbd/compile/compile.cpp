@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "elements/beam/beam_classical.hpp"
 #include "elements/beam/beam_damping_batch.hpp"
@@ -22,6 +23,7 @@
 #include "libmbd/compile/nodal_terms.hpp"
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/springs.hpp"
+#include "libmbd/core/stop.hpp"
 #include "libmbd/language/check_scene.hpp"
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
@@ -70,6 +72,7 @@ class Compiler {
     for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
     for (const BodyScene& body : scene_.bodies) add_body(body);
     for (CompiledBeam& beam : beams_) add_beam(beam);
+    for (const BodyScene& body : scene_.bodies) body_of_.try_emplace(body.name, &body);
     for (const BodyScene& body : scene_.bodies) attach_body(body);
     for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
     measure();
@@ -177,6 +180,8 @@ class Compiler {
         batch = beam.kinematics == Kinematics::classical
                     ? make_beam_classical(beam.rule, beam.order)
                     : make_beam_elastic(beam.metric, beam.form, beam.rule, beam.order);
+      } catch (const Stopped&) {
+        throw;
       } catch (const Error& e) {
         throw Error(beam.source, fmt::format("{}: {}", label(beam), e.what()));
       }
@@ -209,6 +214,7 @@ class Compiler {
   }
 
   void add_beam(CompiledBeam& compiled) {
+    stop::check();
     const BeamScene& beam = *compiled.scene;
     const Section& scene_section = section_of(beam);
     const SectionTable section(scene_section);
@@ -461,6 +467,7 @@ class Compiler {
   // --- bodies ---
 
   void add_body(const BodyScene& body) {
+    stop::check();
     const std::string who = label(body);
     const Mat3& I = body.inertia;
     if (!(I - I.transpose()).isZero(1e-12 * (I.norm() + 1e-300)))
@@ -500,20 +507,31 @@ class Compiler {
     masses_[static_cast<std::size_t>(node)] += group >= 0 ? transformed_mass(M, frame) : M;
   }
 
-  // What a body is attached to may itself be an attached body, before or after it in the scene.
+  // What a body is attached to may itself be an attached body, before or after it in the scene: those come first, as
+  // many as they are, without recursion.
   void attach_body(const BodyScene& body) {
-    if (!body.attached_to || body_nodes_.contains(body.name)) return;
-    const Place& to = *body.attached_to;
-    if (to.kind == Place::Kind::body) {
-      attaching_.push_back(body.name);
-      if (std::find(attaching_.begin(), attaching_.end(), to.name) != attaching_.end())
-        throw Error(body.source,
+    std::vector<const BodyScene*> chain;
+    std::unordered_set<std::string_view> above;
+    for (const BodyScene* next = &body;
+         next != nullptr && next->attached_to && !body_nodes_.contains(next->name);) {
+      chain.push_back(next);
+      above.insert(next->name);
+      const Place& to = *next->attached_to;
+      next = nullptr;
+      if (to.kind != Place::Kind::body) break;
+      if (above.contains(to.name))
+        throw Error(chain.back()->source,
                     fmt::format("{}: attached_to: it is attached to itself{}; give another place",
-                                label(body), to.name == body.name ? "" : ", through others"));
-      for (const BodyScene& other : scene_.bodies)
-        if (other.name == to.name) attach_body(other);
-      attaching_.pop_back();
+                                label(*chain.back()),
+                                to.name == chain.back()->name ? "" : ", through others"));
+      if (const auto it = body_of_.find(to.name); it != body_of_.end()) next = it->second;
     }
+    for (auto it = chain.rbegin(); it != chain.rend(); ++it) attach_to_what_is_there(**it);
+  }
+
+  void attach_to_what_is_there(const BodyScene& body) {
+    stop::check();
+    const Place& to = *body.attached_to;
     const Attachment at = find(to, body.source, label(body));
     if (at.node == 0)
       throw Error(body.source, label(body) +
@@ -1088,8 +1106,8 @@ class Compiler {
   std::unordered_map<std::string_view, std::size_t> beam_of_;       // in beams_, by name
   mutable std::unordered_map<std::string_view, const Section*> sections_;
   std::optional<Fusion> fusion_;
-  std::vector<int> group_nodes_;        // by group of the fusion; -1: not yet made
-  std::vector<std::string> attaching_;  // each to the next
+  std::vector<int> group_nodes_;  // by group of the fusion; -1: not yet made
+  std::unordered_map<std::string_view, const BodyScene*> body_of_;  // by name
   std::optional<JointCompiler> joints_;
   std::optional<Springs> springs_;
   std::vector<Mat6> masses_{Mat6::Zero()};  // by node, without added mass

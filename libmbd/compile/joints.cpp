@@ -10,6 +10,7 @@
 #include "joints/driven_translation.hpp"
 #include "joints/prescribed_rotation.hpp"
 #include "joints/prescribed_translation.hpp"
+#include "libmbd/core/stop.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/reference_line.hpp"
 #include "libmbd/text/spelling.hpp"
@@ -263,6 +264,8 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
     try {
       if (is_rate) return Signal::from_rate(law, 0.0, 0.0, duration);
       return law.is_constant() ? Signal::constant(law.value()) : Signal::from_expression(law);
+    } catch (const Stopped&) {
+      throw;
     } catch (const Error& e) {
       throw Error(source, fmt::format("{}: {}", who, e.what()));
     }

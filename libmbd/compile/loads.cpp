@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "libmbd/core/stop.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/reference_line.hpp"
 
@@ -135,6 +136,8 @@ void Loads::add(const DistributedLoadScene& load) {
           said(load.source, fmt::format("{} on {}: {} {}", who, load.beam, row.name, i + 1));
       if (field.varies()) name += fmt::format(" at s = {:.6g}", s);
       return signal(field.at(s), name);
+    } catch (const Stopped&) {
+      throw;
     } catch (const Error& e) {
       throw Error(load.source, fmt::format("{}, at s = {:.6g}: {}", who, s, e.what()));
     }

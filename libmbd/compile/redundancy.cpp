@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace mbd {
 namespace {
@@ -77,24 +78,30 @@ void refuse_contradictions(const Scene& scene, const System& system, const State
   }
   for (std::size_t k = 0; k < redundancy.rows.size(); ++k) {
     const RedundantRow& row = redundancy.rows[k];
-    const VecX n = redundancy.null.col(static_cast<Index>(k));
+    const Eigen::SparseVector<double> n = redundancy.null.col(static_cast<Index>(k));
+    const double largest = n.coeffs().cwiseAbs().maxCoeff();
     const Model::Maker& blamed = makers[static_cast<std::size_t>(row.row)];
     // Who prescribes; with one only, what it asks for is the whole difference.
     std::vector<std::string> laws;
-    for (std::size_t i = 0; i < moved.size(); ++i)
-      if (moved[i] && std::abs(n(static_cast<Index>(i))) > 1e-6 * n.cwiseAbs().maxCoeff() &&
+    for (Eigen::SparseVector<double>::InnerIterator it(n); it; ++it) {
+      const auto i = static_cast<std::size_t>(it.index());
+      if (moved[i] && std::abs(it.value()) > 1e-6 * largest &&
           std::find(laws.begin(), laws.end(), makers[i].label) == laws.end())
         laws.push_back(makers[i].label);
+    }
     if (laws.empty()) continue;
     bool contradiction = false;
     if (laws.size() == 1)
       for (const VecX& g : gaps)
-        contradiction =
-            contradiction || std::abs(n.dot(g - gaps[0])) > same_law * n.cwiseAbs().maxCoeff();
+        contradiction = contradiction || std::abs(n.dot(VecX(g - gaps[0]))) > same_law * largest;
     if (rest.size() > 0 && !contradiction) {
       const double L = std::max(system.length_scale(), 1.0);
-      contradiction = std::abs(n.dot(rest)) > std::max(agree * n.cwiseAbs().dot(rest.cwiseAbs()),
-                                                       still * L * n.cwiseAbs().maxCoeff());
+      double dot = 0.0, size = 0.0;
+      for (Eigen::SparseVector<double>::InnerIterator it(n); it; ++it) {
+        dot += it.value() * rest(it.index());
+        size += std::abs(it.value() * rest(it.index()));
+      }
+      contradiction = std::abs(dot) > std::max(agree * size, still * L * largest);
     }
     if (!contradiction) continue;
     const std::string words = row_in_words(system, row.row);
@@ -110,15 +117,19 @@ void refuse_contradictions(const Scene& scene, const System& system, const State
 
 std::vector<std::string> repetitions(const Model& model) {
   std::vector<std::string> sentences;
-  std::vector<std::string> done;
-  for (const RedundantRow& first : model.redundant) {
-    const std::string& label = model.makers[static_cast<std::size_t>(first.row)].label;
-    if (std::find(done.begin(), done.end(), label) != done.end()) continue;
-    done.push_back(label);
+  std::vector<std::string> labels;  // in the order of their first rows
+  std::map<std::string, std::vector<const RedundantRow*>> rows_of;
+  for (const RedundantRow& row : model.redundant) {
+    const std::string& label = model.makers[static_cast<std::size_t>(row.row)].label;
+    auto& its_rows = rows_of[label];
+    if (its_rows.empty()) labels.push_back(label);
+    its_rows.push_back(&row);
+  }
+  for (const std::string& label : labels) {
     std::vector<std::string> rows;
     RedundantRow all;
-    for (const RedundantRow& row : model.redundant) {
-      if (model.makers[static_cast<std::size_t>(row.row)].label != label) continue;
+    for (const RedundantRow* const each : rows_of[label]) {
+      const RedundantRow& row = *each;
       const std::string words = row_in_words(*model.system, row.row);
       rows.push_back(words.substr(words.find(", ") + 2));
       all.repeats.insert(all.repeats.end(), row.repeats.begin(), row.repeats.end());

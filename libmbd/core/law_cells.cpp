@@ -7,6 +7,7 @@
 #include <queue>
 
 #include "libmbd/core/interval.hpp"
+#include "libmbd/core/stop.hpp"
 
 namespace mbd {
 namespace {
@@ -66,6 +67,7 @@ class Search {
   }
 
   Cell cell(double a, double b) {
+    stop::check();
     observe(a + 0.5 * (b - a), Side::right);
     Cell result{a, b, {}};
     std::array<Interval, order + derivatives> c;

@@ -13,6 +13,7 @@
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/core/law_cells.hpp"
+#include "libmbd/core/stop.hpp"
 
 namespace mbd {
 
@@ -172,6 +173,7 @@ class Signal::RateLaw {
   }
 
   Samples sample(Real middle, Real half) const {
+    stop::check();
     Samples values{};
     for (std::size_t j = 0; j < kNodes; ++j) {
       const Real t = time_at(middle, half, j);
@@ -321,6 +323,7 @@ std::vector<Jump> Signal::jumps() const {
   };
   std::vector<Jump> result;
   for (std::size_t i = 0; i < times.size(); ++i) {
+    stop::check();
     const double t = times[i];
     if (has_inputs()) {
       result.push_back({t, 0, std::numeric_limits<double>::quiet_NaN()});
@@ -376,16 +379,19 @@ std::optional<Jump> Signal::undeclared_jump(double t_begin, double t_end) const 
   const auto observe = [&V](double rate) {
     if (std::isfinite(rate)) V = std::max(V, std::abs(rate));
   };
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i)
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    stop::check();
     for (int j = 1; j <= samples; ++j) {
       const double x = double(j) / samples;
       const double uneven = x + 0.05 / samples * std::sin(7.0 * x * (1.0 - x) * j);
       ends.push_back(j == samples ? knots[i + 1] : std::lerp(knots[i], knots[i + 1], uneven));
       observe((*this)(ends.back(), Side::left).fdot);
     }
+  }
   std::reverse(ends.begin(), ends.end());
   double a = t_begin;
   for (long n = 0; !ends.empty() && n < most; ++n) {
+    stop::check();
     const double b = ends.back(), h = b - a;
     const SignalValue left = (*this)(a, Side::right), right = (*this)(b, Side::left);
     observe(left.fdot);

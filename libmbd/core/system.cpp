@@ -298,12 +298,11 @@ std::string System::name_of(Index row) const {
   if (row < 6 * nodes())
     return fmt::format("{}, {}", node_name(row / 6), components[static_cast<std::size_t>(row % 6)]);
   const Index multiplier = row - 6 * nodes();
-  for (const ConstraintInfo& c : constraints_) {
-    if (multiplier < c.first_row + c.rows)
-      return fmt::format("{}, {}", c.name,
-                         c.row_names[static_cast<std::size_t>(multiplier - c.first_row)]);
-  }
-  return "no equation";
+  const auto behind =
+      std::upper_bound(constraints_.begin(), constraints_.end(), multiplier,
+                       [](Index m, const ConstraintInfo& c) { return m < c.first_row + c.rows; });
+  return fmt::format("{}, {}", behind->name,
+                     behind->row_names[static_cast<std::size_t>(multiplier - behind->first_row)]);
 }
 
 }  // namespace mbd

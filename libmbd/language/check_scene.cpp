@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 #include <stdexcept>
+#include <unordered_map>
 
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
@@ -266,25 +267,33 @@ void check(const Checked& item, const DistributedLoadScene& load, const Scene&) 
   check_order(item, load.from, load.to);
 }
 
-// `members`: of the rigid ones before, each with the name of its own.
-void check_members(const RigidScene& rigid, const Scene& scene,
-                   std::map<std::string, std::string>& members) {
+// What rigid parts may be made of: beams and bodies; of an attached one, that it is.
+using Members = std::unordered_map<std::string_view, bool>;
+
+Members members_of(const Scene& scene) {
+  Members known;
+  for (const BeamScene& b : scene.beams) known.emplace(b.name, false);
+  for (const BodyScene& b : scene.bodies) known.emplace(b.name, b.attached_to.has_value());
+  return known;
+}
+
+// `taken`: by the rigid ones before, each with the name of its own.
+void check_members(const RigidScene& rigid, const Scene& scene, const Members& known,
+                   std::map<std::string, std::string>& taken) {
   const Checked item(rigid);
   item.fail_if(rigid.of.empty(), "of is empty; name beams and free bodies that are to be one");
-  std::vector<std::string_view> known;
-  for (const BeamScene& b : scene.beams) known.push_back(b.name);
-  for (const BodyScene& b : scene.bodies) {
-    known.push_back(b.name);
-    item.fail_if(
-        b.attached_to && std::find(rigid.of.begin(), rigid.of.end(), b.name) != rigid.of.end(),
-        "of: body " + in_quotes(excerpt(b.name)) +
-            " is attached to something and moves with that; leave it out");
-  }
   for (const std::string& name : rigid.of) {
-    item.fail_if(std::find(known.begin(), known.end(), name) == known.end(),
-                 "of: there is no beam or body " + in_quotes(excerpt(name)) +
-                     suggest(name, known, "beams and bodies"));
-    const auto [first, is_new] = members.try_emplace(name, rigid.name);
+    const auto found = known.find(name);
+    if (found == known.end()) {
+      std::vector<std::string_view> names;
+      for (const BeamScene& b : scene.beams) names.push_back(b.name);
+      for (const BodyScene& b : scene.bodies) names.push_back(b.name);
+      item.fail("of: there is no beam or body " + in_quotes(excerpt(name)) +
+                suggest(name, names, "beams and bodies"));
+    }
+    item.fail_if(found->second, "of: body " + in_quotes(excerpt(name)) +
+                                    " is attached to something and moves with that; leave it out");
+    const auto [first, is_new] = taken.try_emplace(name, rigid.name);
     item.fail_if(!is_new, "of: " + in_quotes(name) + " is part of rigid " +
                               in_quotes(first->second) + " already; name it once");
   }
@@ -551,8 +560,11 @@ void check_scene(const Scene& scene) {
     check(item, x, scene);
   });
   check_size(scene);
-  std::map<std::string, std::string> members;
-  for (const RigidScene& rigid : scene.rigids) check_members(rigid, scene, members);
+  if (!scene.rigids.empty()) {
+    const Members known = members_of(scene);
+    std::map<std::string, std::string> taken;
+    for (const RigidScene& rigid : scene.rigids) check_members(rigid, scene, known, taken);
+  }
   check_names(scene);
 }
 

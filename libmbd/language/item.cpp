@@ -84,7 +84,7 @@ void Item::refuse(std::string_view name, const std::string& what) const {
 // --- what may stand where ---
 
 // What may stand in <repeat> depends on what it stands in.
-void Item::check_child(const xml::Element& child) const {
+std::vector<std::string_view> Item::children_here() const {
   std::vector<std::string_view> here = schema::children(element_->name);
   if (around_ != element_->name) {
     const std::vector<std::string_view> there = schema::children(around_);
@@ -92,6 +92,10 @@ void Item::check_child(const xml::Element& child) const {
       return std::find(there.begin(), there.end(), name) == there.end();
     });
   }
+  return here;
+}
+
+void Item::check_child(const xml::Element& child, const std::vector<std::string_view>& here) const {
   if (std::find(here.begin(), here.end(), child.name) != here.end()) return;
   const std::string name = "<" + excerpt(child.name) + ">";
   const std::string where = "<" + std::string(element_->name) + ">" +
@@ -128,7 +132,10 @@ void Item::check(bool is_default) const {
   }
   for (const schema::Attribute& entry : element_->attributes)
     if (entry.fallback == schema::required && !has(entry.name)) fail(schema::missing(entry));
-  for (const xml::Element& child : xml_.children) check_child(child);
+  if (!xml_.children.empty()) {
+    const std::vector<std::string_view> here = children_here();
+    for (const xml::Element& child : xml_.children) check_child(child, here);
+  }
   if (xml_.text_line > 0 && element_->content.empty())
     throw Error(Source{context_.file, xml_.text_line},
                 label() + ": text " + in_quotes(excerpt(schema::words(xml_.text)[0])) +

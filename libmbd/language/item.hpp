@@ -97,7 +97,8 @@ class Item {
   const schema::Attribute& entry_of(std::string_view name) const;
   std::string label() const;
   void check(bool is_default) const;
-  void check_child(const xml::Element& child) const;
+  std::vector<std::string_view> children_here() const;
+  void check_child(const xml::Element& child, const std::vector<std::string_view>& here) const;
   std::string raw(std::string_view name, std::initializer_list<schema::Kind> kinds) const;
   std::string expand(std::string_view name, std::string_view text) const;
   std::size_t chosen(std::string_view name) const;

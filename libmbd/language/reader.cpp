@@ -664,11 +664,13 @@ class Reader {
   void repeat(const Item& item, const Body& body) {
     const int count = item.count("count");
     const std::string index = item.name("index");
-    for (int i = 0; i < count; ++i) {
+    // Contents are looked through where they are repeated 0 times, too.
+    for (int i = 0; i < std::max(count, 1); ++i) {
       repetitions_ += std::max(std::ssize(item.xml().children), std::ptrdiff_t{1});
       if (repetitions_ > most_repetitions)
         item.fail("more than " + std::to_string(most_repetitions) +
                   " elements by repetitions in one model; use fewer or smaller counts");
+      if (count == 0) break;
       define(item, index, i);
       body();
       parameters_.erase(index);

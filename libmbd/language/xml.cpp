@@ -12,6 +12,7 @@ namespace mbd::xml {
 namespace {
 
 constexpr std::uintmax_t largest_file = 64u << 20;
+constexpr int most_attributes = 1000;
 
 bool is_blank(std::string_view text) {
   return text.find_first_not_of(" \t\r\n\f\v") == std::string_view::npos;
@@ -181,6 +182,43 @@ void check_utf8(std::string_view text, const std::string& file) {
   }
 }
 
+// tinyxml2 compares each attribute of an element with all before it: refused while there are few. Of text that is not
+// well-formed this sees something or nothing; what is wrong with it is said later.
+void check_attributes(std::string_view text, const std::string& file) {
+  const auto behind = [&](std::string_view end, std::size_t from) {
+    const std::size_t at = text.find(end, from);
+    return at == std::string_view::npos ? text.size() : at + end.size();
+  };
+  for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
+    if (text.substr(at).starts_with("<!--")) {
+      at = behind("-->", at + 4);
+      continue;
+    }
+    if (text.substr(at).starts_with("<![CDATA[")) {
+      at = behind("]]>", at);
+      continue;
+    }
+    const std::size_t begin = at++;
+    int attributes = 0;
+    while (at < text.size() && text[at] != '>' && text[at] != '<') {
+      if (text[at] == '"' || text[at] == '\'') {
+        at = behind(text.substr(at, 1), at + 1);
+        continue;
+      }
+      if (text[at] == '=' && ++attributes > most_attributes)
+        throw Error(
+            Source{file, line_of(text, begin)},
+            "<" +
+                excerpt(text.substr(
+                    begin + 1,
+                    std::min(text.find_first_of(" \t\r\n/>", begin), text.size()) - begin - 1)) +
+                "> has more than " + std::to_string(most_attributes) +
+                " attributes; no element of a model has as many");
+      ++at;
+    }
+  }
+}
+
 // tinyxml2 leaves entities that it does not know as they are.
 void check_entities(std::string_view value, const std::string& who, const Source& at) {
   for (std::size_t i = value.find('&'); i != std::string_view::npos; i = value.find('&', i + 1)) {
@@ -272,6 +310,7 @@ Element parse(std::string_view text, const std::string& file) {
       first != std::string_view::npos && text[first] != '<')
     throw Error(Source{file, line_of(text, first)},
                 "not an XML file; a model must be one <mbd name=\"…\"> element");
+  check_attributes(text, file);
   tinyxml2::XMLDocument document;
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
     malformed(document, text, file);

@@ -118,29 +118,23 @@ std::string constraint_at(const System& system, Index row) {
   return row < 0 ? "" : row_in_words(system, row);
 }
 
-// The joint, drive or motion that made a row.
-const ConstraintInfo& maker(const System& system, Index row) {
-  const auto& all = system.constraints();
-  return *std::find_if(all.begin(), all.end(), [row](const ConstraintInfo& info) {
-    return row < info.first_row + info.rows;
-  });
-}
-
 void add_mechanism(const System& system, const State& state, const Scene& scene,
                    CheckReport& report) {
   report.mechanism = analyze_mechanism(system, state);
   const Mechanism& mechanism = report.mechanism;
-  for (const RedundantRow& row : mechanism.redundant)
+  std::vector<Index> always;  // redundant if beams bend, too
+  for (const RedundantRow& row : mechanism.redundant) {
     report.redundant.push_back(to_text(system, row));
-  const auto always = [&mechanism](const RedundantRow& rigid) {
-    return std::any_of(mechanism.redundant.begin(), mechanism.redundant.end(),
-                       [&rigid](const RedundantRow& row) { return row.row == rigid.row; });
-  };
+    always.push_back(row.row);
+  }
+  // Rows of constraints, and rows that are redundant, both rise.
+  auto row = mechanism.rigid_redundant.begin();
   for (const ConstraintInfo& blamed : system.constraints()) {
     Names rows;
-    for (const RedundantRow& row : mechanism.rigid_redundant)
-      if (&maker(system, row.row) == &blamed && !always(row))
-        rows.push_back(blamed.row_names[static_cast<std::size_t>(row.row - blamed.first_row)]);
+    for (; row != mechanism.rigid_redundant.end() && row->row < blamed.first_row + blamed.rows;
+         ++row)
+      if (!std::binary_search(always.begin(), always.end(), row->row))
+        rows.push_back(blamed.row_names[static_cast<std::size_t>(row->row - blamed.first_row)]);
     if (!rows.empty()) report.redundant_if_rigid.push_back(blamed.name + ": " + joined(rows));
     report.rows_redundant_if_rigid += static_cast<Index>(rows.size());
   }

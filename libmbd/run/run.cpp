@@ -8,12 +8,14 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <new>
 #include <span>
 
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/parts.hpp"
+#include "libmbd/core/stop.hpp"
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/pictures/shapes.hpp"
 #include "libmbd/results/build_facts.hpp"
@@ -21,6 +23,7 @@
 #include "libmbd/results/time_error.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
+#include "libmbd/text/files.hpp"
 #include "libmbd/text/text.hpp"
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/motion.hpp"
@@ -49,6 +52,10 @@ std::string first_of(const std::vector<std::string>& sentences) {
 constexpr double much_energy = 0.1;   // of the largest kinetic energy, change or work: worth a note
 constexpr double much_noise = 1e-3;   // of constraint forces: worth a note
 constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
+
+constexpr const char* result_files[] = {"report.json", "history.csv", "history.svg",
+                                        "path.csv",    "path.svg",    "shapes.svg",
+                                        "motion.bin",  "run.h5",      "view.html"};
 
 class Stopwatch {
  public:
@@ -164,6 +171,7 @@ class Run {
     expectations_ = std::make_unique<Expectations>(scene, model_);
     marks_ = find_marks(scene, columns_);
     if (options.output) {
+      lock(*options.output);
       const char* const name = scene.path ? "path.svg" : "history.svg";
       plot_ = std::make_unique<HistoryPlot>(*options.output / name, scene_, model_);
       check_directory(*options.output);
@@ -192,9 +200,20 @@ class Run {
 
   RunReport go() {
     State state = model_.initial;
-    if (scene_.statics) find_equilibrium(state);
-    if (scene_.path) follow(state);
-    if (scene_.transient) integrate(state);
+    try {
+      if (scene_.statics) find_equilibrium(state);
+      if (scene_.path) follow(state);
+      if (scene_.transient) integrate(state);
+    } catch (const Stopped&) {
+      end_early(state, "interrupted");
+    } catch (const OutOfMemory& error) {
+      end_early(state, error.what());
+    } catch (const std::bad_alloc&) {
+      end_early(state,
+                fmt::format("out of memory, with {} unknowns; take fewer elements, bodies or "
+                            "rows, or more memory",
+                            report_.unknowns));
+    }
     report_.t = state.t;
     report_.load_factor = state.load_factor;
     finish();
@@ -202,12 +221,23 @@ class Run {
   }
 
  private:
+  // What is left of a step that did not come to its end is the last state that was accepted.
+  void end_early(State& state, const std::string& why) {
+    stop::Scope::done();
+    if (kept_) state = std::move(*kept_);
+    if (report_.rows == 0)
+      throw Error(fmt::format("{} at {}, before the first row of results; nothing has been written",
+                              why, place_of(state)));
+    report_.failure = fmt::format("{} at {}", why, place_of(state));
+    monitor(state);
+  }
+
   // What goes wrong before the first accepted state: nothing has been written, nothing will be.
   // Looks for the reason in the scene: constraints that repeat each other, a structure that nothing holds,
   // a part without inertia; else the failure is told as it is.
   [[noreturn]] void fail_to_start(const std::string& failure) {
     const System& system = *model_.system;
-    constexpr Index most_analysed = 1500;  // rows: a few seconds
+    constexpr Index most_analysed = 50'000;  // rows: seconds
     const Mechanism mechanism = system.multipliers() <= most_analysed
                                     ? analyze_mechanism(system, model_.initial)
                                     : Mechanism{};
@@ -240,13 +270,34 @@ class Run {
     observers_.insert(observers_.end(), options_.observers.begin(), options_.observers.end());
   }
 
+  // One run writes into a directory at a time. Where there is none yet, there is nothing to lock.
+  void lock(const std::filesystem::path& directory) {
+    std::error_code code;
+    if (lock_ || !std::filesystem::is_directory(directory, code)) return;
+    refuse_inputs(directory);
+    lock_.emplace(directory);
+  }
+
+  // What the run reads is not written over.
+  void refuse_inputs(const std::filesystem::path& directory) const {
+    std::vector<std::string> inputs = scene_.includes;
+    inputs.push_back(scene_.file);
+    std::error_code code;
+    for (const char* const name : result_files)
+      for (const std::string& input : inputs)
+        if (std::filesystem::equivalent(directory / name, input, code))
+          throw Error((directory / name).string() +
+                      ": is the model, or a file it includes, and results would take its place; "
+                      "choose another directory with --out");
+  }
+
   void open_output(const std::filesystem::path& directory) {
     make_directory(directory);
+    lock(directory);
     const std::string name = scene_.path ? "path" : "history";
     // Of an earlier run, perhaps of another kind.
     std::error_code code;
-    for (const char* old : {"report.json", "history.csv", "history.svg", "path.csv", "path.svg",
-                            "shapes.svg", "motion.bin", "run.h5", "view.html"})
+    for (const char* const old : result_files)
       if (old != name + ".csv") std::filesystem::remove(directory / old, code);
     history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_);
     observers_.push_back(history_.get());
@@ -270,6 +321,7 @@ class Run {
     in_statics_ = true;
     StaticOptions options = static_options(scene_, *scene_.statics);
     options.accepted = [this](const State& step) {
+      kept_ = step;
       if (scene_.transient) return !interrupted(step);
       report_.equilibrium += watch_.lap();
       const bool going =
@@ -340,6 +392,7 @@ class Run {
            },
            scene.marks[i].stops});
     options.accepted = [this](const PathPoint& point) {
+      kept_ = point.state;
       report_.equilibrium += watch_.lap();
       *model_.path = {point.arc_length, point.branch, point.event, point.negative.value_or(-1)};
       const bool going = accept(point.state, true) && !interrupted(point.state);
@@ -375,6 +428,7 @@ class Run {
   }
 
   void integrate(State& state) {
+    kept_.reset();  // steps leave the state alone until they are done
     const TransientScene& transient = *scene_.transient;
     check_initial_state(*model_.system, state, 1.0 / transient.duration);
     if (transient.rho_infinity == 1.0)
@@ -420,7 +474,13 @@ class Run {
     report_.output += watch_.lap();
     bool at_end = false;
     for (long n = 1; going && !at_end; ++n) {
-      step = stepper->step(state);
+      try {
+        step = stepper->step(state);
+      } catch (const Stopped&) {
+        stop::Scope::done();
+        report_.failure = "interrupted at " + place_of(state);
+        break;
+      }
       if (!going) break;  // a row inside the step ended it
       if (!step.converged) {
         report_.failure = steps > 0 ? fmt::format("step {} of {}, {}", n, steps, step.failure)
@@ -673,6 +733,8 @@ class Run {
 
   const Scene& scene_;
   const RunOptions& options_;
+  std::optional<DirectoryLock> lock_;
+  std::optional<State> kept_;  // the last that statics accepted
   Stopwatch watch_;
   RunReport report_;
   std::optional<RowTimes> rows_;  // of a transient
@@ -701,6 +763,15 @@ class Run {
 
 }  // namespace
 
-RunReport run(const Scene& scene, const RunOptions& options) { return Run(scene, options).go(); }
+RunReport run(const Scene& scene, const RunOptions& options) {
+  const stop::Scope scope(options.interrupted);
+  std::optional<Run> whole;
+  try {
+    whole.emplace(scene, options);
+  } catch (const Stopped&) {
+    throw Error("interrupted while the model was compiled; nothing has been written");
+  }
+  return whole->go();
+}
 
 }  // namespace mbd

@@ -30,10 +30,13 @@ struct RunOptions {
   // error (time_error.hpp).
   bool estimate_error = true;
   std::function<void(const Progress&)> progress = {};  // after each time step
-  const std::atomic<bool>* interrupted = nullptr;  // looked at after each step: true ends the run
+  // True ends the run: looked at from inside compilation, Newton's iterations and searches (core/stop.hpp), so at most
+  // one factorisation later.
+  const std::atomic<bool>* interrupted = nullptr;
 };
 
-// Throws Error for what is wrong with the scene or the directory, and when there is no first state: the
+// Throws Error for what is wrong with the scene or the directory (one run at a time writes into a directory, and none
+// over what it reads), and when there is no first state: the
 // initial accelerations, the first load step or the equilibrium before a transient fail. Nothing is
 // written then, and an earlier result stays. What goes wrong later ends the run and is told in
 // RunReport::failure; the results up to there are kept.

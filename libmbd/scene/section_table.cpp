@@ -241,8 +241,10 @@ Mat6 SectionTable::mass(double s) const {
 std::vector<SectionTable::Sample> SectionTable::rule(double a, double b) const {
   static const Quadrature gauss = gauss_rule(8);
   std::vector<double> ends{a};
-  for (const Station& station : section_.stations)
-    if (station.at > a && station.at < b) ends.push_back(station.at);
+  const auto begin =
+      std::upper_bound(section_.stations.begin(), section_.stations.end(), a,
+                       [](double at, const Station& station) { return at < station.at; });
+  for (auto it = begin; it != section_.stations.end() && it->at < b; ++it) ends.push_back(it->at);
   ends.push_back(b);
   std::vector<Sample> samples;
   for (std::size_t e = 0; e + 1 < ends.size(); ++e) {

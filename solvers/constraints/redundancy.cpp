@@ -6,16 +6,22 @@
 #include <Eigen/SparseQR>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string_view>
 
 #include "joints/any_joint_batch.hpp"
 #include "libmbd/core/disjoint_sets.hpp"
+#include "libmbd/core/error.hpp"
+#include "solvers/constraints/row_echelon.hpp"
 
 namespace mbd {
 namespace {
 
 constexpr double independent = 1e-8;  // least distance of a unit row from the span of others
 constexpr double involved = 1e-6;     // least share of a row that is named
+// Rows that repeat others, of constraints that they tie together: what is done with them is dense, takes seconds at
+// this number, and goes with its cube.
+constexpr std::ptrdiff_t most_tied = 1000;
 // How far an idle row may be open: of the scene's length and of the largest velocity, and of what others are.
 constexpr double open_of_size = 1e-9, open_of_others = 1e3;
 
@@ -125,7 +131,7 @@ Dependence dependence(const System& system, const State& state) {
 
 // As find_dependent().null, where it is known which rows repeat others, but the state is off the constraints, by what
 // interpolation in a step leaves, and ranks cannot be seen: of each idle row, less its nearest combination of the others.
-Eigen::MatrixXd null_of_idle(const System& system, const State& state) {
+Sparse null_of_idle(const System& system, const State& state) {
   const Index multipliers = system.multipliers(), columns = 6 * (system.nodes() - 1);
   std::vector<int> place(static_cast<std::size_t>(multipliers),
                          -1);  // among the rows that are kept, in loops
@@ -136,8 +142,7 @@ Eigen::MatrixXd null_of_idle(const System& system, const State& state) {
       kept.push_back(row);
     }
   const auto idle = static_cast<Index>(state.idle.size());
-  Eigen::MatrixXd null = Eigen::MatrixXd::Zero(multipliers, idle), others(columns, idle);
-  others.setZero();
+  Eigen::MatrixXd others = Eigen::MatrixXd::Zero(columns, idle);
   ConstraintEntries entries;
   for (const auto& e : entries_of(system, state)) {
     const int k = place[static_cast<std::size_t>(e.row())];
@@ -154,12 +159,19 @@ Eigen::MatrixXd null_of_idle(const System& system, const State& state) {
   qr.setPivotThreshold(independent);
   qr.compute(Bt);
   others.conservativeResizeLike(Eigen::MatrixXd::Zero(Bt.rows(), idle));
+  ConstraintEntries null;
   for (Index i = 0; i < idle; ++i) {
     const VecX share = qr.solve(VecX(others.col(i)));
-    null(state.idle[static_cast<std::size_t>(i)], i) = 1.0;
-    for (Index k = 0; k < size; ++k) null(kept[static_cast<std::size_t>(k)], i) = -share(k);
+    null.emplace_back(static_cast<int>(state.idle[static_cast<std::size_t>(i)]),
+                      static_cast<int>(i), 1.0);
+    for (Index k = 0; k < size; ++k)
+      if (share(k) != 0.0)
+        null.emplace_back(static_cast<int>(kept[static_cast<std::size_t>(k)]), static_cast<int>(i),
+                          -share(k));
   }
-  return null;
+  Sparse result(multipliers, idle);
+  result.setFromTriplets(null.begin(), null.end());
+  return result;
 }
 
 // 1 for a force, 1/L for a moment: both in the same unit.
@@ -172,9 +184,80 @@ VecX multiplier_units(const System& system) {
   return w;
 }
 
-// Columns of length one, from those of Dependence::null in one unit.
-Eigen::MatrixXd unit_columns(const VecX& units, const Eigen::MatrixXd& null) {
-  return (units.asDiagonal() * null).colwise().normalized();
+// Dependences that share rows, and the rows: what is dense is taken of these, group by group.
+struct Group {
+  std::vector<Index> rows;     // of all that n_i hold, rising
+  std::vector<Index> columns;  // of Dependence::null, rising
+  Eigen::MatrixXd null;        // those entries
+};
+
+std::vector<Group> groups_of(const Sparse& null) {
+  DisjointSets tied(static_cast<int>(null.rows()));
+  for (int k = 0; k < null.outerSize(); ++k) {
+    const Sparse::InnerIterator first(null, k);
+    for (Sparse::InnerIterator it(null, k); it; ++it)
+      tied.join(static_cast<int>(first.row()), static_cast<int>(it.row()));
+  }
+  std::map<int, Group> groups;  // by root
+  for (int k = 0; k < null.outerSize(); ++k)
+    if (const Sparse::InnerIterator first(null, k); first)
+      groups[tied.root(static_cast<int>(first.row()))].columns.push_back(k);
+  std::vector<Index> place(static_cast<std::size_t>(null.rows()), -1);  // of a row in its group
+  for (Index i = 0; i < null.rows(); ++i)
+    if (const auto it = groups.find(tied.root(static_cast<int>(i))); it != groups.end()) {
+      place[static_cast<std::size_t>(i)] = std::ssize(it->second.rows);
+      it->second.rows.push_back(i);
+    }
+  std::vector<Group> result;
+  for (auto& [root, group] : groups) {
+    group.null.setZero(std::ssize(group.rows), std::ssize(group.columns));
+    for (Index j = 0; j < group.null.cols(); ++j)
+      for (Sparse::InnerIterator it(null, group.columns[static_cast<std::size_t>(j)]); it; ++it)
+        group.null(place[static_cast<std::size_t>(it.row())], j) = it.value();
+    result.push_back(std::move(group));
+  }
+  return result;
+}
+
+// Entries of a vector over all multipliers.
+VecX part_of(const VecX& all, const std::vector<Index>& rows) {
+  VecX part(std::ssize(rows));
+  for (Index i = 0; i < part.size(); ++i) part(i) = all(rows[static_cast<std::size_t>(i)]);
+  return part;
+}
+
+// Columns of length one, of the group's in one unit.
+Eigen::MatrixXd unit_columns(const VecX& units, const Group& group) {
+  return (part_of(units, group.rows).asDiagonal() * group.null).colwise().normalized();
+}
+
+// Rows that repeat others, of constraints that are tied to each other by that.
+void refuse_too_many(const System& system, const Dependence& found) {
+  if (found.null.cols() <= most_tied) return;
+  const std::vector<ConstraintInfo>& constraints = system.constraints();
+  std::vector<int> owner;  // of each row
+  for (int c = 0; c < static_cast<int>(constraints.size()); ++c)
+    owner.resize(
+        owner.size() + static_cast<std::size_t>(constraints[static_cast<std::size_t>(c)].rows), c);
+  const auto owner_of = [&owner](const Sparse::InnerIterator& it) {
+    return owner[static_cast<std::size_t>(it.row())];
+  };
+  DisjointSets tied(static_cast<int>(constraints.size()));
+  for (int k = 0; k < found.null.outerSize(); ++k) {
+    const Sparse::InnerIterator first(found.null, k);
+    for (Sparse::InnerIterator it(found.null, k); it; ++it)
+      tied.join(owner_of(first), owner_of(it));
+  }
+  std::map<int, std::ptrdiff_t> count;
+  for (int k = 0; k < found.null.outerSize(); ++k) {
+    const int root = tied.root(owner_of(Sparse::InnerIterator(found.null, k)));
+    if (++count[root] <= most_tied) continue;
+    throw Error(fmt::format(
+        "more than {} constraint rows repeat others of the same joints, and fewer are sorted out "
+        "(which of them to leave out, and reactions of least norm, take dense matrices of their "
+        "number): {}; leave joints out that hold what others hold",
+        most_tied, to_text(system, found.redundant[static_cast<std::size_t>(k)])));
+  }
 }
 
 }  // namespace
@@ -232,48 +315,35 @@ Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Inde
     if (i >= 0 && size(i) > 0.0)
       scaled.emplace_back(e.col(), static_cast<int>(i), e.value() / size(i));
   }
-  Sparse Bt(std::max(columns, rows), rows);  // SparseQR wants no more columns than rows
-  Bt.setFromTriplets(scaled.begin(), scaled.end());
-  Bt.makeCompressed();
-
-  // Columns in their order: a column is set aside when those before it span it.
-  Eigen::SparseQR<Sparse, Eigen::NaturalOrdering<int>> qr;
-  qr.setPivotThreshold(independent);
-  qr.compute(Bt);
-  const Index rank = qr.rank();
-  const auto& permutation = qr.colsPermutation().indices();  // position -> column
-  std::vector<char> is_independent(order.size(), 0);
-  for (Index k = 0; k < rank; ++k) is_independent[static_cast<std::size_t>(permutation(k))] = 1;
-  for (std::size_t n = 0; n < order.size(); ++n)
-    result.rank_of_first[n + 1] = result.rank_of_first[n] + is_independent[n];
-
-  // Its columns are not sorted; turning it over twice sorts them (so says the manual of Eigen).
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows = qr.matrixR();
-  const Sparse R = by_rows;
-  const Sparse R11 = R.topLeftCorner(rank, rank);
-  result.null.setZero(all_rows, rows - rank);
-  const auto row_at = [&](Index k) { return order[static_cast<std::size_t>(permutation(k))]; };
-  const auto size_at = [&](Index k) { return size(permutation(k)); };
-  for (Index k = rank; k < rows; ++k) {
-    VecX share = VecX(R.col(k)).head(rank);
-    if (rank > 0) share = VecX(R11.triangularView<Eigen::Upper>().solve(Eigen::VectorXd(share)));
-    std::vector<Index> by_size;
-    for (Index i = 0; i < rank; ++i)
-      if (std::abs(share(i)) > involved) by_size.push_back(i);
-    std::sort(by_size.begin(), by_size.end(), [&share](Index a, Index b) {
-      return std::abs(share(a)) != std::abs(share(b)) ? std::abs(share(a)) > std::abs(share(b))
-                                                      : a < b;
-    });
+  const RowEchelon R(scaled, columns, rows, independent);
+  std::vector<Index> dependent;  // by row of the matrix, places in `order`
+  for (Index k = 0; k < rows; ++k) {
+    const auto n = static_cast<std::size_t>(k);
+    result.rank_of_first[n + 1] = result.rank_of_first[n] + (R.is_independent(k) ? 1 : 0);
+    if (!R.is_independent(k)) dependent.push_back(k);
+  }
+  const auto row_at = [&](Index k) { return order[static_cast<std::size_t>(k)]; };
+  std::sort(dependent.begin(), dependent.end(),
+            [&](Index a, Index b) { return row_at(a) < row_at(b); });
+  ConstraintEntries null;
+  for (const Index k : dependent) {
+    std::vector<std::pair<Index, double>> share = R.combination(k);
+    const auto column = static_cast<int>(result.redundant.size());
     RedundantRow row;
     row.row = row_at(k);
-    for (const Index i : by_size) row.repeats.push_back(row_at(i));
-    auto null = result.null.col(k - rank);
-    null(row.row) = size_at(k) > 0.0 ? 1.0 / size_at(k) : 1.0;
-    for (Index i = 0; i < rank; ++i) null(row_at(i)) = -share(i) / size_at(i);
+    null.emplace_back(static_cast<int>(row.row), column, size(k) > 0.0 ? 1.0 / size(k) : 1.0);
+    for (const auto& [i, x] : share)
+      null.emplace_back(static_cast<int>(row_at(i)), column, -x / size(i));
+    std::erase_if(share, [](const auto& s) { return !(std::abs(s.second) > involved); });
+    std::sort(share.begin(), share.end(), [](const auto& a, const auto& b) {
+      const double x = std::abs(a.second), y = std::abs(b.second);
+      return x != y ? x > y : a.first < b.first;
+    });
+    for (const auto& [i, x] : share) row.repeats.push_back(row_at(i));
     result.redundant.push_back(std::move(row));
   }
-  std::sort(result.redundant.begin(), result.redundant.end(),
-            [](const RedundantRow& a, const RedundantRow& b) { return a.row < b.row; });
+  result.null.resize(all_rows, std::ssize(dependent));
+  result.null.setFromTriplets(null.begin(), null.end());
   return result;
 }
 
@@ -283,13 +353,19 @@ Redundancy find_redundancy(const System& system, const State& state) {
   Redundancy result;
   Dependence found = dependence(system, state);
   if (found.redundant.empty()) return result;
-  result.rows = std::move(found.redundant);
-  result.null = found.null;
-  const Eigen::MatrixXd null = unit_columns(multiplier_units(system), found.null).transpose();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(null);
-  const auto& order = qr.colsPermutation().indices();
-  for (Index k = 0; k < null.rows(); ++k) result.idle.push_back(order(k));
+  refuse_too_many(system, found);
+  const std::vector<Group> groups = groups_of(found.null);
+  const VecX units = multiplier_units(system);
+  for (const Group& group : groups) {
+    const Eigen::MatrixXd null = unit_columns(units, group).transpose();
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(null);
+    const auto& order = qr.colsPermutation().indices();
+    for (Index k = 0; k < null.rows(); ++k)
+      result.idle.push_back(group.rows[static_cast<std::size_t>(order(k))]);
+  }
   std::sort(result.idle.begin(), result.idle.end());
+  result.rows = std::move(found.redundant);
+  result.null = std::move(found.null);
   return result;
 }
 
@@ -298,23 +374,33 @@ VecX minimum_norm(const System& system, const State& state) {
   const bool unseen = found.redundant.size() < state.idle.size();
   if (found.redundant.empty() && !unseen) return state.lambda;
   const VecX units = multiplier_units(system);
-  const Eigen::MatrixXd null =
-      unit_columns(units, unseen ? null_of_idle(system, state) : found.null);
-  const VecX lambda = units.cwiseProduct(state.lambda);
-  return (lambda - null * null.householderQr().solve(lambda)).cwiseQuotient(units);
+  VecX result = state.lambda;
+  for (const Group& group : groups_of(unseen ? null_of_idle(system, state) : found.null)) {
+    const Eigen::MatrixXd null = unit_columns(units, group);
+    const VecX unit = part_of(units, group.rows);
+    const VecX lambda = unit.cwiseProduct(part_of(state.lambda, group.rows));
+    const VecX least = (lambda - null * null.householderQr().solve(lambda)).cwiseQuotient(unit);
+    for (Index i = 0; i < least.size(); ++i)
+      result(group.rows[static_cast<std::size_t>(i)]) = least(i);
+  }
+  return result;
 }
 
 VecX without_idle(const System& system, const State& state, const std::vector<Index>& idle) {
   const Dependence found = dependence(system, state);
-  const auto k = static_cast<Index>(idle.size());
-  if (k == 0 || found.null.cols() != k) return state.lambda;
-  Eigen::MatrixXd null(k, k);
-  VecX lambda(k);
-  for (Index i = 0; i < k; ++i) {
-    null.row(i) = found.null.row(idle[static_cast<std::size_t>(i)]);
-    lambda(i) = state.lambda(idle[static_cast<std::size_t>(i)]);
+  if (idle.empty() || found.null.cols() != std::ssize(idle)) return state.lambda;
+  VecX result = state.lambda;
+  for (const Group& group : groups_of(found.null)) {
+    std::vector<Index> places;  // of its idle rows among its rows
+    for (Index i = 0; i < std::ssize(group.rows); ++i)
+      if (std::binary_search(idle.begin(), idle.end(), group.rows[static_cast<std::size_t>(i)]))
+        places.push_back(i);
+    const Eigen::MatrixXd null = group.null(places, Eigen::all);
+    const VecX lambda = part_of(state.lambda, group.rows);
+    const VecX rest = lambda - group.null * null.colPivHouseholderQr().solve(VecX(lambda(places)));
+    for (Index i = 0; i < rest.size(); ++i)
+      result(group.rows[static_cast<std::size_t>(i)]) = rest(i);
   }
-  VecX result = state.lambda - found.null * null.colPivHouseholderQr().solve(lambda);
   for (const Index row : idle) result(row) = 0.0;
   return result;
 }

@@ -14,7 +14,7 @@
 // Small motions of the nodes (body frames) are measured as displacements and rotations times L; rows of B are
 // scaled to length one, so that ranks are free of units. A row depends on others when it is nearer than 1e-8 to
 // their span: far above round-off, and far below what two drawn axes differ by. Rows are taken one by one
-// by a sparse Householder QR of B^T without exchange of columns, joints first, then drives and motions, each in
+// by a sparse QR of B^T without exchange of columns (row_echelon.hpp), joints first, then drives and motions, each in
 // the order of the scene: so the later of two joints is named, and a drive before the joint it drives; idle rows are
 // chosen otherwise, as those by which the n_i are best told apart, so that no kept row comes close to another.
 //
@@ -42,12 +42,14 @@ struct RedundantRow {
 bool has_loops(const System& system);
 
 struct Redundancy {
-  std::vector<RedundantRow> rows;  // named
-  std::vector<Index> idle;         // chosen, rising; as many
-  Eigen::MatrixXd null;            // a column n with n^T B = 0 for each of `rows`, by multiplier
+  std::vector<RedundantRow> rows;    // named
+  std::vector<Index> idle;           // chosen, rising; as many
+  Eigen::SparseMatrix<double> null;  // a column n with n^T B = 0 for each of `rows`, by multiplier
 };
 
-// Of the rows at a state that satisfies them; nothing idle is left out. A system without loops has none.
+// Of the rows at a state that satisfies them; nothing idle is left out. A system without loops has none. Throws Error
+// where more than 1000 rows repeat others of the same constraints: what is done with them is dense, and cubic in their
+// number.
 Redundancy find_redundancy(const System& system, const State& state);
 
 // Multipliers with the same forces on all nodes, of least norm; those of `state` where rows are independent. A state
@@ -89,7 +91,8 @@ std::vector<char> prescribed_constraints(const System& system);
 struct Dependence {
   std::vector<Index> rank_of_first;  // rank of the first n rows, for each n from 0
   std::vector<RedundantRow> redundant;
-  Eigen::MatrixXd null;  // columns n with n^T B = 0, a row for each multiplier; not orthonormal
+  Eigen::SparseMatrix<double>
+      null;  // a column n with n^T B = 0 for each of `redundant`; not orthonormal
 };
 Dependence find_dependent(const ConstraintEntries& entries, Index rows, Index columns,
                           const std::vector<Index>& order);

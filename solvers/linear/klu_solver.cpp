@@ -8,7 +8,9 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string>
 
+#include "libmbd/core/stop.hpp"
 #include "solvers/linear/block_columns.hpp"
 #include "solvers/linear/pencil_solver.hpp"
 
@@ -27,6 +29,17 @@ klu_common common_settings() {
 // others grow. (klu_rgrowth says it exactly, at nearly the price of the refactorisation.)
 constexpr double shrunk_pivot = 1e-3;
 
+// What is no property of the matrix: throws OutOfMemory.
+void refuse_size(const klu_common& common, int n) {
+  if (common.status == KLU_OUT_OF_MEMORY)
+    throw OutOfMemory("out of memory: the factorisation of " + std::to_string(n) +
+                      " equations (KLU); take fewer elements or bodies, or more memory");
+  if (common.status == KLU_TOO_LARGE)
+    throw OutOfMemory("the factors of " + std::to_string(n) +
+                      " equations have more entries than KLU can count (2^31); take fewer elements "
+                      "or bodies, or linear_solver=\"block\"");
+}
+
 class KluSolver : public LinearSolver {
  public:
   KluSolver() : common_(common_settings()) {}
@@ -42,7 +55,10 @@ class KluSolver : public LinearSolver {
     n_ = columns_.n;
     columns_.allocate(Ax_, trash_, slots_);
     symbolic_ = klu_analyze(n_, scalars_.Ap.data(), scalars_.Ai.data(), &common_);
-    if (symbolic_ == nullptr && n_ > 0) singular_row_ = -1;
+    if (symbolic_ == nullptr && n_ > 0) {
+      refuse_size(common_, n_);
+      singular_row_ = -1;
+    }
   }
 
   std::span<const Slot> slots() const override { return slots_; }
@@ -68,6 +84,7 @@ class KluSolver : public LinearSolver {
       singular_row_ =
           common_.singular_col >= 0 && common_.singular_col < n_ ? common_.singular_col : -1;
       if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
+      refuse_size(common_, n_);
       return FactorStatus::singular;
     }
     const auto* U = static_cast<const double*>(numeric_->Udiag);
@@ -211,6 +228,7 @@ class KluPencilSolver final : public PencilSolver {
                           ? common_.singular_col
                           : -1;
       free_numeric();
+      refuse_size(common_, blocks_.columns.n);
       return FactorStatus::singular;
     }
     remember_pivots();

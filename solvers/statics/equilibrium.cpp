@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libmbd/core/stop.hpp"
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/newton/increments.hpp"
 
@@ -143,7 +144,9 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
   const int most =
       options.line_search ? searching * options.max_iterations : options.max_iterations;
   for (int k = 0; k < most; ++k) {
+    stop::check();
     linearize(r);
+    stop::check();
     ++counters.iterations;
     ++counters.residuals;
     ++counters.tangents;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "libmbd/core/stop.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/newton/sundials.hpp"
 #include "solvers/statics/equilibrium.hpp"
@@ -63,6 +64,7 @@ class Kinsol {
     long iterations = 0;
     KINGetNumNonlinSolvIters(memory, &iterations);
     counters_.iterations += iterations;
+    stop::check();
     move_to(y_.get());
     if (status >= 0) return true;
     char* const name = KINGetReturnFlagName(status);
@@ -123,6 +125,7 @@ class Kinsol {
   }
 
   int residual(N_Vector y, N_Vector f) {
+    if (stop::requested()) return -1;  // go() says so: nothing may be thrown through KINSOL
     move_to(y);
     ++counters_.residuals;
     // Out of the elements' range: a recoverable error, for which KINSOL takes a shorter step.
@@ -131,6 +134,7 @@ class Kinsol {
     return 0;
   }
   int tangent(N_Vector y) {
+    if (stop::requested()) return -1;
     move_to(y);
     at_ = map(y);
     ++counters_.tangents;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "libmbd/core/stop.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/statics/stability.hpp"
@@ -264,6 +265,7 @@ class Follower {
     const int patience = from.is_branching ? 10 : 3;
     double previous = 0.0;
     for (int k = 0; k < options_.newton.max_iterations; ++k) {
+      stop::check();
       ++report_.counters.iterations;
       ++iterations;
       if (on_cylinder) {

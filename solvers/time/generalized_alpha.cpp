@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/stop.hpp"
 
 namespace mbd {
 namespace {
@@ -280,6 +281,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
   report.iterations = 0;
   report.contraction = 0.0;
   for (int k = 0; k < settings_.newton.max_iterations; ++k) {
+    stop::check();
     bool in_range = true;
     if (refactor || always) {
       if (!factorize(report, in_range)) return false;

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/stop.hpp"
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/newton/increments.hpp"
@@ -261,6 +262,7 @@ class Ida::Integrator final : public DenseStep {
   // A positive value is a failure for which IDA tries a shorter step.
   int residual(double t, N_Vector y, N_Vector ydot, N_Vector F) {
     return guarded([&] {
+      stop::check();
       ++counters_.residuals;
       const auto f = values(F);
       const bool in_range = equations_.residual(std::min(t, stop_), values(y), values(ydot), f);

@@ -10,6 +10,7 @@
 
 #include "libmbd/core/se3.hpp"
 #include "libmbd/core/spectral.hpp"
+#include "libmbd/core/stop.hpp"
 
 namespace mbd {
 namespace {
@@ -265,6 +266,7 @@ bool Radau::iterate(StepReport& report) {
   const double stalled = settings_.adaptive() ? 1.0 : stalled_fixed;
   const double slack = multiplier_slack();
   for (int k = 0; k < settings_.newton.max_iterations; ++k) {
+    stop::check();
     const bool in_range = residuals();
     counters_.residuals += 3;
     // Right-hand sides of (2).

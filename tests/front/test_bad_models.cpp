@@ -855,24 +855,6 @@ TEST_F(BadOutputs, NoPlaceForResults) {
   EXPECT_TRUE(fs::is_empty(locked));
 }
 
-// A file on a full disk: what is there is whole, or is not there.
-TEST_F(BadOutputs, FullDisk) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP();
-  for (const char* name : {"history.csv", "history.svg.part", "report.json.part"}) {
-    const fs::path output = scratch_ / name;
-    fs::create_directory(output);
-    fs::create_symlink("/dev/full", output / name);
-    expect_message({"run", "good/pendulum.xml", "--quiet", "--out", output}, {name});
-    for (const fs::directory_entry& entry : fs::directory_iterator(output)) {
-      const std::string left = entry.path().filename().string();
-      EXPECT_FALSE(left.ends_with(".part") && fs::exists(entry.path())) << left;
-      if (left == "report.json") {
-        EXPECT_TRUE(contents(entry.path()).ends_with("}\n"));
-      }
-    }
-  }
-}
-
 // ---- the table --------------------------------------------------------------------------------
 
 TEST_F(BadModels, TableOfMessagesIsCurrent) {

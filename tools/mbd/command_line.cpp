@@ -8,9 +8,11 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
+#include "libmbd/core/error.hpp"
 #include "libmbd/language/manual.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/report.hpp"
@@ -170,8 +172,12 @@ void set_up(CLI::App& app) {
 std::filesystem::path results_directory(const std::string& given, const std::string& model,
                                         std::string_view study) {
   if (!given.empty()) return given;
-  const std::filesystem::path own =
-      std::filesystem::path("results") / std::filesystem::path(model).stem();
+  const std::filesystem::path stem = std::filesystem::path(model).stem();
+  if (stem.empty() || stem == "." || stem == "..")
+    throw Error(model +
+                ": its name without .xml is no name of a directory for results; name one "
+                "with --out");
+  const std::filesystem::path own = std::filesystem::path("results") / stem;
   return study.empty() ? own : own / study;
 }
 
@@ -192,6 +198,9 @@ int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {
     result = status;
   } catch (const CLI::ParseError& error) {
     result = answer(app, error);
+  } catch (const std::bad_alloc&) {
+    complain("mbd: out of memory; take a smaller model, fewer rows, or more memory\n");
+    result = 1;
   } catch (const std::exception& error) {
     complain(fmt::format("mbd: {}\n", error.what()));
     result = 1;

@@ -1,0 +1,52 @@
+// A request to end, looked at from inside long work: between items that are compiled, in Newton's iterations, before
+// factorisations, between rows of a QR. It costs one load; nothing is passed from function to function. What ends so
+// ends by an exception, because it may come from any depth: at most one factorisation later.
+#pragma once
+
+#include <atomic>
+
+#include "libmbd/core/error.hpp"
+
+namespace mbd {
+
+class Stopped : public Error {
+ public:
+  Stopped() : Error("interrupted") {}
+};
+
+// Work for which there is no memory, or whose sizes cannot be counted; says which.
+class OutOfMemory : public Error {
+ public:
+  using Error::Error;
+};
+
+namespace stop {
+
+// Of this thread; null: nobody asks.
+inline thread_local const std::atomic<bool>* flag = nullptr;
+
+inline bool requested() { return flag != nullptr && flag->load(std::memory_order_relaxed); }
+
+// Throws Stopped.
+inline void check() {
+  if (requested()) throw Stopped();
+}
+
+// While it lives, this thread looks at `asked` (null: at what it looked at before).
+class Scope {
+ public:
+  explicit Scope(const std::atomic<bool>* asked) : before_(flag) {
+    if (asked != nullptr) flag = asked;
+  }
+  ~Scope() { flag = before_; }
+  Scope(const Scope&) = delete;
+  Scope& operator=(const Scope&) = delete;
+  // From here on nobody asks: what is there is finished.
+  static void done() { flag = nullptr; }
+
+ private:
+  const std::atomic<bool>* before_;
+};
+
+}  // namespace stop
+}  // namespace mbd
