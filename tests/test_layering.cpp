@@ -69,6 +69,7 @@ const std::vector<Room>& rooms() {
     return std::vector<Room>{
         {"libmbd/core/", {}},
         {"libmbd/text/", core},
+        {"libmbd/section/", core},
         {"elements/", core},
         {"elements/beam/", elements},
         {"elements/node/", elements},

@@ -1,0 +1,74 @@
+// Sections by their dimensions, and meshes of them that are graded towards corners and ends of plies.
+//
+// A layup lists its plies from the inner surface of a wall to the outer one (of a rectangle: along b3), each with the
+// angle theta about the outward normal (material.hpp). Where the normal of a wall of a tube or box points outward, a
+// listing from the outside is reversed() first.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "libmbd/section/analysis.hpp"
+#include "libmbd/section/mesh.hpp"
+
+namespace mbd::section {
+
+struct Ply {
+  int material = 0;        // place in the list of materials
+  double thickness = 0.0;  // [m]
+  double angle = 0.0;      // theta [rad]
+};
+using Layup = std::vector<Ply>;
+
+double thickness_of(const Layup& layup);
+Layup reversed(Layup layup);
+
+// How fine a mesh is: order of its elements, and how many times their size shrinks towards places where stresses may be
+// singular.
+struct Fineness {
+  int order = 2;
+  int layers = 1;
+};
+
+// A section that can be meshed as finely as one likes. Its meshes have the same outline.
+using Mesher = std::function<Mesh(const Fineness&)>;
+
+// Each throws Error where dimensions are not positive or plies do not fit, naming what and the limit.
+// All are centred on x2 = x3 = 0 but where it is said.
+Mesher tube(double outer_radius, const Layup& layup, const std::vector<MeshMaterial>& materials);
+Mesher bar(double radius, int material, double angle, const std::vector<MeshMaterial>& materials);
+// Plies lie across b3, the first at the bottom; their normal is b3. `width` along b2; the height is that of the layup.
+Mesher rectangle(double width, const Layup& layup, const std::vector<MeshMaterial>& materials);
+
+// Corners of a box: mitred, plies turn round them; butt, the walls across b3 go through and those across b2 stand
+// between them.
+enum class Corners { mitred, butt };
+// Outer width along b2 and height along b3; normals point outward.
+Mesher box(double width, double height, const Layup& layup, Corners corners,
+           const std::vector<MeshMaterial>& materials);
+// Flanges of that width across b3 at top and bottom, normals outward (away from the middle), go through; the web stands
+// between them on b3, its normal b2: first ply of its layup on the side of -b2.
+Mesher i_section(double width, double height, const Layup& flange, const Layup& web,
+                 const std::vector<MeshMaterial>& materials);
+// The same with the web at -b2, its outer face at x2 = 0 and its normal -b2; flanges end at x2 = width.
+Mesher c_section(double width, double height, const Layup& flange, const Layup& web,
+                 const std::vector<MeshMaterial>& materials);
+
+// D and the others of a section to a tolerance: meshes are made finer in order and grading together until D changes
+// less.
+struct Converged {
+  Analysis analysis;     // of the finest mesh
+  Mat6 error;            // estimated, of each entry of D
+  bool reached = false;  // whether every error is below the tolerance
+  Fineness fineness;
+  int elements = 0, unknowns = 0;
+};
+
+// `tolerance` is of an entry ij over sqrt(D_ii D_jj). The estimate is the last change, where changes shrink by two and
+// more, else twice the larger of the last two; and no less than round-off, 1e-11. Ends, not reached, before a mesh of
+// more than `most_unknowns`.
+Converged converge(const Mesher& mesher, const Vec3& curvature = Vec3::Zero(),
+                   double tolerance = 1e-6, int most_unknowns = 200'000);
+
+}  // namespace mbd::section
