@@ -33,6 +33,7 @@
 #include "libmbd/run/run.hpp"
 #include "libmbd/scene/scene.hpp"
 #include "libmbd/scene/transient.hpp"
+#include "libmbd/section/shapes.hpp"
 #include "libmbd/study/accuracy/accuracy.hpp"
 #include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "libmbd/study/accuracy/accuracy_report.hpp"

@@ -196,9 +196,9 @@ TEST(SectionAnalysisSlow, BoxOfThePaper) {
   const Mat6& d = c.analysis.stiffness;
   expect_near(d(0, 0), 10660.1e3, 1e-5, "D11");
   expect_near(d(1, 1), 2516.5e3, 1e-5, "D22");
-  expect_near(d(0, 3), -8.642e3, 1.2e-5, "D14");
+  expect_near(d(0, 3), -8.642e3, 1.2e-5, "D14");  // to the digits that are stated
   expect_near(d(1, 4), 4.9934e3, 1e-5, "D25");
-  expect_near(d(3, 3), .24455e3, 2e-5, "D44");
+  expect_near(d(3, 3), .24455e3, 2e-5, "D44");  // the same
   expect_near(d(4, 4), .30907e3, 1e-5, "D55");
   expect_near(c.analysis.mass(0, 0), .262144, 1e-12, "mass");
 }

@@ -1,9 +1,6 @@
 // RowEchelon against dense linear algebra: the distance of each column from the span of those before it by a dense
 // complete orthogonal decomposition, and the column made again of its combination. Matrices are random and sparse, with
 // columns that others span, that are empty, that come twice, and with columns nearer to a span than the threshold.
-//
-// Tried in it, and killed: the rest of a dependent column's row thrown away; |R_kk| compared without its sign; rotations
-// that do not reach entries of one row only; a combination that takes only what the column itself holds.
 
 #include <gtest/gtest.h>
 
