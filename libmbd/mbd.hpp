@@ -15,7 +15,7 @@
 #include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/error.hpp"
-#include "libmbd/core/force.hpp"
+#include "elements/node/force.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/core/types.hpp"

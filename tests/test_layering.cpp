@@ -95,7 +95,7 @@ const std::vector<Room>& rooms() {
         {"libmbd/study/sweep/", run},
         {"libmbd/study/trust/", trial},
         {"tools/", library},
-        {"tests/", library},
+        {"tests/", with(library, {"libmbd/section/"})},
     };
   }();
   return table;

@@ -1,4 +1,4 @@
-// A force of a program (libmbd/core/force.hpp) in the equations. With f_a on place a of frame F_a in its node, and
+// A force of a program (elements/node/force.hpp) in the equations. With f_a on place a of frame F_a in its node, and
 // A_a = Ad(F_a^-1), which takes increments and velocities of the node to those of the place:
 //   r_a = -l A_a^T f_a,   dr_a/dU_b = -l A_a^T (df_a/du_b) A_b,   dr_a/dV_b = -l A_a^T (df_a/dv_b) A_b,   l the load factor.
 #pragma once
@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "libmbd/core/batch.hpp"
-#include "libmbd/core/force.hpp"
+#include "elements/node/force.hpp"
 
 namespace mbd {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "libmbd/core/force.hpp"
+#include "elements/node/force.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/scene/scene.hpp"

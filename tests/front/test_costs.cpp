@@ -143,7 +143,7 @@ TEST(Costs, SmoothTables) {
     }
     return section;
   };
-  EXPECT_LT(exponent(2000, [&](int n) { const SectionTable made(table(n)); }), near_linear);
+  EXPECT_LT(exponent(8000, [&](int n) { const SectionTable made(table(n)); }), near_linear);
   // It goes through its stations, and follows a smooth law between them.
   const Section fine = table(3001);
   const SectionTable made(fine);

@@ -10,7 +10,7 @@
 
 #include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
-#include "libmbd/core/force.hpp"
+#include "elements/node/force.hpp"
 #include "libmbd/study/modes/linearize.hpp"
 #include "solvers/statics/statics.hpp"
 #include "tests/support/dense_solver.hpp"
