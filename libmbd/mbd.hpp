@@ -11,11 +11,11 @@
 //   while (state.t < 1.0 && integrator.step(state).converged) { … }
 #pragma once
 
+#include "elements/node/force.hpp"
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/error.hpp"
-#include "elements/node/force.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/core/types.hpp"

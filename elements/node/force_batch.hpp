@@ -5,8 +5,8 @@
 
 #include <memory>
 
-#include "libmbd/core/batch.hpp"
 #include "elements/node/force.hpp"
+#include "libmbd/core/batch.hpp"
 
 namespace mbd {
 

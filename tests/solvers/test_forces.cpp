@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "elements/node/force.hpp"
 #include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
-#include "elements/node/force.hpp"
 #include "libmbd/study/modes/linearize.hpp"
 #include "solvers/statics/statics.hpp"
 #include "tests/support/dense_solver.hpp"
