@@ -37,7 +37,7 @@ std::string model_file(const char* name) {
 class FaultsSlow : public testing::Test {
  protected:
   void SetUp() override {
-    if (!faults_work) GTEST_SKIP();
+    if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
   }
   Ended run(const std::string& fault, const char* model, const std::string& out) const {
     const Fault one(MBD_FAULTS, fault);
