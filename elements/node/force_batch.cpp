@@ -28,6 +28,15 @@ bool is_finite(std::span<const Vec6> all) {
   return true;
 }
 
+void add(const Slot& slot, const Mat6& block) {
+  Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(slot.data, Eigen::OuterStride<>(slot.ld)) += block;
+}
+
+Mat6 rate_of(const Mat6& C, const TangentWeights& weights, std::size_t node) {
+  const Mat6 rate = weights.V * C;
+  return weights.T_inv.empty() ? rate : Mat6(rate * weights.T_inv[node]);
+}
+
 }  // namespace
 
 std::shared_ptr<const Force> make_force(
@@ -63,13 +72,16 @@ bool ForceBatch::evaluate(const State& state, std::vector<Vec6>& wrenches) const
   return force_->evaluate(motion_of(state).at(state.t), wrenches) && is_finite(wrenches);
 }
 
-bool ForceBatch::residual(const State& state, VecX& r) const {
+bool ForceBatch::add_wrenches(const State& state, double factor, VecX& r) const {
   std::vector<Vec6> wrenches;
   if (!evaluate(state, wrenches)) return false;
   for (std::size_t i = 0; i < places_.size(); ++i)
-    r.segment<6>(6 * places_[i].node) -=
-        state.load_factor * (places_[i].A.transpose() * wrenches[i]);
+    r.segment<6>(6 * places_[i].node) -= factor * (places_[i].A.transpose() * wrenches[i]);
   return true;
+}
+
+bool ForceBatch::residual(const State& state, VecX& r) const {
+  return add_wrenches(state, state.load_factor, r);
 }
 
 void ForceBatch::derive(const State& state, Eigen::MatrixXd& by_motion,
@@ -112,54 +124,46 @@ void ForceBatch::derive(const State& state, Eigen::MatrixXd& by_motion,
 }
 
 template <class F>
-void ForceBatch::hand_over(const State& state, std::span<const Slot> slots, const F& f) const {
+void ForceBatch::each_block(const State& state, const F& f) const {
   Eigen::MatrixXd by_motion, by_velocity;
   derive(state, by_motion, by_velocity);
-  std::size_t at = first_slot_;
+  std::size_t slot = first_slot_;
   for (std::size_t b = 0; b < places_.size(); ++b)
-    for (std::size_t a = 0; a < places_.size(); ++a, ++at) {
-      const Slot slot = slots[at];
+    for (std::size_t a = 0; a < places_.size(); ++a, ++slot) {
       const Index i = 6 * static_cast<Index>(a), j = 6 * static_cast<Index>(b);
       const auto block = [&](const Eigen::MatrixXd& of) {
         return Mat6(-state.load_factor *
                     (places_[a].A.transpose() * Mat6(of.block<6, 6>(i, j)) * places_[b].A));
       };
-      Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(slot.data, Eigen::OuterStride<>(slot.ld)) +=
-          f(block(by_motion), block(by_velocity), static_cast<std::size_t>(places_[b].node));
+      f(block(by_motion), block(by_velocity), static_cast<std::size_t>(places_[b].node), slot);
     }
 }
 
 bool ForceBatch::linearize(const State& state, const TangentWeights& weights, VecX& r,
                            std::span<const Slot> slots) const {
-  hand_over(state, slots, [&](const Mat6& K, const Mat6& C, std::size_t node) {
-    const Mat6 rate = weights.V * C;
-    return Mat6(weights.U * K + (weights.T_inv.empty() ? rate : Mat6(rate * weights.T_inv[node])));
+  each_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
+    add(slots[slot], weights.U * K + rate_of(C, weights, node));
   });
   return residual(state, r);
 }
 
 void ForceBatch::add_rate_tangent(const State& state, const TangentWeights& weights,
                                   std::span<const Slot> slots) const {
-  hand_over(state, slots, [&](const Mat6&, const Mat6& C, std::size_t node) {
-    const Mat6 rate = weights.V * C;
-    return weights.T_inv.empty() ? rate : Mat6(rate * weights.T_inv[node]);
+  each_block(state, [&](const Mat6&, const Mat6& C, std::size_t node, std::size_t slot) {
+    add(slots[slot], rate_of(C, weights, node));
   });
 }
 
 bool ForceBatch::linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
                                   const std::array<std::span<const Slot>, 3>& P) const {
-  hand_over(state, P[0], [&](const Mat6& K, const Mat6& C, std::size_t node) {
-    return Mat6(K + C * V_hat[node]);
+  each_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
+    add(P[0][slot], K + C * V_hat[node]);
+    add(P[1][slot], C);
   });
-  hand_over(state, P[1], [](const Mat6&, const Mat6& C, std::size_t) { return C; });
   return residual(state, r);
 }
 
-void ForceBatch::load_rate(const State& state, VecX& r) const {
-  State whole = state;
-  whole.load_factor = 1.0;
-  residual(whole, r);
-}
+void ForceBatch::load_rate(const State& state, VecX& r) const { add_wrenches(state, 1.0, r); }
 
 std::string ForceBatch::out_of_range(const State& state) const {
   std::vector<Vec6> wrenches;

@@ -48,10 +48,11 @@ class ForceBatch final : public Batch {
   };
   Motion motion_of(const State& state) const;
   bool evaluate(const State& state, std::vector<Vec6>& wrenches) const;
+  bool add_wrenches(const State& state, double factor, VecX& r) const;
   void derive(const State& state, Eigen::MatrixXd& by_motion, Eigen::MatrixXd& by_velocity) const;
-  // Adds f(K, C, node of the column) of each pair of places, K = dr/dU and C = dr/dV, to its slot.
+  // Calls f(K, C, node of the column, number of the slot) for each pair of places, K = dr/dU and C = dr/dV.
   template <class F>
-  void hand_over(const State& state, std::span<const Slot> slots, const F& f) const;
+  void each_block(const State& state, const F& f) const;
 
   std::shared_ptr<const Force> force_;
   std::vector<Place> places_;

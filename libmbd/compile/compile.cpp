@@ -809,6 +809,14 @@ class Compiler {
     system_->add_batch(std::make_unique<ForceBatch>(force, std::move(places), length_));
   }
 
+  // Those of a beam, each once: where two elements meet, both have one.
+  static std::vector<const BeamNode*> distinct_nodes(const CompiledBeam& beam) {
+    std::vector<const BeamNode*> nodes;
+    for (const BeamNode& node : beam.nodes)
+      if (nodes.empty() || node.s != nodes.back()->s) nodes.push_back(&node);
+    return nodes;
+  }
+
   // All nodes of a beam of that name, or the node of a place.
   std::vector<ForceBatch::At> nodes_called(const std::string& name, const Force& force) const {
     std::vector<std::string> known;
@@ -819,12 +827,9 @@ class Compiler {
     }
     for (const CompiledBeam& beam : beams_) {
       std::vector<ForceBatch::At> nodes;
-      double last = -1.0;
-      for (const BeamNode& node : beam.nodes) {
-        if (node.s == last) continue;  // where two elements meet
-        last = node.s;
-        nodes.push_back({node.node, node.frame});
-        known.push_back(text_of({Place::Kind::beam, beam.scene->name, node.s}));
+      for (const BeamNode* const node : distinct_nodes(beam)) {
+        nodes.push_back({node->node, node->frame});
+        known.push_back(text_of({Place::Kind::beam, beam.scene->name, node->s}));
         if (known.back() == name) return {nodes.back()};
       }
       if (beam.scene->name == name) return nodes;
@@ -893,13 +898,10 @@ class Compiler {
         continue;
       }
       Model::Line line{beam.scene->name, {}, {}, {}};
-      double last = -1.0;
-      for (const BeamNode& node : beam.nodes) {
-        if (node.s == last) continue;  // where two elements meet
-        last = node.s;
-        line.nodes.push_back(node.node);
-        line.frames.push_back(node.frame);
-        line.s.push_back(node.s);
+      for (const BeamNode* const node : distinct_nodes(beam)) {
+        line.nodes.push_back(node->node);
+        line.frames.push_back(node->frame);
+        line.s.push_back(node->s);
       }
       if (scene_.motion_output) add_resultants(beam, line);
       model.lines.push_back(std::move(line));

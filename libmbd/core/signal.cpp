@@ -322,13 +322,13 @@ std::vector<Jump> Signal::jumps() const {
     return {s.f, s.fdot, s.fddot};
   };
   std::vector<Jump> result;
+  if (has_inputs()) {
+    for (const double t : times) result.push_back({t, 0, std::numeric_limits<double>::quiet_NaN()});
+    return result;
+  }
   for (std::size_t i = 0; i < times.size(); ++i) {
     stop::check();
     const double t = times[i];
-    if (has_inputs()) {
-      result.push_back({t, 0, std::numeric_limits<double>::quiet_NaN()});
-      continue;
-    }
     double before = t - (i == 0 ? begin : times[i - 1]);
     double after = (i + 1 == times.size() ? end : times[i + 1]) - t;
     if (std::isinf(before)) before = std::isinf(after) ? std::max(1.0, std::abs(t)) : after;

@@ -80,7 +80,7 @@ int main() {
   mbd::outputs(model, state, y);
   const double angle = y[mbd::output_index(model, "motor.angle")];
 
-  // From the torque in N.mm to the angle, slowly: 1/(J s^2), J of rotor and arm; bending is thirty times faster.
+  // From the torque in N.mm to the angle, slowly: 1/(J s^2), J of rotor and arm; bending is much faster.
   const mbd::Linearization linear = mbd::linearize(mbd::compile(scene), model.initial);
   const mbd::ReducedMotion& r = *linear.reduced;
   const double rate = 3.0;

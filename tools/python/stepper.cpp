@@ -290,25 +290,18 @@ class StepperHandle {
       throw UseError(fmt::format("step_to({:g}): give a time up to the duration, {:g} s", t,
                                  transient_.duration));
     const double enough = 1e-9 * (transient_.step ? *transient_.step : transient_.duration);
-    stepper_->stop_at(std::min(t, transient_.duration));
-    try {
-      while (state_.t < t - enough) step(1);
-    } catch (...) {
-      stepper_->stop_at(std::numeric_limits<double>::infinity());
-      throw;
-    }
-    stepper_->stop_at(std::numeric_limits<double>::infinity());
+    struct Stop {
+      explicit Stop(Stepper& of, double at) : stepper(of) { stepper.stop_at(at); }
+      ~Stop() { stepper.stop_at(std::numeric_limits<double>::infinity()); }
+      Stepper& stepper;
+    } const stop(*stepper_, std::min(t, transient_.duration));
+    while (state_.t < t - enough) step(1);
   }
 
   // ---- checkpoints
-  py::bytes save() {
+  py::bytes keep(bool goes_back) {
     const Lock lock(*this);
-    const Checkpoint made = stepper_->save(state_);
-    return {made.bytes.data(), made.bytes.size()};
-  }
-  py::bytes remember() {
-    const Lock lock(*this);
-    const Checkpoint made = stepper_->remember(state_);
+    const Checkpoint made = goes_back ? stepper_->remember(state_) : stepper_->save(state_);
     return {made.bytes.data(), made.bytes.size()};
   }
   void resume(const py::bytes& bytes, bool goes_back) {
@@ -325,10 +318,6 @@ class StepperHandle {
     }
   }
 
-  const StateHandle linearized_about() {
-    const Lock lock(*this);
-    return {of_, state_};
-  }
   const Model& model() const { return of_->model; }
 
   StateHandle copy() {
@@ -404,14 +393,11 @@ class StepperHandle {
   }
 
   std::size_t find_input(const std::string& name) const {
-    const std::vector<InputInfo>& known = of_->model.system->inputs();
-    std::vector<std::string> names;
-    for (const InputInfo& input : known) {
-      if (input.name == name) return names.size();
-      names.push_back(input.name);
+    try {
+      return input_index(of_->model, name);
+    } catch (const Error& error) {
+      throw UnknownName(error.what());
     }
-    throw UnknownName(
-        fmt::format("there is no input \"{}\"{}", name, known_names(name, names, "inputs")));
   }
 
   bool at_end() const { return state_.t > transient_.duration * (1.0 - 1e-12); }
@@ -552,26 +538,28 @@ void bind_stepper(py::module_& module) {
            "Sets an input from now on, in its unit: held, or in a straight line that is at `value` "
            "after `over` "
            "seconds. Raises mbd.UnknownName and mbd.UseError.")
-      .def("save", &StepperHandle::save,
-           "The whole of the stepper as bytes. It and who restores them go on alike to the last "
-           "bit. Raises mbd.Error "
-           "for ida.")
+      .def(
+          "save", [](StepperHandle& s) { return s.keep(false); },
+          "The whole of the stepper as bytes. It and who restores them go on alike to the last "
+          "bit. Raises mbd.Error "
+          "for ida.")
       .def(
           "restore", [](StepperHandle& s, const py::bytes& bytes) { s.resume(bytes, false); },
           py::arg("checkpoint"),
           "Goes on from what save() gave, of the same model with the same method and settings. "
           "Raises mbd.UseError for "
           "others.")
-      .def("remember", &StepperHandle::remember,
-           "As save(), for go_back(), which takes steps again with other inputs: the tangent is "
-           "kept.")
+      .def(
+          "remember", [](StepperHandle& s) { return s.keep(true); },
+          "As save(), for go_back(), which takes steps again with other inputs: the tangent is "
+          "kept.")
       .def(
           "go_back", [](StepperHandle& s, const py::bytes& bytes) { s.resume(bytes, true); },
           py::arg("checkpoint"), "To where remember() was called.")
       .def(
           "linearize",
           [](StepperHandle& s) {
-            const StateHandle about = s.linearized_about();
+            const StateHandle about = s.copy();
             std::optional<Linearization> linear;
             raise_if(in_background([&](const std::atomic<bool>&) {
                        linear = linearize(s.model(), about.state);

@@ -90,6 +90,15 @@ SteadyRotation rotation_of(const RotationGiven& given) {
   return {0.0, axis / axis.norm(), through, {}};
 }
 
+// About steady rotation at a rate; "": about rest.
+void set_rotation(ModesOptions& options, const Scene& scene, const std::string& rate,
+                  const RotationGiven& given, const std::vector<std::string>& at_rest) {
+  if (rate.empty()) return;
+  options.rotation = rotation_of(given);
+  options.at_rest = at_rest;
+  options.rotation->rate = option_value("rate", rate, "rad/s", scene);
+}
+
 Scene scene_without(const ModelHandle& model, const std::vector<std::string>& effects) {
   return effects.empty() ? model.scene() : without(model.scene(), effects);
 }
@@ -106,11 +115,7 @@ py::dict modes(const ModelHandle& model, int count, const std::string& near,
     options.near = 2.0 * std::numbers::pi * option_value("near", near, "Hz", scene);
     if (!(options.near >= 0.0)) throw UseError("near: give a frequency that is not negative");
   }
-  if (!rate.empty()) {
-    options.rotation = rotation_of({axis, through});
-    options.at_rest = at_rest;
-    options.rotation->rate = option_value("rate", rate, "rad/s", scene);
-  }
+  set_rotation(options, scene, rate, {axis, through}, at_rest);
   std::optional<ModesStudy> study;
   raise_if(in_background([&](const std::atomic<bool>&) { study = study_modes(scene, options); }),
            py::none());
@@ -172,11 +177,7 @@ py::dict linear(const ModelHandle& model, const std::string& time, const std::st
                 const std::vector<std::string>& at_rest, const std::vector<std::string>& left_out) {
   const Scene scene = scene_without(model, left_out);
   ModesOptions options;
-  if (!rate.empty()) {
-    options.rotation = rotation_of({axis, through});
-    options.at_rest = at_rest;
-    options.rotation->rate = option_value("rate", rate, "rad/s", scene);
-  }
+  set_rotation(options, scene, rate, {axis, through}, at_rest);
   if (!time.empty()) options.time = option_value("at", time, "s", scene);
   std::optional<Linearization> made;
   raise_if(in_background([&](const std::atomic<bool>&) { made = linearize(scene, options); }),

@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/text/tables.hpp"
-#include "solvers/linear/klu_solver.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/time/stepper.hpp"
 
@@ -184,9 +184,6 @@ Linearization linearize(const Scene& scene, const ModesOptions& options) {
                   "linearize: the coefficients are constant in axes that rest only, in which nodes "
                   "turn; name what does not turn, or make it alike in all directions");
   }
-  const auto fail = [&](const Error& error) -> Error {
-    return {scene.source, std::string("linearize: ") + error.what()};
-  };
   try {
     Linearization linear = of_motions(of_scene.model(), of_scene.motions(), !options.time);
     linear.model = scene.name;
@@ -196,7 +193,7 @@ Linearization linearize(const Scene& scene, const ModesOptions& options) {
     linear.notes.insert(linear.notes.end(), of_scene.notes().begin(), of_scene.notes().end());
     return linear;
   } catch (const Error& error) {
-    throw fail(error);
+    throw Error(scene.source, std::string("linearize: ") + error.what());
   }
 }
 
@@ -205,12 +202,7 @@ Linearization linearize(const Model& model, const State& given) {
   check_motion(system, 0.0);
   check_sizes(system, given);
   State state = given;
-  double mass = 0.0;
-  Counters counters;
-  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
-  solver->analyze(system.graph());
-  if (const std::string failure = initial_accelerations(system, *solver, state, mass, counters);
-      !failure.empty())
+  if (const std::string failure = make_consistent(system, state); !failure.empty())
     throw Error("linearize: " + failure);
   SmallMotions motions(system);
   const double L = system.length_scale();

@@ -26,7 +26,7 @@ struct Linearization {
   Ports ports;
   VecX outputs;  // at the state
   // dy = C x + D du, du in the units of the inputs. By central differences of the outputs along exact small motions: to about
-  // 1e-8 of the largest entry of a row.
+  // 1e-7 of the largest entry of a row.
   MatX C, D;
   std::vector<std::string> notes;
 };

@@ -16,10 +16,8 @@
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/motion.hpp"
 #include "solvers/linear/block_solver.hpp"
-#include "solvers/linear/klu_solver.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/statics/statics.hpp"
-#include "solvers/time/stepper.hpp"
 
 namespace mbd {
 namespace {
@@ -121,13 +119,7 @@ void MotionsOfScene::rest() {
 void MotionsOfScene::run_to(double time) {
   const System& system = *model_.system;
   state_ = states_of_run(scene_, model_, start_of_run(scene_, model_), {time}, "modes").front();
-  // Those that belong to the positions and velocities, whatever the integrator's are.
-  double mass = 0.0;
-  Counters counters;
-  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
-  solver->analyze(system.graph());
-  if (const std::string failure = initial_accelerations(system, *solver, state_, mass, counters);
-      !failure.empty())
+  if (const std::string failure = make_consistent(system, state_); !failure.empty())
     throw Error(scene_.source, "modes: " + failure);
   if (!motions_->frozen_at(state_))
     throw Error(scene_.source, range_failure(system.out_of_range(state_)));

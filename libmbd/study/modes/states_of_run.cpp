@@ -10,6 +10,8 @@
 #include "libmbd/scene/label.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/linear/block_solver.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/stepper.hpp"
 
 namespace mbd {
 
@@ -44,6 +46,14 @@ State start_of_run(const Scene& scene, const Model& model) {
   const StaticReport found = find_equilibrium(scene, model, start);
   if (!found.converged) throw Error(scene.source, "static equilibrium: " + found.failure);
   return start;
+}
+
+std::string make_consistent(const System& system, State& state) {
+  double mass = 0.0;
+  Counters counters;
+  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+  solver->analyze(system.graph());
+  return initial_accelerations(system, *solver, state, mass, counters);
 }
 
 std::vector<State> states_of_run(const Scene& scene, const Model& model, State state,

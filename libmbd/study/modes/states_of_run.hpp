@@ -21,6 +21,10 @@ StaticReport find_equilibrium(const Scene& scene, const Model& model, State& sta
 // Error where there is none.
 State start_of_run(const Scene& scene, const Model& model);
 
+// Gives a state the accelerations and multipliers that belong to its positions and velocities, whatever an integrator's are.
+// Returns an empty string, or why there are none.
+std::string make_consistent(const System& system, State& state);
+
 // The states at rising times, none beyond the duration, from start_of_run(). `study`: who asks, in messages. Throws Error
 // where the run ends before, or is interrupted.
 std::vector<State> states_of_run(const Scene& scene, const Model& model, State start,
