@@ -32,7 +32,28 @@ ErrorTolerances error_tolerances(const TransientScene& transient) {
           .position = transient.position_tolerance.value_or(0.0),
           .rotation = transient.rotation_tolerance.value_or(0.0),
           .velocity = transient.velocity_tolerance.value_or(0.0),
-          .angular_velocity = transient.angular_velocity_tolerance.value_or(0.0)};
+          .angular_velocity = transient.angular_velocity_tolerance.value_or(0.0),
+          .of = transient.errors.value_or(ErrorsOf::velocities)};
+}
+
+bool follows_from_motion(const schema::Quantity& quantity) {
+  using schema::Quantity;
+  return quantity.from == Quantity::From::pose && quantity.of != Quantity::Of::whole_system;
+}
+
+ErrorsOf errors_of(const Scene& scene) {
+  const TransientScene& transient = *scene.transient;
+  if (transient.errors) return *transient.errors;
+  if (transient.method != TimeMethod::radau || !transient.tolerance ||
+      transient.velocity_tolerance || transient.angular_velocity_tolerance || scene.records.empty())
+    return ErrorsOf::velocities;
+  for (const RecordScene& record : scene.records)
+    for (const std::string& name : record.quantities) {
+      const schema::Quantity* const quantity =
+          schema::find_quantity(schema::quantities_of(record), name);
+      if (!quantity || !follows_from_motion(*quantity)) return ErrorsOf::velocities;
+    }
+  return ErrorsOf::motion;
 }
 
 Balance balance_of(const System& system, const TransientScene& transient) {

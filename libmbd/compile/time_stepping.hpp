@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "libmbd/core/system.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "solvers/time/error_control.hpp"
 #include "solvers/time/stepper.hpp"
@@ -13,6 +14,14 @@ namespace mbd {
 // The settings that make_stepper() uses, with the method's own where the scene gives none.
 NewtonOptions newton_options(const TransientScene& transient);
 ErrorTolerances error_tolerances(const TransientScene& transient);
+
+// Of radau with a tolerance: which errors its steps are held by. Where the scene does not say: of motion, if everything that
+// it records follows from the motion alone; else of velocities too.
+ErrorsOf errors_of(const Scene& scene);
+
+// Of positions, rotations, angles of joints, lengths of joints and springs. Not of what is of the whole system, which has
+// energies of stiff strains in it.
+bool follows_from_motion(const schema::Quantity& quantity);
 
 // Of generalized_alpha. Where the scene gives none: of momenta where nothing ties any part to the ground (and inertia is
 // full), so that a system in free flight keeps its momenta; else of accelerations, which damps less what turns.

@@ -28,6 +28,10 @@ enum class TimeMethod { generalized_alpha, radau, ida };
 // (solvers/time/generalized_alpha.hpp).
 enum class Balance { acceleration, momentum };
 
+// Of which estimated errors steps are held below a tolerance: of positions and rotations alone, or of velocities as well
+// (solvers/time/error_control.hpp).
+enum class ErrorsOf { motion, velocities };
+
 // Which terms inertia has (elements/node/mass.hpp). no_gyroscopic: without the moment w x J w about the mass centre of
 // what moves with a node.
 enum class InertiaTerms { full, no_gyroscopic };
@@ -68,6 +72,8 @@ template <>
 inline constexpr std::string_view words_of<TimeMethod> = "generalized_alpha radau ida";
 template <>
 inline constexpr std::string_view words_of<Balance> = "acceleration momentum";
+template <>
+inline constexpr std::string_view words_of<ErrorsOf> = "motion velocities";
 template <>
 inline constexpr std::string_view words_of<InertiaTerms> = "full no_gyroscopic";
 template <>

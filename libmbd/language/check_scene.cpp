@@ -445,6 +445,17 @@ void check(const Checked& item, const TransientScene& transient, const Scene&) {
     item.fail_if(
         transient.step && *value,
         std::string(name) + " belongs to \"tolerance\", and the steps are fixed; leave it out");
+  item.fail_if(transient.errors && transient.step,
+               "errors belongs to \"tolerance\", and the steps are fixed; leave it out");
+  item.fail_if(transient.errors && transient.method != TimeMethod::radau,
+               "errors:" + method +
+                   (alpha ? " estimates errors of positions and rotations only"
+                          : " holds those of velocities as well") +
+                   "; leave it out, or give method=\"radau\"");
+  item.fail_if(transient.errors == ErrorsOf::motion &&
+                   (transient.velocity_tolerance || transient.angular_velocity_tolerance),
+               "errors=\"motion\" holds no velocities; leave it out, or the tolerances of "
+               "velocities");
   for (const auto& [name, value] :
        {std::pair{"velocity_tolerance", &transient.velocity_tolerance},
         {"angular_velocity_tolerance", &transient.angular_velocity_tolerance}})

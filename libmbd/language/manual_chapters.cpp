@@ -563,6 +563,13 @@ digits to offer after a while, with any method). So compare a run with one of a 
 smaller. `report.json` and the summary have the steps accepted and rejected, the shortest and the
 longest, and the sum of the estimated errors.
 
+Stiff parts, as bars along their axes, carry waves of small amplitude whose velocities need steps many times
+shorter than the positions do. With `errors="motion"` steps of radau are held by the errors of positions and rotations
+alone, relative to the largest motion so far, and what such waves do is damped where steps are too long for it; forces,
+accelerations and energies of stiff strains are then wrong by what those waves are. It is the default where nothing
+is recorded that would see it: positions, rotations, angles and lengths only. `errors="velocities"` holds them as well. What
+was left is said at the end of the run.
+
 `inertia="no_gyroscopic"` leaves out the moment w x J w of what moves with a node, J being its inertia
 about its mass centre: all else of inertia stays, J dw/dt in body axes among it. Of a sphere's J there
 is no such moment; of any other, whirling and precession are those of a sphere with the transverse

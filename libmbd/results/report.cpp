@@ -99,6 +99,7 @@ Json settings(const TransientScene& transient) {
   given("velocity_tolerance", transient.velocity_tolerance);
   given("angular_velocity_tolerance", transient.angular_velocity_tolerance);
   given("max_step", transient.max_step);
+  if (transient.errors) all["errors"] = name_of(*transient.errors);
   const std::optional<double> interval = row_interval(transient);
   all["output"] = interval ? Json(*interval) : Json("steps");
   if (transient.method == TimeMethod::generalized_alpha) {
@@ -234,6 +235,8 @@ std::string to_json(const RunReport& report) {
       solver["transient"]["largest_error_of_a_step"] = sizes.worst_error;
       solver["transient"]["sum_of_errors"] = {{"position", sizes.position_error},
                                               {"rotation", sizes.rotation_error}};
+      if (report.transient->errors == ErrorsOf::motion)
+        solver["transient"]["largest_velocity_error_not_held"] = sizes.velocity_left;
     }
   }
   all["solver"] = solver;

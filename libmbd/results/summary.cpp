@@ -90,6 +90,9 @@ void step_sizes(std::string& text, const RunReport& report) {
       "to\t{:.2g}\ts; estimated errors: {:.2g} of what is allowed in a step, at most; in all, "
       "{:.1e}\tm and\t{:.1e}\trad",
       sizes.most, sizes.worst_error, sizes.position_error, sizes.rotation_error);
+  if (report.transient->errors == ErrorsOf::motion)
+    words += fmt::format("; of velocities up to {:.1e} of the fastest, which are not held",
+                         sizes.velocity_left);
   item(text, "step sizes", words);
 }
 

@@ -159,6 +159,7 @@ std::string error_limits(const TransientScene& transient) {
   add("velocity_tolerance", transient.velocity_tolerance, "m/s");
   add("angular_velocity_tolerance", transient.angular_velocity_tolerance, "rad/s");
   add("max_step", transient.max_step, "s");
+  if (transient.errors) text += fmt::format(", errors of {}", name_of(*transient.errors));
   return text;
 }
 
@@ -225,6 +226,7 @@ Json settings(const CheckReport& report) {
       given("velocity_tolerance", transient->velocity_tolerance);
       given("angular_velocity_tolerance", transient->angular_velocity_tolerance);
       given("max_step", transient->max_step);
+      if (transient->errors) of["errors"] = name_of(*transient->errors);
     }
     const std::optional<double> interval = row_interval(*transient);
     of["output"] = interval ? Json(*interval) : Json("steps");

@@ -154,6 +154,9 @@ class Run {
     report_.parameters = scene.parameters;
     report_.statics = scene.statics;
     report_.transient = scene.transient;
+    if (scene.transient && scene.transient->method == TimeMethod::radau &&
+        scene.transient->tolerance)
+      report_.transient->errors = errors_of(scene);
     report_.path = scene.path;
     report_.notes = options.notes;
     report_.accuracy = options.accuracy;
@@ -429,7 +432,7 @@ class Run {
 
   void integrate(State& state) {
     kept_.reset();  // steps leave the state alone until they are done
-    const TransientScene& transient = *scene_.transient;
+    const TransientScene& transient = *report_.transient;
     check_initial_state(*model_.system, state, 1.0 / transient.duration);
     if (transient.rho_infinity == 1.0)
       report_.notes.push_back(

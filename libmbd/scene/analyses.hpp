@@ -106,6 +106,7 @@ struct TransientScene {
   // With a tolerance only; of velocities, not of generalized_alpha.
   std::optional<double> position_tolerance = {}, rotation_tolerance = {}, velocity_tolerance = {},
                         angular_velocity_tolerance = {}, max_step = {};
+  std::optional<ErrorsOf> errors = {};          // of radau with a tolerance only
   std::optional<double> newton_tolerance = {};  // of ida there is none
   // Of generalized_alpha only.
   std::optional<double> rho_infinity = {};
@@ -143,6 +144,10 @@ struct TransientScene {
             positive));
     f(Field(&S::angular_velocity_tolerance, "angular_velocity_tolerance", "rad/s", optional,
             "the same, of angular velocities", positive));
+    f(Field(&S::errors, "errors", "", optional,
+            "of radau with a tolerance: which errors steps are held by, those of positions and "
+            "rotations, relative to the largest motion so far, or of velocities as well (default: "
+            "motion where all that is recorded follows from it, else velocities)"));
     f(Field(&S::max_step, "max_step", "s", optional,
             "longest step that a tolerance may lead to (default: a part of the duration)",
             positive));

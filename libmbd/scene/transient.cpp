@@ -66,6 +66,7 @@ std::vector<std::string> change_stepping(TransientScene& transient, const Steppi
     drop("rotation_tolerance", transient.rotation_tolerance, why);
     drop("velocity_tolerance", transient.velocity_tolerance, why);
     drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+    drop("errors", transient.errors, why);
     drop("max_step", transient.max_step, why);
   }
   if (change.tolerance) {
@@ -87,6 +88,9 @@ std::vector<std::string> change_stepping(TransientScene& transient, const Steppi
     drop("velocity_tolerance", transient.velocity_tolerance, why);
     drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
   }
+  if (transient.method != TimeMethod::radau)
+    drop("errors", transient.errors,
+         fmt::format("it belongs to radau, not {}", name_of(transient.method)));
   if (!takes_newton_tolerance(transient))
     drop("newton_tolerance", transient.newton_tolerance,
          fmt::format("{} derives its own from the tolerance", name_of(transient.method)));

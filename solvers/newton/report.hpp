@@ -41,6 +41,8 @@ struct StepSizes {
   // Sums of the estimated local errors of all accepted steps: positions [m], rotations [rad]. Of the error at
   // the end they are a bound only where nothing amplifies errors.
   double position_error = 0.0, rotation_error = 0.0;
+  // Where velocities are not held: the largest estimated error of one, of what moves fastest at the time.
+  double velocity_left = 0.0;
 };
 
 struct StepReport {

@@ -12,6 +12,8 @@ namespace mbd {
 namespace {
 
 constexpr double finest = 1e-14;  // relative tolerance
+// Lengths of the scene, or radians: smaller motions are as wrong as one of that size.
+constexpr double least_motion = 1e-6;
 
 }  // namespace
 
@@ -46,6 +48,24 @@ void ErrorNorm::measure(const State& begin, const State& end) {
   round_off_ = units * std::numeric_limits<double>::epsilon() * farthest;
   step_ = std::abs(end.t - begin.t);
   measure(speed, spin);
+  if (tolerances_.of == ErrorsOf::motion) measure_travel(begin, end);
+}
+
+void ErrorNorm::measure_travel(const State& begin, const State& end) {
+  if (start_.empty()) start_ = begin.pose;
+  const auto look = [this](const State& state, double& travel, double& turn) {
+    for (std::size_t n = 1; n < start_.size(); ++n) {
+      travel = std::max(travel, (state.pose[n].r - start_[n].r).norm());
+      turn = std::max(turn, 2.0 * (start_[n].p.conjugate() * state.pose[n].p).vec().norm());
+    }
+  };
+  look(begin, most_travel_, most_turn_);
+  travel_ = most_travel_;
+  turn_ = most_turn_;
+  look(end, travel_, turn_);
+  // As of velocities: a part that only turns moves its points.
+  travel_ = std::max({travel_, 1e-3 * turn_ * length_, least_motion * length_});
+  turn_ = std::max(turn_, 1e-3 * travel_ / length_);
 }
 
 void ErrorNorm::measure(double speed, double spin) {
@@ -59,16 +79,19 @@ void ErrorNorm::measure(double speed, double spin) {
 ErrorTolerances ErrorNorm::limits() const {
   const auto limit = [](double given, double relative) { return given > 0.0 ? given : relative; };
   const double r = tolerances_.relative;
-  return {.relative = r,
-          .position = limit(tolerances_.position, r * length_),
-          .rotation = limit(tolerances_.rotation, r),
-          .velocity = limit(tolerances_.velocity, r * speed_),
-          .angular_velocity = limit(tolerances_.angular_velocity, r * spin_)};
+  const bool motion = tolerances_.of == ErrorsOf::motion;
+  return {
+      .relative = r,
+      .position = limit(tolerances_.position, r * (motion ? std::min(travel_, length_) : length_)),
+      .rotation = limit(tolerances_.rotation, r * (motion ? std::min(turn_, 1.0) : 1.0)),
+      .velocity = limit(tolerances_.velocity, r * speed_),
+      .angular_velocity = limit(tolerances_.angular_velocity, r * spin_),
+      .of = tolerances_.of};
 }
 
 double ErrorNorm::operator()(std::span<const Vec6> eU, std::span<const Vec6> eV,
                              double factor) const {
-  position_ = rotation_ = 0.0;
+  position_ = rotation_ = velocity_left_ = 0.0;
   worst_row_ = -1;
   double worst = 0.0, sum = 0.0;
   const ErrorTolerances allowed = limits();
@@ -91,7 +114,14 @@ double ErrorNorm::operator()(std::span<const Vec6> eU, std::span<const Vec6> eV,
     position_ = std::max(position_, eU[n].head<3>().norm());
     rotation_ = std::max(rotation_, eU[n].tail<3>().norm());
     look(eU[n], n, 0);
-    if (!eV.empty()) look(eV[n], n, 2);
+    if (eV.empty()) continue;
+    if (tolerances_.of == ErrorsOf::velocities) {
+      look(eV[n], n, 2);
+    } else {
+      const double speed = eV[n].head<3>().norm() / speed_, spin = eV[n].tail<3>().norm() / spin_;
+      velocity_left_ = std::max({velocity_left_, speed, spin});
+      sum += speed + spin;
+    }
   }
   if (!std::isfinite(sum)) return std::numeric_limits<double>::quiet_NaN();
   return worst / factor;

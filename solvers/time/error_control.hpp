@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "libmbd/core/choices.hpp"
 #include "libmbd/core/system.hpp"
 
 namespace mbd {
@@ -12,12 +13,18 @@ namespace mbd {
 // What is tolerated of the error of the motion. Errors of positions are measured in lengths of the scene and
 // rotations in radians, velocities in what moves fastest at the time; `relative` is of those. Limits in
 // physical units, where given, take the place of the relative one for their kind.
+//
+// Errors of the motion alone. Where things are stiff, waves of small amplitude have velocities that matter: steps that resolve
+// them are many times shorter than positions need, which an L-stable method gets right without. With `of` motion,
+// velocities are not measured, and errors of positions and rotations are relative to the largest distance and turn since
+// the start (at most a length of the scene and a radian), so that small motions are as accurate as large ones.
 struct ErrorTolerances {
   double relative = 0.0;          // 0: no error control
   double position = 0.0;          // [m], 0: relative
   double rotation = 0.0;          // [rad]
   double velocity = 0.0;          // [m/s]
   double angular_velocity = 0.0;  // [rad/s]
+  ErrorsOf of = ErrorsOf::velocities;
 };
 
 class ErrorNorm {
@@ -35,12 +42,14 @@ class ErrorNorm {
   ErrorTolerances limits() const;
 
   // Largest component of an error by node, in units of what is tolerated times `factor`; NaN if one is not
-  // finite. An empty `eV` is not measured.
+  // finite. An empty `eV` is not measured; of errors of motion, it does not count.
   double operator()(std::span<const Vec6> eU, std::span<const Vec6> eV, double factor) const;
 
   // Of the last call: the largest errors, and the row of the residual (System::name_of) where the norm was.
   double position() const { return position_; }  // [m]
   double rotation() const { return rotation_; }  // [rad]
+  // Of velocities that do not count: largest error, of what moves fastest.
+  double velocity_left() const { return velocity_left_; }
   Index worst_row() const { return worst_row_; }
 
   // Fraction of lengths and radians at which velocities, changed by `rate` [1/s] times the motion, are as
@@ -48,14 +57,22 @@ class ErrorNorm {
   double velocity_share(double rate) const;
 
   // What it has measured (archive.hpp).
-  void archive(auto& a) { a(speed_, spin_, round_off_, step_, position_, rotation_, worst_row_); }
+  void archive(auto& a) {
+    a(speed_, spin_, round_off_, step_, position_, rotation_, velocity_left_, worst_row_, start_,
+      most_travel_, most_turn_, travel_, turn_);
+  }
 
  private:
+  void measure_travel(const State& begin, const State& end);
+
   ErrorTolerances tolerances_;
   double length_, duration_;
   double speed_ = 0.0, spin_ = 0.0;      // [m/s], [rad/s]
   double round_off_ = 0.0, step_ = 0.0;  // of positions [m], [s]
-  mutable double position_ = 0.0, rotation_ = 0.0;
+  // Of errors of motion: since the start, of accepted states [m], [rad], and with that under way.
+  std::vector<Pose<double>> start_;
+  double most_travel_ = 0.0, most_turn_ = 0.0, travel_ = 0.0, turn_ = 0.0;
+  mutable double position_ = 0.0, rotation_ = 0.0, velocity_left_ = 0.0;
   mutable Index worst_row_ = -1;
 };
 

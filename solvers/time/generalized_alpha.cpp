@@ -32,6 +32,7 @@ constexpr double damps_little =
     0.91;  // rho_infinity: beyond, a step that fails is taken for ringing
 // Rank-tolerant steps: increments of multipliers that fall no faster, where those of the motion are that small.
 constexpr double creeping = 0.5, converged_motion = 0.1;
+constexpr double without_multipliers = 1e300;  // a slack with which they do not count
 // Of a node in a step [rad]: angles of joints, between two nodes, are unwrapped to the nearest value, up to pi.
 constexpr double most_turn = 1.5;
 
@@ -332,14 +333,17 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     double left = always ? e : e * kept_.share_left();
     // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion
     // does not feel it.
-    if (tolerant_ && before > 0.0 && e > creeping * before) {
-      constexpr double without_multipliers = 1e300;
-      const double motion =
-          norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, without_multipliers);
-      if (motion < converged_motion) left = motion;
-    }
+    const bool creeps = before > 0.0 && e > creeping * before;
+    const double motion =
+        creeps ? norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, without_multipliers)
+               : 0.0;
+    if (tolerant_ && creeps && motion < converged_motion) left = motion;
     report.error = left;
-    if (left < 1.0) {
+    // Multipliers that do not settle any more, where the motion has: as large as what round-off of the gaps makes of them,
+    // which in a long row of bodies is far above what one body feels of it.
+    const bool settled =
+        left < 1.0 || (creeps && !tolerant_ && motion < converged_motion && is_round_off(e));
+    if (settled) {
       if (!in_range) break;
       kept_.accepted_after(report.iterations);
       refactor_next_ = kept_.is_old_after(report.iterations);
@@ -414,13 +418,21 @@ double GeneralizedAlpha::estimated_error(bool) {
 }
 
 // Gaps of eps times positions, of which (2) makes dU and s dlambda.
+// Whether an increment of that size is what gaps of eps times positions make of motion and multipliers, with the present
+// tangent. The signs of these gaps are not those of the iterations, so a few times as much counts.
+bool GeneralizedAlpha::is_round_off(double e) {
+  constexpr double few = 10.0;
+  if (system_.multipliers() == 0) return false;
+  const std::span<double> x(x_.data(), static_cast<std::size_t>(x_.size()));
+  set_round_off(round_off_of_positions(end_), x);
+  solver().solve(x);
+  return e < few * norm_(x, a_.beta * h_ * h_, multiplier_slack());
+}
+
 std::optional<RoundOff> GeneralizedAlpha::round_off() {
   if (!factored_ || history_ == 0 || system_.multipliers() == 0) return std::nullopt;
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  double farthest = system_.length_scale();
-  for (const Pose<double>& H : end_.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
   const std::span<double> x(x_.data(), static_cast<std::size_t>(x_.size()));
-  set_round_off(eps * farthest, x);
+  set_round_off(round_off_of_positions(end_), x);
   solver_->solve(x);
   RoundOff result = round_off_of(x, a_.gamma / (h_ * a_.beta), 1.0 / (a_.beta * h_ * h_));
   result.reciprocal_condition = solver_->reciprocal_condition();

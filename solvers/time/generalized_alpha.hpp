@@ -113,6 +113,7 @@ class GeneralizedAlpha final : public OneStep {
   void predict(double t, bool extrapolate);
   void update_poses();
   bool residual();
+  bool is_round_off(double e);
   bool factorize(StepReport& report, bool& in_range);
   bool iterate(StepReport& report);
   LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "libmbd/core/error.hpp"
 #include "solvers/constraints/redundancy.hpp"
@@ -56,6 +57,12 @@ void OneStep::add_rank_tolerance(std::span<const Slot> own) const {
 
 double OneStep::multiplier_slack() const {
   return tolerant_ ? std::max(1.0, loose_multipliers / settings_.newton.multiplier_tolerance) : 1.0;
+}
+
+double OneStep::round_off_of_positions(const State& state) const {
+  double farthest = system_.length_scale();
+  for (const Pose<double>& H : state.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
+  return std::numeric_limits<double>::epsilon() * farthest;
 }
 
 void OneStep::set_round_off(double size, std::span<double> x) const {
@@ -340,6 +347,7 @@ StepReport OneStep::adaptive_step(State& state) {
     sizes_.worst_error = std::max(sizes_.worst_error, report.error);
     sizes_.position_error += error_norm_->position();
     sizes_.rotation_error += error_norm_->rotation();
+    sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
     take_step(state);
     ++counters_.steps;
     if (last && landing.restart && !restart_at(landing.restart_at, state, report)) return report;

@@ -78,6 +78,7 @@ class OneStep : public Stepper {
   // On the tolerance of multipliers, of which some are not determined in a rank-tolerant step.
   double multiplier_slack() const;
 
+  double round_off_of_positions(const State& state) const;  // [m]
   // Right-hand side of a response to round-off: 0 for the motion, and for the constraints `size` [m or m/s] (over
   // the scene's length for angles) of either sign.
   void set_round_off(double size, std::span<double> x) const;

@@ -24,7 +24,7 @@ constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart 
 // Adaptive steps: the estimate goes with h^4, the error with h^5; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 4;
-constexpr double local_tolerance = 0.1;
+constexpr double local_tolerance = 0.1, local_tolerance_of_motion = 0.03;
 constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increments
 constexpr double velocity_gain = 4.0;  // h dV/dU of a stage: about |gamma|, |mu|
 
@@ -415,7 +415,9 @@ void Radau::forget() {
 
 double Radau::estimated_error(bool again) {
   // Of tolerance^(4/5).
-  const double factor = local_tolerance * std::pow(settings_.tolerances.relative, -0.2);
+  const double factor =
+      (settings_.tolerances.of == ErrorsOf::motion ? local_tolerance_of_motion : local_tolerance) *
+      std::pow(settings_.tolerances.relative, -0.2);
   estimate(false);
   error_norm_->measure(begin_, stage_[2]);
   const double error = (*error_norm_)(eQ_, eV_, factor);

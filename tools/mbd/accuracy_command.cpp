@@ -111,7 +111,8 @@ void add_accuracy_command(CLI::App& app, int& status) {
       ->add_option(
           "-v,--vary", arguments->vary,
           "values of a knob: order, elements (of the beams that have the fewest; others in "
-          "proportion), metric, rule, form, method, step, tolerance; as lists (1,2,4), ranges "
+          "proportion), metric, rule, form, method, step, tolerance, errors; as lists (1,2,4), "
+          "ranges "
           "(2:6, 1e-2:1e-8) or all; default: those that suit the model")
       ->type_name("KNOB=VALUES …");
   command

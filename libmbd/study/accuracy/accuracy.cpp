@@ -676,7 +676,7 @@ void fit_orders(AccuracyStudy& study, const Scene& scene) {
       for (auto& [key, family] : families) {
         const Setting& setting = study.points[family.front()].setting;
         std::string group;
-        for (const Knob other : {Knob::metric, Knob::rule, Knob::form, Knob::method})
+        for (const Knob other : {Knob::metric, Knob::rule, Knob::form, Knob::method, Knob::errors})
           group += value_of(setting, other) + ";";
         if (knob == Knob::elements) group += value_of(setting, Knob::order);
         std::sort(family.begin(), family.end(), [&](std::size_t a, std::size_t b) {

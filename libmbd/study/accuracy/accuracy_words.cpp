@@ -27,6 +27,8 @@ std::string words_of(const Setting& setting, Knob knob) {
     case Knob::form:
     case Knob::method:
       break;
+    case Knob::errors:
+      return "errors of " + value;
   }
   return value;
 }

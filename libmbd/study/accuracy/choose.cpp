@@ -7,6 +7,8 @@
 #include <deque>
 #include <limits>
 
+#include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/study/trial/norm.hpp"
 
 namespace mbd {
@@ -77,7 +79,10 @@ class Chooser {
       empty.columns.push_back(column.name);
       empty.units.push_back(column.unit);
     }
-    vectors_of(empty, options_.quantities);  // and what is wrong with their names before a run
+    // And what is wrong with their names before a run.
+    const std::vector<Components> asked = vectors_of(empty, options_.quantities);
+    if (moving() && !scene_.transient->errors && seen_by_motion(empty, asked))
+      errors_ = ErrorsOf::motion;
     try {
       search();
     } catch (const Enough& enough) {
@@ -107,6 +112,19 @@ class Chooser {
     double knob = 0.0, error = 0.0;
   };
 
+  // Whether steps need not look at velocities for all that is asked for.
+  bool seen_by_motion(const Findings& empty, const std::vector<Components>& asked) const {
+    if (scene_.transient->velocity_tolerance || scene_.transient->angular_velocity_tolerance)
+      return false;
+    for (const Components& vector : asked)
+      for (const std::size_t column : vector.columns) {
+        const schema::Quantity* const quantity =
+            schema::recorded_in(scene_, empty.columns[column]).quantity;
+        if (!quantity || !follows_from_motion(*quantity)) return false;
+      }
+    return !asked.empty();
+  }
+
   bool flexible() const { return !scene_.beams.empty(); }
   bool moving() const { return scene_.transient.has_value(); }
 
@@ -117,7 +135,7 @@ class Chooser {
     if (fixed_)
       s.step = *scene_.transient->step * tolerance;
     else
-      s.method = TimeMethod::radau, s.tolerance = tolerance;
+      s.method = TimeMethod::radau, s.tolerance = tolerance, s.errors = errors_;
     return s;
   }
 
@@ -452,11 +470,20 @@ class Chooser {
       }
       take_if_cheaper({}, verifier);
     }
+    // Velocities that nothing recorded sees need not be followed.
+    if (!errors_ && !scene_.transient->errors &&
+        errors_of(with(scene_, choice_.setting)) == ErrorsOf::velocities)
+      for (const double times : {1.0, 10.0}) {
+        Setting motion = setting(mesh, std::min(coarsest_tolerance, times * tolerance_));
+        motion.errors = ErrorsOf::motion;
+        if (!take_if_cheaper(motion, verifier)) break;
+      }
     // Smooth motions need no steps of different lengths, nor what finds them.
     for (double n = std::floor(0.5 * static_cast<double>(chosen.trial.counters.steps)); n >= 1.0;
          n = std::floor(0.5 * n)) {
       Setting steps = setting(mesh, tolerance_);
       steps.tolerance.reset();
+      steps.errors.reset();
       steps.step = scene_.transient->duration / n;
       if (!take_if_cheaper(steps, verifier)) break;
     }
@@ -498,9 +525,10 @@ class Chooser {
   const Scene& scene_;
   const ChooseOptions& options_;
   Choice choice_;
-  std::deque<Known> known_;  // references stay good
-  bool fixed_ = false;       // fractions of the model's own step, in place of tolerances
-  double tolerance_ = 0.0;   // or that fraction
+  std::deque<Known> known_;         // references stay good
+  bool fixed_ = false;              // fractions of the model's own step, in place of tolerances
+  double tolerance_ = 0.0;          // or that fraction
+  std::optional<ErrorsOf> errors_;  // the scene's own where there is none
   double in_time_ = 0.0;
   double verified_ = 0.0;  // believed of the run that was verified
   // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].

@@ -17,10 +17,14 @@ namespace {
 constexpr int most_values = 1000;  // of one knob
 constexpr int most_elements_of_a_beam = 100000;
 
+bool is_of_time(Knob knob) {
+  return knob == Knob::method || knob == Knob::step || knob == Knob::tolerance ||
+         knob == Knob::errors;
+}
+
 // The attribute that a knob stands for in a model.
 const schema::Attribute& attribute_of(Knob knob) {
-  const bool in_time = knob == Knob::method || knob == Knob::step || knob == Knob::tolerance;
-  return *schema::find_attribute(*schema::find_element(in_time ? "transient" : "beam"),
+  return *schema::find_attribute(*schema::find_element(is_of_time(knob) ? "transient" : "beam"),
                                  name_of(knob));
 }
 
@@ -142,7 +146,7 @@ void multiply(std::vector<Setting>& settings, const std::vector<Value>& values, 
 
 std::string_view name_of(Knob knob) {
   constexpr std::array<std::string_view, knobs.size()> names = {
-      "order", "elements", "metric", "rule", "form", "method", "step", "tolerance"};
+      "order", "elements", "metric", "rule", "form", "method", "step", "tolerance", "errors"};
   return names[static_cast<std::size_t>(knob)];
 }
 
@@ -156,6 +160,8 @@ std::string value_of(const Setting& setting, Knob knob) {
       return setting.form ? word(knob, *setting.form) : "";
     case Knob::method:
       return setting.method ? word(knob, *setting.method) : "";
+    case Knob::errors:
+      return setting.errors ? word(knob, *setting.errors) : "";
     default:
       break;
   }
@@ -182,7 +188,7 @@ Scene with(const Scene& scene, const Setting& setting) {
   Scene varied = scene;
   for (const Knob knob : knobs) {
     if (value_of(setting, knob).empty()) continue;
-    const bool in_time = knob == Knob::method || knob == Knob::step || knob == Knob::tolerance;
+    const bool in_time = is_of_time(knob);
     if (in_time && !scene.transient)
       throw Error(scene.source,
                   fmt::format("{} cannot be varied: the model has no <transient>", name_of(knob)));
@@ -204,6 +210,18 @@ Scene with(const Scene& scene, const Setting& setting) {
   }
   if (varied.transient)
     change_stepping(*varied.transient, {setting.method, setting.step, setting.tolerance});
+  if (setting.errors) {
+    TransientScene& transient = *varied.transient;
+    if (transient.method != TimeMethod::radau || !transient.tolerance)
+      throw Error(scene.source,
+                  "errors cannot be varied but of steps of radau that follow a tolerance; vary "
+                  "method=radau and tolerance too");
+    transient.errors = setting.errors;
+    if (setting.errors == ErrorsOf::motion) {
+      transient.velocity_tolerance.reset();
+      transient.angular_velocity_tolerance.reset();
+    }
+  }
   return varied;
 }
 
@@ -225,6 +243,7 @@ Setting setting_of(const Scene& scene) {
     setting.method = scene.transient->method;
     setting.step = scene.transient->step;
     setting.tolerance = scene.transient->tolerance;
+    setting.errors = scene.transient->errors;
   }
   return setting;
 }
@@ -240,6 +259,7 @@ std::string to_text(const Scene& scene, const Setting& setting) {
     if (const std::string value = value_of(setting, knob); !value.empty()) parts.push_back(value);
   if (setting.step) parts.push_back(fmt::format("step {:.6g} s", *setting.step));
   if (setting.tolerance) parts.push_back(fmt::format("tolerance {:g}", *setting.tolerance));
+  if (setting.errors) parts.push_back("errors of " + value_of(setting, Knob::errors));
   return parts.empty() ? "as it is" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -263,7 +283,9 @@ std::string snippet(const Scene& scene, const Setting& setting) {
   }
   if (!scene.transient) return text;
   const TransientScene &was = *scene.transient, &is = *varied.transient;
-  if (was.method == is.method && was.step == is.step && was.tolerance == is.tolerance) return text;
+  if (was.method == is.method && was.step == is.step && was.tolerance == is.tolerance &&
+      was.errors == is.errors)
+    return text;
   text += fmt::format("<transient duration=\"{}\" method=\"{}\"", schema::shortest(is.duration),
                       name_of(is.method));
   const auto say = [&](std::string_view name, const std::optional<double>& value) {
@@ -275,6 +297,7 @@ std::string snippet(const Scene& scene, const Setting& setting) {
   say("rotation_tolerance", is.rotation_tolerance);
   say("velocity_tolerance", is.velocity_tolerance);
   say("angular_velocity_tolerance", is.angular_velocity_tolerance);
+  if (is.errors) text += fmt::format(" errors=\"{}\"", name_of(*is.errors));
   say("max_step", is.max_step);
   say("newton_tolerance", is.newton_tolerance);
   say("rho_infinity", is.rho_infinity);
@@ -309,6 +332,9 @@ void add_variation(Variations& variations, const std::string& text) {
         continue;
       case Knob::method:
         add_choices(variations.method, knob, text, value);
+        continue;
+      case Knob::errors:
+        add_choices(variations.errors, knob, text, value);
         continue;
       default:
         break;
@@ -377,10 +403,16 @@ std::vector<Setting> settings_of(const Variations& variations) {
       if (!both || !alpha) {
         multiply(
             other, variations.tolerance, [](Setting & s) -> auto& { return s.tolerance; });
+        if (!chosen || setting.method == TimeMethod::radau)
+          multiply(
+              other, variations.errors, [](Setting & s) -> auto& { return s.errors; });
         if (!variations.tolerance.empty()) all.insert(all.end(), other.begin(), other.end());
       }
     }
     in_time = std::move(all);
+  } else {
+    multiply(
+        in_time, variations.errors, [](Setting & s) -> auto& { return s.errors; });
   }
   std::vector<Setting> settings{{}};
   multiply(
@@ -400,6 +432,7 @@ std::vector<Setting> settings_of(const Variations& variations) {
       product.back().method = time.method;
       product.back().step = time.step;
       product.back().tolerance = time.tolerance;
+      product.back().errors = time.errors;
     }
   return product;
 }

@@ -12,9 +12,10 @@
 namespace mbd {
 
 // In the order in which tables and pictures list them.
-enum class Knob { order, elements, metric, rule, form, method, step, tolerance };
-inline constexpr std::array knobs = {Knob::order, Knob::elements, Knob::metric, Knob::rule,
-                                     Knob::form,  Knob::method,   Knob::step,   Knob::tolerance};
+enum class Knob { order, elements, metric, rule, form, method, step, tolerance, errors };
+inline constexpr std::array knobs = {Knob::order, Knob::elements,  Knob::metric,
+                                     Knob::rule,  Knob::form,      Knob::method,
+                                     Knob::step,  Knob::tolerance, Knob::errors};
 
 // As --vary and the columns of trials.csv write it: "order", "elements", …
 std::string_view name_of(Knob knob);
@@ -31,6 +32,7 @@ struct Setting {
   std::optional<TimeMethod> method = {};
   std::optional<double> step = {};       // [s], fixed steps; in place of a tolerance
   std::optional<double> tolerance = {};  // relative, adaptive steps; in place of a step
+  std::optional<ErrorsOf> errors = {};   // that radau's adaptive steps are held by
 
   bool operator==(const Setting&) const = default;
 };
@@ -42,7 +44,8 @@ std::optional<double> number_of(const Setting& setting, Knob knob);
 
 // The scene with these settings. Its own choices that do not go with them are left out (rho_infinity of another
 // method than generalized_alpha, newton_tolerance of other steps, limits in units of a tolerance). Throws Error
-// for knobs that the scene does not have (order without beams, step without <transient>), and values out of range.
+// for knobs that the scene does not have (order without beams, step without <transient>, errors of other steps than
+// radau's with a tolerance), and values out of range.
 Scene with(const Scene& scene, const Setting& setting);
 
 // The scene's own: of beams those of the first, where all agree.
@@ -65,6 +68,7 @@ struct Variations {
   std::vector<Form> form;
   std::vector<TimeMethod> method;
   std::vector<double> step, tolerance;
+  std::vector<ErrorsOf> errors;
 };
 
 // Adds "order=2:6", "elements=1,2,4,8", "step=1e-3,5e-4", "tolerance=1e-2:1e-6" (powers of ten between),
@@ -75,7 +79,7 @@ void add_variation(Variations& variations, const std::string& text);
 // generalized-alpha over steps about the scene's, and Radau over tolerances. `given` keeps what it has.
 Variations default_variations(const Scene& scene, Variations given = {});
 
-// All combinations that make sense: a method with steps, and with tolerances, where both are given (generalized-alpha
+// All combinations that make sense (errors with a tolerance of radau): a method with steps, and with tolerances, where both are given (generalized-alpha
 // with fixed steps alone, unless steps are not varied at all; IDA with tolerances alone).
 std::vector<Setting> settings_of(const Variations& variations);
 

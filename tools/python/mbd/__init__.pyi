@@ -1288,7 +1288,7 @@ class Scene(Element):
           </mbd>
         """
         ...
-    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
+    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
         """<transient>
           Integration in time, in fixed steps or in steps that follow an estimated
           error.
@@ -1314,6 +1314,12 @@ class Scene(Element):
                              does not estimate them
           angular_velocity_tolerance number > 0 [rad/s], optional
                              the same, of angular velocities
+          errors             motion or velocities, optional
+                             of radau with a tolerance: which errors steps are held by,
+                             those of positions and rotations, relative to the largest
+                             motion so far, or of velocities as well (default: motion
+                             where all that is recorded follows from it, else
+                             velocities)
           max_step           number > 0 [s], optional
                              longest step that a tolerance may lead to (default: a part
                              of the duration)
@@ -2637,7 +2643,7 @@ class DefaultsElement(Element):
           </mbd>
         """
         ...
-    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
+    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
         """Integration in time, in fixed steps or in steps that follow an estimated error."""
         ...
     def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, quantities: Value = None) -> RecordElement:
