@@ -276,7 +276,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
   const double beta_ = (1.0 - a_.alpha_m) / (h * h * a_.beta * (1.0 - a_.alpha_f));
   const Index motions = 6 * (system_.nodes() - 1);
   const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
-  double previous = 0.0;
+  double previous = 0.0, last = 0.0;  // increments: with the same tangent, with any
   bool refactor = refactor_next_ || !factored_;
   bool fresh = false;  // tangent of this step
   report.iterations = 0;
@@ -308,6 +308,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
           fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
       return false;
     }
+    const double contraction = report.contraction;  // without what round-off makes of it
     if (previous > 0.0) {
       kept_.measured(e, previous);
       if (previous > 1.0) report.contraction = std::max(report.contraction, e / previous);
@@ -317,8 +318,8 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
         continue;
       }
     }
-    const double before = previous;
-    previous = e;
+    const double before = last;
+    previous = last = e;
 
     for (Index n = 1; n < system_.nodes(); ++n) {
       const auto N = static_cast<std::size_t>(n);
@@ -341,9 +342,10 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     report.error = left;
     // Multipliers that do not settle any more, where the motion has: as large as what round-off of the gaps makes of them,
     // which in a long row of bodies is far above what one body feels of it.
-    const bool settled =
-        left < 1.0 || (creeps && !tolerant_ && motion < converged_motion && is_round_off(e));
-    if (settled) {
+    const bool is_settled =
+        left >= 1.0 && creeps && !tolerant_ && motion < converged_motion && is_round_off(e);
+    if (is_settled) report.contraction = contraction;
+    if (left < 1.0 || is_settled) {
       if (!in_range) break;
       kept_.accepted_after(report.iterations);
       refactor_next_ = kept_.is_old_after(report.iterations);
