@@ -1,5 +1,6 @@
 #include "solvers/linear/inertia_solver.hpp"
 
+#include <dlfcn.h>
 #include <dmumps_c.h>
 
 #include <algorithm>
@@ -28,6 +29,22 @@ enum Control {
 constexpr MUMPS_INT general_symmetric = 2;
 constexpr MUMPS_INT integer_workspace_too_small = -8, real_workspace_too_small = -9;
 constexpr MUMPS_INT numerically_singular = -10;
+
+// What MUMPS is called by. Its library is loaded when it is first asked for: with it come LAPACK, Fortran's and Scotch's, a third
+// of all that a program would load at its start. Throws Error where there is none.
+decltype(&::dmumps_c) mumps() {
+  static const auto entry = [] {
+    void* const library = dlopen(MBD_MUMPS_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+    void* const found = library == nullptr ? nullptr : dlsym(library, "dmumps_c");
+    if (found == nullptr) {
+      const char* const why = dlerror();
+      throw Error(std::string("MUMPS cannot be loaded (") + (why ? why : MBD_MUMPS_LIBRARY) +
+                  "); install libmumps-seq-5.5 (Debian)");
+    }
+    return reinterpret_cast<decltype(&::dmumps_c)>(found);
+  }();
+  return entry;
+}
 
 class MumpsSolver : public InertiaSolver {
  public:
@@ -179,7 +196,7 @@ class MumpsSolver : public InertiaSolver {
     static std::mutex one_at_a_time;
     const std::lock_guard<std::mutex> lock(one_at_a_time);
     mumps_.job = job;
-    dmumps_c(&mumps_);
+    mumps()(&mumps_);
     return mumps_.infog[0];
   }
 

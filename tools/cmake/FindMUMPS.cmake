@@ -1,5 +1,5 @@
 # Finds MUMPS (CeCILL-C), its sequential library in double precision: sparse LDL^T of symmetric indefinite
-# systems. Debian's libmumps-seq-dev has no CMake config. Defines the target MUMPS::MUMPS.
+# systems. Debian's libmumps-seq-dev has no CMake config. Not linked: the library loads it (solvers/linear/inertia_solver.cpp).
 
 find_path(MUMPS_INCLUDE_DIR dmumps_c.h)
 find_library(MUMPS_LIBRARY dmumps_seq)
@@ -8,11 +8,5 @@ include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(MUMPS
   REQUIRED_VARS MUMPS_LIBRARY MUMPS_INCLUDE_DIR
   REASON_FAILURE_MESSAGE "On Debian: apt-get install libmumps-seq-dev")
-
-if(MUMPS_FOUND AND NOT TARGET MUMPS::MUMPS)
-  add_library(MUMPS::MUMPS UNKNOWN IMPORTED)
-  set_target_properties(MUMPS::MUMPS PROPERTIES
-    IMPORTED_LOCATION "${MUMPS_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${MUMPS_INCLUDE_DIR}")
-endif()
 
 mark_as_advanced(MUMPS_INCLUDE_DIR MUMPS_LIBRARY)
