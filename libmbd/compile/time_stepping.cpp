@@ -56,6 +56,13 @@ ErrorsOf errors_of(const Scene& scene) {
   return ErrorsOf::motion;
 }
 
+TransientScene transient_of(const Scene& scene) {
+  TransientScene transient = *scene.transient;
+  if (transient.method == TimeMethod::radau && transient.tolerance)
+    transient.errors = errors_of(scene);
+  return transient;
+}
+
 Balance balance_of(const System& system, const TransientScene& transient) {
   if (transient.balance) return *transient.balance;
   const bool free = transient.inertia == InertiaTerms::full && find_parts(system).all_free();

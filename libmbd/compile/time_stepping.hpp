@@ -18,6 +18,8 @@ ErrorTolerances error_tolerances(const TransientScene& transient);
 // Of radau with a tolerance: which errors its steps are held by. Where the scene does not say: of motion, if everything that
 // it records follows from the motion alone; else of velocities too.
 ErrorsOf errors_of(const Scene& scene);
+// The scene's <transient>, which says that too where it is of use.
+TransientScene transient_of(const Scene& scene);
 
 // Of positions, rotations, angles of joints, lengths of joints and springs. Not of what is of the whole system, which has
 // energies of stiff strains in it.

@@ -159,7 +159,7 @@ std::string error_limits(const TransientScene& transient) {
   add("velocity_tolerance", transient.velocity_tolerance, "m/s");
   add("angular_velocity_tolerance", transient.angular_velocity_tolerance, "rad/s");
   add("max_step", transient.max_step, "s");
-  if (transient.errors) text += fmt::format(", errors of {}", name_of(*transient.errors));
+  if (transient.errors == ErrorsOf::motion) text += ", errors of motion alone";
   return text;
 }
 
@@ -594,7 +594,7 @@ class Explainer {
       absent("course in time", "no <transient>");
       return;
     }
-    const TransientScene& transient = *scene_.transient;
+    const TransientScene transient = transient_of(scene_);
     const std::string here = at("<transient>", transient.source);
     const bool alpha = transient.method == TimeMethod::generalized_alpha;
     const std::string balance =
@@ -671,7 +671,7 @@ CheckReport check_model(const Scene& scene, const Model& model) {
   report.file = scene.file;
   report.stated = stated_counts(scene);
   report.statics = scene.statics;
-  report.transient = scene.transient;
+  if (scene.transient) report.transient = transient_of(scene);
   report.path = scene.path;
   if (scene.transient) (void)RowTimes(scene);  // refuses what a run refuses
   if (scene.transient && scene.transient->step) report.steps = number_of_steps(*scene.transient);

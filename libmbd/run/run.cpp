@@ -153,10 +153,7 @@ class Run {
     report_.date = utc_now("%Y-%m-%dT%H:%M:%SZ");
     report_.parameters = scene.parameters;
     report_.statics = scene.statics;
-    report_.transient = scene.transient;
-    if (scene.transient && scene.transient->method == TimeMethod::radau &&
-        scene.transient->tolerance)
-      report_.transient->errors = errors_of(scene);
+    if (scene.transient) report_.transient = transient_of(scene);
     report_.path = scene.path;
     report_.notes = options.notes;
     report_.accuracy = options.accuracy;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/run/describe.hpp"
 #include "solvers/time/error_control.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
@@ -228,6 +229,20 @@ TEST(ErrorsOfMotion, GiveWayToAVelocityThatIsRecorded) {
   scene.records.front().quantities = {"position"};
   const Table other = run_to_table(adaptive(scene, 1e-4, {}, 0.02)).table;
   EXPECT_NE(other["tip.position.1"], all["tip.position.1"]);
+}
+
+TEST(ErrorsOfMotion, AreSaidBeforeARun) {
+  const auto plan = [](const Scene& of) {
+    std::string text = to_text(check_model(of, compile(of)));
+    for (std::size_t at; (at = text.find("\n     ")) != std::string::npos;)
+      text.replace(at, text.find_first_not_of(" \n", at) - at, " ");
+    return text;
+  };
+  Scene scene = adaptive(model_scene("double_pendulum"), 1e-4, {}, 0.02);
+  EXPECT_EQ(plan(scene).find("errors of motion"), std::string::npos);
+  scene.records.resize(1);
+  scene.records.front().quantities = {"position"};
+  EXPECT_SAYS(plan(scene), "errors of motion alone");
 }
 
 TEST(ErrorsOfMotion, AreRefusedWhereThereAreNone) {
