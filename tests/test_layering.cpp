@@ -56,7 +56,7 @@ const std::vector<Room>& rooms() {
     const auto newton = with(joints, {"solvers/newton/"});
     const auto constraints = with(newton, {"solvers/linear/", "solvers/constraints/"});
     const auto scene = with(core, {"libmbd/text/", "libmbd/scene/"});
-    const auto language = with(scene, {"joints/", "libmbd/language/"});
+    const auto language = with(scene, {"joints/", "libmbd/section/", "libmbd/language/"});
     const auto compile = with(language, {"elements/", "elements/beam/", "elements/node/",
                                          "elements/pair/", solvers, "libmbd/compile/"});
     const auto results = with(compile, {"libmbd/results/"});

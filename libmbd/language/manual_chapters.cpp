@@ -295,6 +295,53 @@ equilibria damping does nothing.
   <record name="top" at="mast.end" quantities="displacement"/>
 </mbd>
 )xml"},
+    {"Sections from material", "material layup ply tube bar rectangle box I C",
+     R"md(In place of `<stiffness>` and `<mass>` a section, or each of its stations, may have a shape. D and M
+are then computed when the model is read, by finite elements over the section with three displacements
+of warping a node; the mesh is refined until every entry ij of D changes by less than `tolerance`
+sqrt(Dii Djj), and beams use the result as if its numbers stood there. `mbd section MODEL` prints D, M,
+centres, principal axes and the estimated error of every entry. A `<mass>` beside the shape takes the
+place of the computed one.
+
+A wall consists of plies, or of one `material` and its thickness. With the outward normal n of the wall
+and the angle theta of a ply, its fibres lie along L = cos(theta) b1 + sin(theta) (n x b1): theta is
+positive when L turns from b1 right-handed about n. `listed` says whether the first ply of a layup is the
+innermost or the outermost one; angles mean the same in both cases. The normal of a rectangle is b3, of
+flanges it points away from the middle, of the web of an I it is b2, of the web of a C -b2.
+
+D and M are about the reference line, x2 = x3 = 0; `x2`, `x3` and `turn` place the shape in the section.
+`curvature` is that of the stress-free beam along b1 b2 b3: a straight beam has none, an arc of radius R
+whose centre lies on the side of b2 has k3 = 1/R. A beam does not hand its own to its section.
+
+Materials are linear and elastic. A material is refused where its constants are not those of a positive
+definite one: -1 < nu < 0.5, |nuLT| < sqrt(EL/ET). Units are those of all attributes: `E="210 GPa"`,
+`rho="1.6 g/cm3"`.
+)md",
+     R"xml(<mbd name="composite_tube">
+  <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+  <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+  <layup name="wall" listed="inside">
+    <ply material="graphite_epoxy" thickness="1 mm"/>
+    <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+  </layup>
+  <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+  <!-- Others, of one material. -->
+  <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+  <defaults>
+    <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+  </defaults>
+  <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+  <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+  <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+  <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+  <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+  <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+  <fixed name="wall" between="ground arm.start"/>
+  <load at="arm.end" force="0 0 -100"/>
+  <static/>
+  <record name="tip" at="arm.end" quantities="displacement rotation"/>
+</mbd>
+)xml"},
     {"Beams", "beam arc curve point",
      R"md(A beam has `elements` spectral elements of `order` N. Its ends are free until a joint holds them.
 )md",

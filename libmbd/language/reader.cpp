@@ -9,6 +9,7 @@
 
 #include "libmbd/language/item.hpp"
 #include "libmbd/language/read_tree.hpp"
+#include "libmbd/language/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/text/spelling.hpp"
 
@@ -40,6 +41,7 @@ class Reader {
     read_children(model);
     check_unused_overrides();
     check_expects();
+    analyse_shapes(scene_);
     return std::move(scene_);
   }
 
@@ -369,14 +371,22 @@ class Reader {
         matrix(item, part, section, stiff);
     });
     if (section.stations.empty()) {
-      if (!stiff)
+      if (!stiff && !section.shape)
         item.fail(
-            "<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers, or stations");
+            "<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers, a shape, or "
+            "stations");
       if (item.has("interpolation"))
         item.refuse("interpolation", "is between stations; leave it out or give <station>s");
-    } else if (stiff || section.mass) {
-      item.fail("stiffness and mass must stand in the stations, or there must be no stations");
+    } else if (stiff || section.mass || section.shape) {
+      item.fail("stiffness and mass must stand in the stations, or there must be no stations" +
+                std::string(section.shape ? "; so must its shape" : ""));
     }
+    return true;
+  }
+
+  bool complete(const Item& item, LayupScene& layup) {
+    each(item, [&](const Item& part) { layup.plies.push_back(read<PlyScene>(part)); });
+    if (layup.plies.empty()) item.fail("it has no plies; give a <ply> or more");
     return true;
   }
 
@@ -384,14 +394,41 @@ class Reader {
     Station station = read<Station>(item);
     bool stiff = false;
     each(item, [&](const Item& part) { matrix(item, part, station, stiff); });
-    if (!stiff) item.fail("<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers");
+    if (!stiff && !station.shape)
+      item.fail(
+          "<stiffness> is missing: give EA, GA2, GA3, GJ, EI2, EI3 or 36 numbers, or a shape");
     return station;
   }
 
-  // <stiffness> or <mass> of a section or station.
+  static SectionShape shape(const Item& item) {
+    SectionShape made;
+    made.source = item.source();
+    const auto kind = std::find(std::begin(SectionShape::kinds), std::end(SectionShape::kinds),
+                                item.element().name);
+    made.kind = static_cast<SectionShape::Kind>(kind - std::begin(SectionShape::kinds));
+    SectionShape::each_field([&](const auto& field) {
+      if (field.is_there == nullptr || field.is_there(made)) read_field(item, made, field);
+    });
+    return made;
+  }
+
+  static bool is_a_shape(const Item& part) {
+    return std::find(std::begin(SectionShape::kinds), std::end(SectionShape::kinds),
+                     part.element().name) != std::end(SectionShape::kinds);
+  }
+
+  // <stiffness>, <mass> or a shape of a section or station.
   template <class Of>
   static void matrix(const Item& item, const Item& part, Of& of, bool& stiff) {
-    const bool is_mass = part.element().name == "mass";
+    const bool is_mass = part.element().name == "mass", is_shape = is_a_shape(part);
+    const std::string owner(item.element().name);
+    if (is_shape ? stiff : !is_mass && of.shape.has_value())
+      part.fail("the " + owner + " has both a stiffness and a shape; leave one of them out");
+    if (is_shape) {
+      if (of.shape) part.fail("the " + owner + " has a shape already; leave one of them out");
+      of.shape = shape(part);
+      return;
+    }
     if (is_mass ? of.mass.has_value() : stiff)
       part.fail("the " + std::string(item.element().name) +
                 " has one already; leave one of them out");

@@ -113,6 +113,21 @@ Element beam_element(const Line& line) {
   return {Line::item.element, anywhere, Line::item.doc, attributes_of<BeamScene>(line)};
 }
 
+// One for each kind of shape: with the attributes that are of it.
+Element shape_element(SectionShape::Kind kind) {
+  SectionShape shape;
+  shape.kind = kind;
+  const auto k = static_cast<std::size_t>(kind);
+  Element element{SectionShape::kinds[k], "section station defaults", SectionShape::docs[k], {}};
+  SectionShape::each_field([&](const auto& field) {
+    if (field.is_there != nullptr && !field.is_there(shape)) return;
+    Attribute a = field.about.attribute;
+    if (a.fallback == preset) a.fallback = kept(text_of(shape.*field.member));
+    element.attributes.push_back(a);
+  });
+  return element;
+}
+
 const std::vector<JointKind>& joints() {
   static const std::vector<JointKind> all = [] {
     std::vector<JointKind> list;
@@ -139,7 +154,8 @@ std::vector<Attribute> of(const JointKind& kind) {
 
 // As messages, manual and grammar list them; others follow, and the joints.
 constexpr std::string_view order =
-    "mbd parameter include defaults section station stiffness mass damping beam arc curve point "
+    "mbd parameter include defaults material layup ply section station stiffness mass damping tube "
+    "bar rectangle box I C beam arc curve point "
     "body drive motion load distributed rigid point_mass spring bushing matrix law joint_spring "
     "joint_torque table drag added_mass base_motion gravity static path mark stop transient record "
     "motion_output plot expect repeat";
@@ -182,11 +198,12 @@ const std::vector<Element>& table() {
          "that kind have when they do not say otherwise.",
          {}},
         {"repeat",
-         "mbd repeat curve section",
+         "mbd repeat curve layup section",
          "Reads its contents several times.",
          {{"count", Kind::count, "", required, "how often its contents are read", Range{0.0, 1e6}},
           {"index", Kind::name, "", "i",
            "parameter that counts from 0; {i+1} in names and places becomes its value"}}},
+        element_of<PlyScene>("layup repeat defaults"),
         element_of<Station>("section repeat defaults"),
         {"stiffness", "section station defaults",
          "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "
@@ -236,6 +253,8 @@ const std::vector<Element>& table() {
       if constexpr (!Item::item.element.empty())
         list.push_back(element_of<Item>(many ? anywhere : once));
     });
+    for (std::size_t k = 0; k < std::size(SectionShape::kinds); ++k)
+      list.push_back(shape_element(static_cast<SectionShape::Kind>(k)));
     const std::vector<std::string_view> ordered = words(order);
     const auto place = [&ordered](const Element& e) {
       return std::find(ordered.begin(), ordered.end(), e.name) - ordered.begin();
@@ -392,7 +411,6 @@ std::string usual_word(std::string_view word) {
       {"solid", "there are beams and bodies only", true},
       {"force", "write <load at=… force=\"…\"/>"},
       {"moment", "write <load at=… moment=\"…\"/>"},
-      {"material", "write <section> with <stiffness EA=… …/> and <mass per_length=… …/>"},
       {"deflection", "write displacement"},
       {"torque",
        "write moment (of a beam) or reaction_moment (of a joint); what turns a joint is "

@@ -322,6 +322,23 @@ class Explainer {
                        [&](const Station& station) { return off_diagonal(station.stiffness); });
   }
 
+  // Sections whose D and M were not stated, with what is not known of D.
+  Names computed() const {
+    Names names;
+    const auto add = [&](const Section& section, const auto& of) {
+      if (!of.shape || !of.found || !is_used(section)) return;
+      std::string what = label(section) + " by <" + std::string(element_of(*of.shape)) + ">";
+      names.push_back(at(what, of.shape->source) + fmt::format(" (D to {:.0e}{})",
+                                                               of.found->error.maxCoeff(),
+                                                               of.found->mass ? "" : ", mass not"));
+    };
+    for (const Section& section : scene_.sections) {
+      add(section, section);
+      for (const Station& station : section.stations) add(section, station);
+    }
+    return names;
+  }
+
   void beams() {
     if (!scene_.rigids.empty())
       present("beams and bodies that are one rigid body", from(scene_.rigids));
@@ -346,6 +363,8 @@ class Explainer {
     };
     either("coupling of stretching, shearing, bending and twisting", used(is_coupled),
            "the stiffness of every section used is diagonal");
+    if (Names names = computed(); !names.empty())
+      present("stiffness and mass computed from material and shape", std::move(names));
     either("sections that vary along a beam",
            used([](const Section& s) { return !s.stations.empty(); }),
            "no section used has stations");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libmbd/scene/field.hpp"
+#include "libmbd/scene/materials.hpp"
 
 namespace mbd {
 
@@ -19,8 +20,10 @@ inline constexpr field::Blocks mass_units{"kg/m", "kg", "kg.m"};
 struct Station {
   Source source;
   double at = 0.0;  // fraction of the reference length of the beam that has the section
-  Mat6 stiffness = Mat6::Zero();  // as in Section
+  Mat6 stiffness = Mat6::Zero();  // as in Section, and below
   std::optional<Mat6> mass;
+  std::optional<SectionShape> shape;
+  std::optional<ShapeFound> found;
 
   static constexpr field::ItemKind item{
       "station", "The section at one place of the beam; two or more, from 0 to 1, in order."};
@@ -31,6 +34,7 @@ struct Station {
             unit_interval));
     f(Field(&S::stiffness, stiffness_units));
     f(Field(&S::mass, mass_units));
+    f(Parts(&S::shape));
   }
 };
 
@@ -66,6 +70,9 @@ struct Section {
   std::string name;
   Mat6 stiffness = Mat6::Zero();  // D
   std::optional<Mat6> mass;       // M per unit length about the reference line
+  // What D and M were computed from, if they were, and how well.
+  std::optional<SectionShape> shape;
+  std::optional<ShapeFound> found;
 
   // Where there are any, D and M vary along the beam and those above are not used. Entry by entry: linear
   // between stations, or the interpolating spline of degree 3 (or less, with fewer than 4 stations). A kink
@@ -88,6 +95,7 @@ struct Section {
             "or a cubic spline"));
     f(Field(&S::stiffness, stiffness_units));
     f(Field(&S::mass, mass_units));
+    f(Parts(&S::shape));
     f(Parts(&S::stations));
     f(Parts(&S::damping));
   }

@@ -266,7 +266,8 @@ struct ItemKind {
 };
 
 // Among whom names must differ.
-inline constexpr std::string_view of_sections = "sections",
+inline constexpr std::string_view of_sections = "sections", of_materials = "materials",
+                                  of_layups = "layups",
                                   of_parts = "beams, bodies, joints and motions",
                                   of_springs = "springs, bushings and joint springs",
                                   of_loads = "loads, masses, drags and joint torques",

@@ -24,6 +24,9 @@ inline std::string_view element_of(const BeamScene& beam) {
   return std::visit([](const auto& line) { return element_of(line); }, beam.line);
 }
 inline std::string_view element_of(const JointScene& joint) { return joint.kind; }
+inline std::string_view element_of(const SectionShape& shape) {
+  return SectionShape::kinds[static_cast<std::size_t>(shape.kind)];
+}
 inline std::string_view element_of(const PathMarkScene& mark) {
   return mark.stops ? "stop" : "mark";
 }

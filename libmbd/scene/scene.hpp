@@ -27,6 +27,8 @@ struct Scene {
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
   std::vector<InputScene> inputs;  // their order is that of State::inputs
+  std::vector<MaterialScene> materials;
+  std::vector<LayupScene> layups;
   std::vector<Section> sections;
   std::vector<BeamScene> beams;
   std::vector<BodyScene> bodies;
@@ -60,6 +62,8 @@ template <class SomeScene, class F>
 requires std::is_same_v<std::remove_const_t<SomeScene>, Scene>
 void each_kind(SomeScene& scene, const F& f) {
   f(scene.inputs);
+  f(scene.materials);
+  f(scene.layups);
   f(scene.sections);
   f(scene.beams);
   f(scene.bodies);

@@ -368,7 +368,10 @@ class Bordered {
       return element;
     });
     if (!factors_->definite())
-      throw Error("the section's matrix is not positive definite: its elements are degenerate");
+      throw Error(
+          "the section's matrix is not positive definite to round-off: its parts are too slender, "
+          "or "
+          "the stiffnesses of its materials too far apart");
 
     Field<Scalar> unit{MatrixX::Zero(operators.size(), 6), MatrixX::Zero(operators.size(), 6),
                        Columns6<Scalar>::Identity(6, 6)};
@@ -645,6 +648,14 @@ class CentralSolutions {
 Analysis analyse(const Mesh& mesh, const Vec3& curvature) {
   check(mesh);
   if (!curvature.allFinite()) throw Error("the curvature of a section is not finite");
+  for (const Point& x : mesh.nodes) {  // at the surface too, where no point of quadrature lies
+    const double metric = 1.0 + curvature(1) * x(1) - curvature(2) * x(0);
+    if (!(metric > 1e-9))
+      throw Error(
+          fmt::format("the curvature is too strong for the section: at x2 = {:g}, x3 = {:g} the "
+                      "centre of curvature is reached, 1 + k2 x3 - k3 x2 = {:g} is not positive",
+                      x(0), x(1), metric));
+  }
   // In units of the section: lengths of its size, stresses of its stiffest material.
   Point low = mesh.nodes.front(), high = low;
   for (const Point& x : mesh.nodes) {

@@ -25,7 +25,7 @@ EngineeringConstants transversely_isotropic(double e_l, double e_t, double g_lt,
 
 Stiffness stiffness_of(const EngineeringConstants& c) {
   const std::array<std::pair<std::string_view, double>, 6> moduli{
-      {{"E1", c.e1}, {"E2", c.e2}, {"E3", c.e3}, {"G12", c.g12}, {"G13", c.g13}, {"G23", c.g23}}};
+      {{"EL", c.e1}, {"ET", c.e2}, {"EN", c.e3}, {"GLT", c.g12}, {"GLN", c.g13}, {"GTN", c.g23}}};
   for (const auto& [name, value] : moduli)
     if (!(value > 0.0) || !std::isfinite(value))
       throw Error(fmt::format("{} = {:g} is not positive and finite", name, value));
@@ -36,9 +36,9 @@ Stiffness stiffness_of(const EngineeringConstants& c) {
                       "sqrt(E{}/E{}) = {:g}",
                       name, std::abs(nu), name[0], name[1], std::sqrt(ei / ej)));
   };
-  contraction("12", c.nu12, c.e1, c.e2);
-  contraction("13", c.nu13, c.e1, c.e3);
-  contraction("23", c.nu23, c.e2, c.e3);
+  contraction("LT", c.nu12, c.e1, c.e2);
+  contraction("LN", c.nu13, c.e1, c.e3);
+  contraction("TN", c.nu23, c.e2, c.e3);
   Mat3 s;  // of normal stresses, scaled to a unit diagonal
   const double s12 = -c.nu12 * std::sqrt(c.e2 / c.e1), s13 = -c.nu13 * std::sqrt(c.e3 / c.e1),
                s23 = -c.nu23 * std::sqrt(c.e3 / c.e2);
@@ -46,8 +46,8 @@ Stiffness stiffness_of(const EngineeringConstants& c) {
   const double determinant = 1.0 - s12 * s12 - s13 * s13 - s23 * s23 + 2.0 * s12 * s13 * s23;
   if (!(determinant > 1e-12))
     throw Error(
-        fmt::format("the material is not positive definite: 1 - nu12 nu21 - nu13 nu31 - nu23 nu32 "
-                    "- 2 nu12 nu23 nu31 = {:g} is not positive; the Poisson's ratios are too large",
+        fmt::format("the material is not positive definite: 1 - nuLT nuTL - nuLN nuNL - nuTN nuNT "
+                    "- 2 nuLT nuTN nuNL = {:g} is not positive; the Poisson's ratios are too large",
                     determinant));
   const Vec3 root(std::sqrt(c.e1), std::sqrt(c.e2), std::sqrt(c.e3));
   Stiffness stiffness = Stiffness::Zero();

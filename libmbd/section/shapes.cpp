@@ -97,6 +97,21 @@ std::vector<double> even(int parts) {
   return ends;
 }
 
+// The same of a length, elements no longer than 50 times the thinnest part of the section, or a sixteenth of what they
+// were: matrices of more slender ones are not definite to round-off.
+std::vector<double> graded(int layers, double length, double thinnest) {
+  const std::vector<double> all = graded(layers);
+  std::vector<double> ends{0.0};
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    const double part = all[i + 1] - all[i];
+    const auto pieces =
+        static_cast<int>(std::clamp(std::ceil(part * length / (50.0 * thinnest)), 1.0, 16.0));
+    for (int k = 1; k <= pieces; ++k)
+      ends.push_back(k == pieces ? all[i + 1] : all[i] + part * k / pieces);
+  }
+  return ends;
+}
+
 void check_size(std::string_view name, double value) {
   if (!(value > 0.0) || !std::isfinite(value))
     throw Error(fmt::format("{} = {:g} is not positive and finite", name, value));
@@ -167,6 +182,10 @@ Mesher of_regions(std::vector<Region> regions, std::vector<MeshMaterial> materia
   const double size = std::max(x1 - x0, y1 - y0);
   x = lines_of(x, size);
   y = lines_of(y, size);
+  double thinnest = size;
+  for (const auto& lines : {x, y})
+    for (std::size_t i = 0; i + 1 < lines.size(); ++i)
+      thinnest = std::min(thinnest, lines[i + 1] - lines[i]);
   return [=](const Fineness& fineness) {
     std::vector<Patch> patches;
     for (const Region& r : regions)
@@ -180,8 +199,10 @@ Mesher of_regions(std::vector<Region> regions, std::vector<MeshMaterial> materia
           patches.push_back({[=](double xi, double eta) {
                                return Point((1 - xi) * a + xi * b, (1 - eta) * c + eta * d);
                              },
-                             [normal](double, double) { return normal; }, graded(fineness.layers),
-                             graded(fineness.layers), r.material, r.angle, r.name});
+                             [normal](double, double) { return normal; },
+                             graded(fineness.layers, b - a, thinnest),
+                             graded(fineness.layers, d - c, thinnest), r.material, r.angle,
+                             r.name});
         }
     return mesh_of(patches, fineness.order, materials, size);
   };
@@ -210,23 +231,29 @@ Mesher tube(double outer_radius, const Layup& layup, const std::vector<MeshMater
   check_size("tube: outer radius", outer_radius);
   check_layup("tube", layup, materials);
   check_wall("tube", layup, outer_radius, "the outer radius");
+  double thinnest = outer_radius;
+  for (const Ply& ply : layup) thinnest = std::min(thinnest, ply.thickness);
+  constexpr std::size_t many_plies = 6;  // each is divided by its order only
+  // Elements of thin plies are not too slender, as above.
+  const int sectors =
+      8 * static_cast<int>(std::clamp(turn / 8 * outer_radius / (400.0 * thinnest), 1.0, 16.0));
   return [=](const Fineness& fineness) {
     std::vector<Patch> patches;
-    constexpr int sectors = 8;
     double radius = outer_radius - thickness_of(layup);
     for (std::size_t i = 0; i < layup.size(); ++i) {
       const double inner = radius;
       const double outer = i + 1 == layup.size() ? outer_radius : radius + layup[i].thickness;
       for (int s = 0; s < sectors; ++s) {
         // xi along the radius, eta around: right-handed.
-        const auto around = [s](double eta) { return turn * (s + eta) / sectors; };
+        const auto around = [s, sectors](double eta) { return turn * (s + eta) / sectors; };
         patches.push_back({[=](double xi, double eta) {
                              const double r = (1 - xi) * inner + xi * outer;
                              return Point(r * std::cos(around(eta)), r * std::sin(around(eta)));
                            },
                            [around](double, double eta) { return around(eta); },
-                           even(fineness.layers), even(fineness.layers), layup[i].material,
-                           layup[i].angle, ply_name(i, "tube")});
+                           even(layup.size() > many_plies ? 1 : fineness.layers),
+                           even(fineness.layers), layup[i].material, layup[i].angle,
+                           ply_name(i, "tube")});
       }
       radius = outer;
     }
@@ -289,6 +316,8 @@ Mesher box(double width, double height, const Layup& layup, Corners corners,
     stack(regions, -right, -right + thickness, -inner, inner, layup, 0.5 * turn, "left wall");
     return of_regions(std::move(regions), materials);
   }
+  double thinnest = thickness;
+  for (const Ply& ply : layup) thinnest = std::min(thinnest, ply.thickness);
   return [=](const Fineness& fineness) {
     std::vector<Patch> patches;
     constexpr std::array<std::string_view, 4> walls{"right wall", "top wall", "left wall",
@@ -304,14 +333,14 @@ Mesher box(double width, double height, const Layup& layup, Corners corners,
         // Round the box from the corner at the lower right; xi outward, eta around.
         const Point a = corner((w + 3) % 4, inner), b = corner((w + 3) % 4, outer),
                     c = corner(w, outer), d = corner(w, inner);
-        const double normal = 0.25 * turn * w;
+        const double normal = 0.25 * turn * w, length = w % 2 == 0 ? height : width;
         patches.push_back({[=](double xi, double eta) {
                              return Point((1 - eta) * ((1 - xi) * a + xi * b) +
                                           eta * ((1 - xi) * d + xi * c));
                            },
                            [normal](double, double) { return normal; }, graded(fineness.layers),
-                           graded(fineness.layers), layup[i].material, layup[i].angle,
-                           ply_name(i, walls[static_cast<std::size_t>(w)])});
+                           graded(fineness.layers, length, thinnest), layup[i].material,
+                           layup[i].angle, ply_name(i, walls[static_cast<std::size_t>(w)])});
       }
       inner = outer;
     }

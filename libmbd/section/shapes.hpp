@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -58,8 +59,9 @@ Mesher c_section(double width, double height, const Layup& flange, const Layup& 
 // D and the others of a section to a tolerance: meshes are made finer in order and grading together until D changes
 // less.
 struct Converged {
-  Analysis analysis;     // of the finest mesh
-  Mat6 error;            // estimated, of each entry of D
+  Analysis analysis;  // of the finest mesh
+  Mat6 error =
+      Mat6::Constant(std::numeric_limits<double>::infinity());  // estimated, of each entry of D
   bool reached = false;  // whether every error is below the tolerance
   Fineness fineness;
   int elements = 0, unknowns = 0;
@@ -67,7 +69,7 @@ struct Converged {
 
 // `tolerance` is of an entry ij over sqrt(D_ii D_jj). The estimate is the last change, where changes shrink by two and
 // more, else twice the larger of the last two; and no less than round-off, 1e-11. Ends, not reached, before a mesh of
-// more than `most_unknowns`.
+// more than `most_unknowns`; an error of infinity: before there was an estimate.
 Converged converge(const Mesher& mesher, const Vec3& curvature = Vec3::Zero(),
                    double tolerance = 1e-6, int most_unknowns = 200'000);
 

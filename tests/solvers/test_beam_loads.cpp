@@ -183,7 +183,7 @@ TEST_P(TaperOrder, RolledUp) {
         Section& section = scene.sections[0];
         section.interpolation = smooth ? Interpolation::smooth : Interpolation::linear;
         for (const double at : smooth ? std::vector{0.0, 0.25, 0.6, 1.0} : std::vector{0.0, 1.0}) {
-          section.stations.push_back({{}, at, section.stiffness, {}});
+          section.stations.push_back({{}, at, section.stiffness, {}, {}, {}});
           section.stations.back().stiffness(4, 4) = e(at);
         }
         h.push_back(1.0 / elements);

@@ -156,7 +156,7 @@ TEST(StructuralDamping, SectionsThatVaryAndEntriesByName) {
   constexpr double beta = 4.5e-5, every = 5e-5;
   Scene scene = damped_beam({0, beta});
   Section& section = scene.sections.front();
-  Station thick{{}, 0.0, section.stiffness, section.mass}, thin = thick;
+  Station thick{{}, 0.0, section.stiffness, section.mass, {}, {}}, thin = thick;
   thin.at = 1.0;
   thin.stiffness *= 0.3;
   *thin.mass *= 0.5;

@@ -19,6 +19,7 @@
 #include "tools/mbd/plot_command.hpp"
 #include "tools/mbd/run_command.hpp"
 #include "tools/mbd/schema_command.hpp"
+#include "tools/mbd/section_command.hpp"
 #include "tools/mbd/sweep_command.hpp"
 #include "tools/mbd/torture_command.hpp"
 #include "tools/mbd/view_command.hpp"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   mbd::add_run_command(app, status);
   mbd::add_check_command(app, status);
   mbd::add_explain_command(app, status);
+  mbd::add_section_command(app, status);
   mbd::add_accuracy_command(app, status);
   mbd::add_effects_command(app, status);
   mbd::add_modes_command(app, status);

@@ -28,7 +28,10 @@ Section piece_of(const Section& section, double from, double to) {
   Section piece = section;
   piece.stations.clear();
   const auto add = [&](double s) {
-    Station station{section.source, (s - from) / (to - from), table.stiffness(s), {}};
+    Station station;
+    station.source = section.source;
+    station.at = (s - from) / (to - from);
+    station.stiffness = table.stiffness(s);
     if (table.has_mass()) station.mass = table.mass(s);
     piece.stations.push_back(std::move(station));
   };

@@ -131,9 +131,9 @@ double UnitChange::factor(std::string_view unit) const {
     std::string_view name;
     int length, mass, time;
   };
-  static constexpr Dimension known[] = {{"m", 1, 0, 0},   {"kg", 0, 1, 0}, {"s", 0, 0, 1},
-                                        {"N", 1, 1, -2},  {"J", 2, 1, -2}, {"W", 2, 1, -3},
-                                        {"rad", 0, 0, 0}, {"", 0, 0, 0},   {"1", 0, 0, 0}};
+  static constexpr Dimension known[] = {
+      {"m", 1, 0, 0},  {"kg", 0, 1, 0},   {"s", 0, 0, 1},   {"N", 1, 1, -2}, {"J", 2, 1, -2},
+      {"W", 2, 1, -3}, {"Pa", -1, 1, -2}, {"rad", 0, 0, 0}, {"", 0, 0, 0},   {"1", 0, 0, 0}};
   double factor = 1.0;
   int sign = 1;
   for (std::size_t at = 0; at <= unit.size();) {

@@ -1,0 +1,372 @@
+#include "libmbd/language/shaped_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "libmbd/language/schema.hpp"
+#include "libmbd/scene/label.hpp"
+#include "libmbd/text/spelling.hpp"
+
+namespace mbd {
+namespace {
+
+using section::EngineeringConstants;
+
+#ifdef MBD_FUZZ  // tools/fuzz: large meshes find nothing more
+constexpr int most_unknowns = 3'000;
+#else
+constexpr int most_unknowns = 200'000;
+#endif
+constexpr std::size_t most_plies = 100;  // of a layup, equal neighbours being one
+
+template <class Item>
+[[noreturn]] void fail(const Item& item, const std::string& what) {
+  throw Error(item.source, label(item) + ": " + what);
+}
+
+EngineeringConstants constants_of(const MaterialScene& m) {
+  struct Constant {
+    std::string_view name;
+    bool given, needed;
+  };
+  const std::array<Constant, 9> along_axes{{{"EL", m.e_l.has_value(), true},
+                                            {"ET", m.e_t.has_value(), true},
+                                            {"GLT", m.g_lt.has_value(), true},
+                                            {"nuLT", m.nu_lt.has_value(), true},
+                                            {"EN", m.e_n.has_value(), false},
+                                            {"GLN", m.g_ln.has_value(), false},
+                                            {"GTN", m.g_tn.has_value(), false},
+                                            {"nuLN", m.nu_ln.has_value(), false},
+                                            {"nuTN", m.nu_tn.has_value(), true}}};
+  const auto of_axes = std::ranges::find_if(along_axes, &Constant::given);
+  if (m.young || m.poisson) {
+    if (of_axes != along_axes.end())
+      fail(m, fmt::format("E and nu are of an isotropic material, {} of one that is not; give one "
+                          "or the other",
+                          of_axes->name));
+    if (!m.young) fail(m, "attribute \"E\" is missing: Young's modulus [Pa]");
+    if (!m.poisson) fail(m, "attribute \"nu\" is missing: Poisson's ratio");
+    if (!(*m.poisson > -1.0 && *m.poisson < 0.5))
+      fail(m, fmt::format("nu is {}, must lie between -1 and 0.5", schema::shortest(*m.poisson)));
+    return section::isotropic(*m.young, *m.poisson);
+  }
+  if (of_axes == along_axes.end())
+    fail(m,
+         "it has no stiffness; give E and nu of an isotropic material, or EL, ET, GLT, nuLT and "
+         "nuTN");
+  for (const Constant& constant : along_axes)
+    if (constant.needed && !constant.given)
+      fail(m, fmt::format("attribute \"{}\" is missing: a material that is not isotropic has EL, "
+                          "ET, GLT, nuLT and nuTN at least",
+                          constant.name));
+  if (!m.g_tn && !(*m.nu_tn > -1.0))
+    fail(m, fmt::format("nuTN is {}, must be greater than -1", schema::shortest(*m.nu_tn)));
+  return {*m.e_l,
+          *m.e_t,
+          m.e_n.value_or(*m.e_t),
+          *m.g_lt,
+          m.g_ln.value_or(*m.g_lt),
+          m.g_tn.value_or(*m.e_t / (2.0 * (1.0 + *m.nu_tn))),
+          *m.nu_lt,
+          m.nu_ln.value_or(*m.nu_lt),
+          *m.nu_tn};
+}
+
+// Of materials or layups.
+template <class Items>
+const auto& named(const Items& items, const std::string& name, const Source& source,
+                  const std::string& who, std::string_view plural) {
+  const auto found = std::ranges::find(items, name, [](const auto& item) { return item.name; });
+  if (found != items.end()) return *found;
+  std::vector<std::string_view> names;
+  for (const auto& item : items) names.push_back(item.name);
+  using Item = typename Items::value_type;
+  throw Error(source, fmt::format("{}: {} {} is not in the model{}", who, Item::item.element,
+                                  in_quotes(excerpt(name)), suggest(name, names, plural)));
+}
+
+// A shape while it is turned into what libmbd/section knows.
+class Shaped {
+ public:
+  Shaped(const Scene& scene, const SectionShape& shape, std::string of)
+      : scene_(scene), s_(shape), of_(std::move(of)) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(s_.source, of_ + ": " + what);
+  }
+
+  section::Mesher mesher() { return in_place(as_drawn()); }
+
+  bool has_mass() const {
+    return std::ranges::any_of(used_,
+                               [](const MaterialScene* m) { return m->density.has_value(); });
+  }
+
+  // All numbers that the result depends on.
+  std::vector<double> key() const {
+    std::vector<double> all{static_cast<double>(s_.kind),
+                            s_.radius,
+                            s_.width,
+                            s_.height,
+                            s_.own_height.value_or(0.0),
+                            static_cast<double>(s_.corners),
+                            s_.x2,
+                            s_.x3,
+                            s_.turn,
+                            s_.angle,
+                            s_.curvature(0),
+                            s_.curvature(1),
+                            s_.curvature(2),
+                            s_.tolerance};
+    for (const section::Layup& layup : layups_) {
+      all.push_back(static_cast<double>(layup.size()));
+      for (const section::Ply& ply : layup) {
+        all.insert(all.end(), {ply.thickness, ply.angle});
+        const auto m = static_cast<std::size_t>(ply.material);
+        all.push_back(materials_[m].density);
+        all.insert(all.end(), materials_[m].stiffness.data(),
+                   materials_[m].stiffness.data() + materials_[m].stiffness.size());
+      }
+    }
+    return all;
+  }
+
+ private:
+  section::Mesher as_drawn() {
+    for (const auto& [name, value] :
+         {std::pair{"x2", s_.x2}, {"x3", s_.x3}, {"turn", s_.turn}, {"angle", s_.angle}})
+      if (!std::isfinite(value)) fail(std::string(name) + " is not finite");
+    if (s_.material.empty() && s_.angle != 0.0)
+      fail("angle is of a material that is given by itself; those of plies stand in the layup");
+    switch (s_.kind) {
+      case SectionShape::Kind::tube: {
+        const section::Layup wall = wall_of(s_.layup, "layup", s_.thickness, "thickness");
+        return made(section::tube, s_.radius, wall);
+      }
+      case SectionShape::Kind::bar: {
+        const section::Layup whole = one_ply(s_.radius);
+        return made(section::bar, s_.radius, whole[0].material, s_.angle);
+      }
+      case SectionShape::Kind::rectangle: {
+        const section::Layup plies = wall_of(s_.layup, "layup", s_.own_height, "height");
+        return made(section::rectangle, s_.width, plies);
+      }
+      case SectionShape::Kind::box: {
+        const section::Layup wall = wall_of(s_.layup, "layup", s_.thickness, "thickness");
+        return made(
+            section::box, s_.width, s_.height, wall,
+            s_.corners == BoxCorners::butt ? section::Corners::butt : section::Corners::mitred);
+      }
+      default:
+        break;
+    }
+    const section::Layup flange =
+        wall_of(s_.flange, "flange", s_.flange_thickness, "flange_thickness");
+    const section::Layup web = wall_of(s_.web, "web", s_.web_thickness, "web_thickness");
+    return made(s_.kind == SectionShape::Kind::I ? section::i_section : section::c_section,
+                s_.width, s_.height, flange, web);
+  }
+
+  // What the room of sections refuses is told with the place of the shape.
+  template <class Make, class... Sizes>
+  section::Mesher made(const Make& make, const Sizes&... sizes) const {
+    const std::vector<section::MeshMaterial>& all = materials();
+    try {
+      return make(sizes..., all);
+    } catch (const Error& error) {
+      fail(error.what());
+    }
+  }
+
+  section::Mesher in_place(section::Mesher drawn) const {
+    if (s_.x2 == 0.0 && s_.x3 == 0.0 && s_.turn == 0.0) return drawn;
+    const double c = std::cos(s_.turn), s = std::sin(s_.turn);
+    return [drawn = std::move(drawn), c, s, turn = s_.turn, x2 = s_.x2,
+            x3 = s_.x3](const section::Fineness& fineness) {
+      section::Mesh mesh = drawn(fineness);
+      for (section::Point& x : mesh.nodes)
+        x = section::Point(c * x(0) - s * x(1) + x2, s * x(0) + c * x(1) + x3);
+      for (section::Element& element : mesh.elements)
+        for (double& normal : element.normals) normal += turn;
+      return mesh;
+    };
+  }
+
+  // Plies by the name of a layup, or one of the material.
+  section::Layup wall_of(const std::string& layup, std::string_view layup_attribute,
+                         const std::optional<double>& thickness, std::string_view own_attribute) {
+    if (s_.material.empty() == layup.empty())
+      fail(fmt::format("give {}, or material and {}{}", layup_attribute, own_attribute,
+                       layup.empty() ? "" : "; not both"));
+    if (layup.empty()) {
+      if (!thickness)
+        fail(
+            fmt::format("attribute \"{}\" is missing: where there is a material and no layup, it "
+                        "is of that [m]",
+                        own_attribute));
+      return one_ply(*thickness);
+    }
+    if (thickness)
+      fail(fmt::format("{} is that of the layup; leave one of them out", own_attribute));
+    const LayupScene& found = named(scene_.layups, layup, s_.source, of_, "layups");
+    section::Layup plies;
+    for (const PlyScene& ply : found.plies) {
+      const section::Ply next{number_of(ply.material, ply.source, label(found) + ", ply"),
+                              ply.thickness, ply.angle};
+      if (!plies.empty() && plies.back().material == next.material &&
+          plies.back().angle == next.angle)
+        plies.back().thickness += next.thickness;
+      else
+        plies.push_back(next);
+    }
+    if (plies.size() > most_plies)
+      mbd::fail(found, fmt::format("it has {} plies, must have {} at most, where neighbours of one "
+                                   "material and angle are one; put some together",
+                                   plies.size(), most_plies));
+    if (found.listed == ListedFrom::outside) plies = section::reversed(plies);
+    layups_.push_back(plies);
+    return plies;
+  }
+
+  section::Layup one_ply(double thickness) {
+    layups_.push_back({{number_of(s_.material, s_.source, of_), thickness, s_.angle}});
+    return layups_.back();
+  }
+
+  int number_of(const std::string& material, const Source& source, const std::string& who) {
+    const MaterialScene& m = named(scene_.materials, material, source, who, "materials");
+    if (const auto at = std::ranges::find(used_, &m); at != used_.end())
+      return static_cast<int>(at - used_.begin());
+    used_.push_back(&m);
+    materials_.push_back({stiffness_of(m), m.density.value_or(0.0), m.name});
+    return static_cast<int>(used_.size()) - 1;
+  }
+
+  // When all are known.
+  const std::vector<section::MeshMaterial>& materials() const {
+    for (const MaterialScene* m : used_)
+      if (!m->density && has_mass())
+        fail(
+            fmt::format("material {} has no density rho, but others of the section have one; "
+                        "give all or none",
+                        in_quotes(m->name)));
+    return materials_;
+  }
+
+  const Scene& scene_;
+  const SectionShape& s_;
+  std::string of_;
+  std::vector<const MaterialScene*> used_;
+  std::vector<section::MeshMaterial> materials_;  // of used_
+  std::vector<section::Layup> layups_;
+};
+
+// The entry of D whose error is the largest.
+std::pair<std::string, double> worst_of(const section::Converged& c) {
+  const Vec6 root = c.analysis.stiffness.diagonal().cwiseSqrt();
+  Index i = 0, j = 0;
+  const double worst =
+      (c.error.array() / (root * root.transpose()).array()).matrix().maxCoeff(&i, &j);
+  return {fmt::format("D{}{}", std::min(i, j) + 1, std::max(i, j) + 1), worst};
+}
+
+void clear_round_off(Mat6& matrix) {
+  constexpr double round_off = 1e-10;
+  const Vec6 root = matrix.diagonal().cwiseAbs().cwiseSqrt();
+  for (Index i = 0; i < 6; ++i)
+    for (Index j = i + 1; j < 6; ++j) {
+      const double mean = 0.5 * (matrix(i, j) + matrix(j, i));
+      matrix(i, j) = matrix(j, i) = std::abs(mean) <= round_off * root(i) * root(j) ? 0.0 : mean;
+    }
+}
+
+section::Converged analysed(const SectionShape& shape, Shaped& shaped) {
+  static std::mutex mutex;
+  static std::map<std::vector<double>, section::Converged> known;
+  constexpr std::size_t most_known = 100;
+  const section::Mesher mesher = shaped.mesher();
+  const std::vector<double> key = shaped.key();
+  {
+    const std::scoped_lock lock(mutex);
+    if (const auto it = known.find(key); it != known.end()) return it->second;
+  }
+  section::Converged result;
+  try {
+    result = section::converge(mesher, shape.curvature, shape.tolerance, most_unknowns);
+  } catch (const Error& error) {
+    shaped.fail(error.what());
+  }
+  if (!result.reached) {
+    const auto [entry, error] = worst_of(result);
+    if (!std::isfinite(error))
+      shaped.fail(fmt::format("its plies are too many for a mesh of {} unknowns; put some together",
+                              most_unknowns));
+    shaped.fail(
+        fmt::format("tolerance {} is not reached with {} unknowns: {} is known to {:.1e} only; ask "
+                    "for a tolerance above that, or put plies together",
+                    schema::shortest(shape.tolerance), result.unknowns, entry, error));
+  }
+  const std::scoped_lock lock(mutex);
+  if (known.size() >= most_known) known.clear();
+  return known[key] = result;
+}
+
+// Of a section or station.
+template <class Of>
+void analyse_shape(const Scene& scene, Of& of, const std::string& label) {
+  if (!of.shape) return;
+  Shaped shaped(scene, *of.shape, label);
+  const section::Converged c = analysed(*of.shape, shaped);
+  of.stiffness = c.analysis.stiffness;
+  clear_round_off(of.stiffness);
+  const bool mass = shaped.has_mass() && (!of.mass || (of.found && of.found->mass));
+  if (mass) {
+    of.mass = c.analysis.mass;
+    clear_round_off(*of.mass);
+  }
+  const Vec6 root = of.stiffness.diagonal().cwiseSqrt();
+  of.found = ShapeFound{c.error.cwiseQuotient(root * root.transpose()), c.elements, c.unknowns,
+                        c.fineness.order, mass};
+}
+
+}  // namespace
+
+section::Stiffness stiffness_of(const MaterialScene& material) {
+  const EngineeringConstants constants = constants_of(material);
+  try {
+    return section::stiffness_of(constants);
+  } catch (const Error& error) {
+    fail(material, error.what());
+  }
+}
+
+section::Mesher mesher_of(const Scene& scene, const SectionShape& shape, const std::string& of) {
+  return Shaped(scene, shape, of).mesher();
+}
+
+section::Converged analysed(const Scene& scene, const SectionShape& shape, const std::string& of) {
+  Shaped shaped(scene, shape, of);
+  return analysed(shape, shaped);
+}
+
+void analyse_shapes(Scene& scene) {
+  for (const MaterialScene& material : scene.materials) stiffness_of(material);
+  for (const LayupScene& layup : scene.layups)
+    for (const PlyScene& ply : layup.plies)
+      named(scene.materials, ply.material, ply.source, label(layup) + ", ply", "materials");
+  for (Section& section : scene.sections) {
+    analyse_shape(scene, section, label(section));
+    for (Station& station : section.stations)
+      analyse_shape(scene, station,
+                    fmt::format("{}, station at {}", label(section), schema::shortest(station.at)));
+  }
+}
+
+}  // namespace mbd

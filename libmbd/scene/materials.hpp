@@ -1,0 +1,189 @@
+// Materials of a scene, walls of their plies, and sections by their dimensions.
+//
+// What they come to, the D and M of a section, is computed when a model is read (libmbd/language/shaped_sections.hpp);
+// angles and normals of plies are those of libmbd/section/material.hpp.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libmbd/core/types.hpp"
+#include "libmbd/scene/field.hpp"
+
+namespace mbd {
+
+// From which side of a wall its plies are listed: the first is the innermost, or the outermost one.
+enum class ListedFrom { inside, outside };
+template <>
+inline constexpr std::string_view words_of<ListedFrom> = "inside outside";
+
+// Of a box: plies turn round its corners, or walls across b3 go through and those across b2 stand between them.
+enum class BoxCorners { mitred, butt };
+template <>
+inline constexpr std::string_view words_of<BoxCorners> = "mitred butt";
+
+// Linear elastic. Isotropic: young and poisson. Else along its axes L (fibres), T and N (across the ply); what is not
+// given of N is as of T: EN = ET, GLN = GLT, nuLN = nuLT, GTN = ET/(2 (1 + nuTN)).
+struct MaterialScene {
+  Source source;
+  std::string name;
+  std::optional<double> young, poisson;
+  std::optional<double> e_l, e_t, e_n, g_lt, g_ln, g_tn, nu_lt, nu_ln, nu_tn;
+  std::optional<double> density;  // without one, sections of it have no mass
+
+  static constexpr field::ItemKind item{
+      "material",
+      "A linear elastic material, of which sections are made: isotropic by E and nu; else along "
+      "its "
+      "axes, L along the fibres, N across the ply, T = N x L, by EL, ET, GLT, nuLT, nuTN, and what "
+      "differs along N.",
+      "materials", field::of_materials};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = MaterialScene;
+    f(Field(&S::name, "name", "", required, "name plies and sections refer to", item_name));
+    f(Field(&S::young, "E", "Pa", optional, "Young's modulus of an isotropic material", positive));
+    f(Field(&S::poisson, "nu", pure_number, optional,
+            "Poisson's ratio of an isotropic material, between -1 and 0.5"));
+    f(Field(&S::e_l, "EL", "Pa", optional, "Young's modulus along L, the fibres", positive));
+    f(Field(&S::e_t, "ET", "Pa", optional, "along T", positive));
+    f(Field(&S::e_n, "EN", "Pa", optional, "along N (default: ET)", positive));
+    f(Field(&S::g_lt, "GLT", "Pa", optional, "shear modulus in the ply", positive));
+    f(Field(&S::g_ln, "GLN", "Pa", optional, "of L and N (default: GLT)", positive));
+    f(Field(&S::g_tn, "GTN", "Pa", optional, "of T and N (default: ET/(2 (1 + nuTN)))", positive));
+    f(Field(&S::nu_lt, "nuLT", pure_number, optional,
+            "contraction along T by a stress along L; nuLT/EL = nuTL/ET"));
+    f(Field(&S::nu_ln, "nuLN", pure_number, optional,
+            "contraction along N by a stress along L (default: nuLT)"));
+    f(Field(&S::nu_tn, "nuTN", pure_number, optional, "contraction along N by a stress along T"));
+    f(Field(&S::density, "rho", "kg/m3", optional,
+            "density; without one, sections of it have no mass", positive));
+  }
+};
+
+struct PlyScene {
+  Source source;
+  std::string material;
+  double thickness = 0.0;
+  double angle = 0.0;
+
+  static constexpr field::ItemKind item{"ply", "A ply of a layup."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = PlyScene;
+    f(Field(&S::material, "material", "", required, "name of its material"));
+    f(Field(&S::thickness, "thickness", "m", required, "its thickness", positive));
+    f(Field(&S::angle, "angle", "rad", preset,
+            "theta, of its L from b1: L = cos(theta) b1 + sin(theta) (n x b1), right-handed about "
+            "the outward normal n of the wall"));
+  }
+};
+
+struct LayupScene {
+  Source source;
+  std::string name;
+  ListedFrom listed = ListedFrom::inside;
+  std::vector<PlyScene> plies;  // at least one
+
+  static constexpr field::ItemKind item{"layup", "The plies of a wall, one after the other.",
+                                        "layups", field::of_layups};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = LayupScene;
+    f(Field(&S::name, "name", "", required, "name sections refer to", item_name));
+    f(Field(&S::listed, "listed", "", preset,
+            "from the inside, the first ply is the innermost one; or from the outside. Angles are "
+            "about the outward normal in both cases"));
+    f(Parts(&S::plies));
+  }
+};
+
+// A section by its dimensions, which gives D, and M unless a <mass> stands beside it. Its centre lies at (x2, x3) and it is turned about it.
+struct SectionShape {
+  enum class Kind { tube, bar, rectangle, box, I, C };
+  static constexpr std::string_view kinds[] = {"tube", "bar", "rectangle", "box", "I", "C"};
+  static constexpr std::string_view docs[] = {
+      "A tube: its plies lie round it, their normals point outward.",
+      "A solid round bar of one material, whose N is b3.",
+      "A solid rectangle of plies across b3, listed from below; their normal is b3.",
+      "A box with walls all round; the normals of its plies point outward.",
+      "An I: flanges across b3 at top and bottom go through, normals away from the middle; the web "
+      "stands between them, its normal b2.",
+      "A C: as an I, with the web at the side of -b2, its outer face at x2 = 0, its normal -b2."};
+
+  Source source;
+  Kind kind = Kind::tube;
+  double radius = 0.0, width = 0.0, height = 0.0;
+  std::optional<double> own_height;  // of a rectangle
+  std::string layup, flange, web;    // or
+  std::string material;              // and its thickness
+  std::optional<double> thickness, flange_thickness, web_thickness;
+  double angle = 0.0;
+  BoxCorners corners = BoxCorners::mitred;
+  double x2 = 0.0, x3 = 0.0, turn = 0.0;
+  Vec3 curvature = Vec3::Zero();
+  double tolerance = 1e-5;
+
+  static bool is_tube(const SectionShape& s) { return s.kind == Kind::tube; }
+  static bool is_bar(const SectionShape& s) { return s.kind == Kind::bar; }
+  static bool is_round(const SectionShape& s) { return is_tube(s) || is_bar(s); }
+  static bool is_wide(const SectionShape& s) { return !is_round(s); }
+  static bool is_rectangle(const SectionShape& s) { return s.kind == Kind::rectangle; }
+  static bool is_high(const SectionShape& s) { return is_wide(s) && !is_rectangle(s); }
+  static bool is_box(const SectionShape& s) { return s.kind == Kind::box; }
+  static bool is_flanged(const SectionShape& s) { return s.kind == Kind::I || s.kind == Kind::C; }
+  static bool has_layup(const SectionShape& s) { return !is_flanged(s) && !is_bar(s); }
+  static bool is_wall(const SectionShape& s) { return is_tube(s) || is_box(s); }
+  static bool may_be_plies(const SectionShape& s) { return !is_bar(s); }
+
+  static constexpr field::ItemKind item{"", "A section by its dimensions."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = SectionShape;
+    f(Field(&S::radius, "radius", "m", required, "outer radius", positive, is_round));
+    f(Field(&S::width, "width", "m", required, "outer width, along b2", positive, is_wide));
+    f(Field(&S::height, "height", "m", required, "outer height, along b3", positive, is_high));
+    f(Field(&S::own_height, "height", "m", optional,
+            "along b3, of one material; with a layup it is the thickness of that", positive,
+            is_rectangle));
+    f(Field(&S::layup, "layup", "", optional, "name of its layup", has_layup));
+    f(Field(&S::flange, "flange", "", optional, "name of the layup of its flanges", is_flanged));
+    f(Field(&S::web, "web", "", optional, "name of the layup of its web", is_flanged));
+    f(Field(&S::material, "material", "", required, "name of its material", is_bar));
+    f(Field(&S::material, "material", "", optional, "name of its material, in place of plies",
+            may_be_plies));
+    f(Field(&S::thickness, "thickness", "m", optional, "of its wall, where that is of one material",
+            positive, is_wall));
+    f(Field(&S::flange_thickness, "flange_thickness", "m", optional,
+            "of its flanges, where it is of one material", positive, is_flanged));
+    f(Field(&S::web_thickness, "web_thickness", "m", optional,
+            "of its web, where it is of one material", positive, is_flanged));
+    f(Field(&S::angle, "angle", "rad", preset,
+            "theta of a material that is given by itself, as of a ply"));
+    f(Field(&S::corners, "corners", "", preset,
+            "mitred: plies turn round them; butt: walls across b3 go through, those across b2 "
+            "stand between them",
+            is_box));
+    f(Field(&S::x2, "x2", "m", preset,
+            "where its centre lies along b2 (of a C: its outer face and half its height)"));
+    f(Field(&S::x3, "x3", "m", preset, "where its centre lies along b3"));
+    f(Field(&S::turn, "turn", "rad", preset, "turns it about its centre, from b2 towards b3"));
+    f(Field(&S::curvature, "curvature", "1/m", preset,
+            "k1 k2 k3 of the stress-free reference line along b1 b2 b3: its twist and curvatures, "
+            "which D and M take into account. They are not taken from the beam"));
+    f(Field(&S::tolerance, "tolerance", pure_number, preset,
+            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
+            Range{1e-10, 0.1}));
+  }
+};
+
+// What was found of a section's shape, besides D and M.
+struct ShapeFound {
+  Mat6 error = Mat6::Zero();  // estimated, of each entry ij of D over sqrt(Dii Djj)
+  int elements = 0, unknowns = 0, order = 0;
+  bool mass = false;  // M was computed too: it was not stated, and materials have densities
+};
+
+}  // namespace mbd
