@@ -13,6 +13,7 @@
 #include "libmbd/scene/analyses.hpp"
 #include "libmbd/scene/beams.hpp"
 #include "libmbd/scene/bodies.hpp"
+#include "libmbd/scene/control.hpp"
 #include "libmbd/scene/inputs.hpp"
 #include "libmbd/scene/joints.hpp"
 #include "libmbd/scene/loads.hpp"
@@ -27,6 +28,8 @@ struct Scene {
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
   std::vector<InputScene> inputs;  // their order is that of State::inputs
+  std::vector<FunctionScene> functions;
+  std::vector<ControllerScene> controllers;  // their order is that in which they sample
   std::vector<Section> sections;
   std::vector<BeamScene> beams;
   std::vector<BodyScene> bodies;
@@ -60,6 +63,8 @@ template <class SomeScene, class F>
 requires std::is_same_v<std::remove_const_t<SomeScene>, Scene>
 void each_kind(SomeScene& scene, const F& f) {
   f(scene.inputs);
+  f(scene.functions);
+  f(scene.controllers);
   f(scene.sections);
   f(scene.beams);
   f(scene.bodies);
