@@ -6,7 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 #include "elements/node/place_sensor.hpp"
 #include "joints/coordinate_sensor.hpp"
@@ -284,7 +284,30 @@ void ControlCompiler::feed_back() {
   }
 }
 
+// What is held jumps, and a motion must not.
+void ControlCompiler::refuse_held_motions() const {
+  std::vector<InputValue> held = system_.initial_inputs();
+  bool any = false;
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (!system_.inputs()[i].set_by.empty()) {
+      held[i].f = std::numeric_limits<double>::quiet_NaN();
+      any = true;
+    }
+  if (!any) return;
+  for (std::size_t i = 0; i < system_.signals().size(); ++i) {
+    const Signal& signal = system_.signals()[i];
+    if (system_.signal_use(i) == SignalUse::drive && signal.has_inputs() &&
+        std::isnan(signal(0.0, Side::right, held).f) &&
+        !std::isnan(signal(0.0, Side::right, system_.initial_inputs()).f))
+      throw Error(fmt::format(
+          "{}: depends on what a controller holds, which jumps at its instants; a motion must not: "
+          "let the controller set a force or a moment (<load>, <joint_torque>)",
+          system_.signal_name(i)));
+  }
+}
+
 void ControlCompiler::add_controllers() {
+  refuse_held_motions();
   for (const ControllerScene& scene : scene_.controllers) {
     const std::string who = said(scene.source, label(scene));
     if (!scene_.transient)

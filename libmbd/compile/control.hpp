@@ -51,6 +51,7 @@ class ControlCompiler {
 
  private:
   std::size_t sensor(const std::string& name, const std::string& who);
+  void refuse_held_motions() const;
   std::unique_ptr<Sensor> make_sensor(const SensorName& of, const std::string& who) const;
 
   const Scene& scene_;

@@ -192,13 +192,17 @@ const State& System::fed_back(const State& state) const {
   thread_local State fed;
   thread_local std::vector<double> readings;
   fed = state;
-  for (const Feedback& f : feedback_) fed.signals[f.signal].f += value_of(f, state, readings);
+  for (const Feedback& f : feedback_) {
+    const double value = value_of(f, state, readings);
+    if (std::isfinite(value)) fed.signals[f.signal].f += value;  // else feedback_finite() says it
+  }
   return fed;
 }
 
 bool System::feedback_finite(const State& state) const {
+  thread_local std::vector<double> readings;
   return std::all_of(feedback_.begin(), feedback_.end(), [&](const Feedback& f) {
-    return std::isfinite(state.signals[f.signal].f);
+    return std::isfinite(value_of(f, state, readings));
   });
 }
 
@@ -227,6 +231,7 @@ void System::each_feedback_block(const State& state, const F& look) const {
     for (std::size_t s = 0; s < f.sensors.size(); ++s) {
       const Sensor& sensor = *sensors_[f.sensors[s]];
       const double slope = f.law->derivative(s, state.t, state.side, state.inputs, readings);
+      if (!std::isfinite(slope)) continue;  // the tangent stays finite
       const std::vector<int> seen = sensor.nodes();
       by_motion.assign(seen.size(), Vec6::Zero());
       by_velocity = by_motion;
@@ -444,8 +449,9 @@ void System::load_rate(const State& given, VecX& r) const {
 
 std::string System::out_of_range(const State& given) const {
   const State& state = fed_back(given);
+  std::vector<double> readings;
   for (const Feedback& f : feedback_)
-    if (!std::isfinite(state.signals[f.signal].f)) return signal_names_[f.signal];
+    if (!std::isfinite(value_of(f, given, readings))) return signal_names_[f.signal];
   for (const auto& batch : batches_) {
     if (std::string name = batch->out_of_range(state); !name.empty()) return name;
   }

@@ -658,9 +658,9 @@ class Reader {
     all.outputs = part.names("outputs");
     const auto numbers = [&](std::string_view name) {
       std::vector<double> values;
-      if (part.has(name))
-        for (const std::string_view word : schema::words(part.text_of(name)))
-          values.push_back(part.evaluate(name, word));
+      const std::string text = part.text_of(name);
+      for (const std::string_view word : schema::words(text))
+        values.push_back(part.evaluate(name, word));
       return values;
     };
     all.A = numbers("A");

@@ -479,10 +479,10 @@ TEST(Controllers, ServoThatHolds) {
   EXPECT_LT(error(R"x(<transient duration="0.2" step="1e-3" method="radau"/>)x"), 1e-9);
   EXPECT_LT(error(R"x(<transient duration="0.2" tolerance="1e-8" method="radau"/>)x"), 1e-7);
   EXPECT_LT(error(R"x(<transient duration="0.2" tolerance="1e-7" method="ida"/>)x"), 1e-5);
-  const double coarse = error(R"x(<transient duration="0.2" step="0.5e-3"/>)x"),
-               fine = error(R"x(<transient duration="0.2" step="0.25e-3"/>)x");
+  const double coarse = error(R"x(<transient duration="0.2" step="0.25e-3"/>)x"),
+               fine = error(R"x(<transient duration="0.2" step="0.125e-3"/>)x");
   EXPECT_LT(fine, 1e-6);
-  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.2);
+  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.15);
 }
 
 const std::string cart = R"x(<body name="m" mass="2" inertia="1 1 1"/>
@@ -553,8 +553,8 @@ TEST(Controllers, StatesAndOrder) {
   const std::string law = R"x(<function name="ref" value="t&lt;0.5?1:-1"/>
     <controller name="c" period="0.05">
       <state name="count" next="count+1"/>
-      <state name="last" start="3" next="wanted"/>
       <output name="wanted" value="count&lt;4 ? 2 : min(max(6*(ref(t)-p.displacement)-last/4,-3),abs(last)+1)"/>
+      <state name="last" start="3" next="wanted"/>
       <output name="u" value="wanted+(count>=7 &amp;&amp; !(wanted==2) ? floor(last) : 0)"/>
     </controller><load at="m" force="u 0 0"/>)x";
   double last = 3.0;
@@ -644,7 +644,7 @@ TEST(Controllers, AreInCheckpoints) {
     EXPECT_EQ(state.pose[1].r(0), whole.state.pose[1].r(0));
     EXPECT_EQ(state.V[1](0), whole.state.V[1](0));
     EXPECT_EQ(state.control, whole.state.control);
-    EXPECT_GT(state.control[0], 3.0);
+    EXPECT_GT(state.control[0], 1.0);
   }
 }
 
@@ -754,7 +754,7 @@ TEST(HostileControl, PeriodBesideTheSteps) {
     SCOPED_TRACE(settings);
     Session run(cart + law + fmt::format(R"x(<transient duration="7" {}/>)x", settings));
     run.to(7.0);
-    EXPECT_NEAR(run.output("p.displacement"), wanted(7.0), 1e-9);
+    EXPECT_NEAR(run.output("p.displacement"), wanted(7.0), 1e-10 * wanted(7.0));
     EXPECT_EQ(run.state.control[1], 22.0);  // instants at 0, 1/3, …, 7: 22 of them
   }
 }
