@@ -14,7 +14,8 @@ namespace mbd::joint {
 template <class Coordinate>
 class CoordinateSensor final : public Sensor {
  public:
-  CoordinateSensor(const Axis& axis, int P, int Q, bool rate) : axis_(axis), nodes_{P, Q}, rate_(rate) {}
+  CoordinateSensor(const Axis& axis, int P, int Q, bool rate)
+      : axis_(axis), nodes_{P, Q}, rate_(rate) {}
 
   double value(const State& state) const override {
     const auto x = states(state);

@@ -873,16 +873,16 @@ class Compiler {
       if (at.rigid == nullptr && node == nullptr) {
         const BeamNode* nearest = nullptr;
         for (const BeamNode* const other : distinct_nodes(*beam))
-          if (nearest == nullptr || std::abs(other->s - place.parameter) <
-                                        std::abs(nearest->s - place.parameter))
+          if (nearest == nullptr ||
+              std::abs(other->s - place.parameter) < std::abs(nearest->s - place.parameter))
             nearest = other;
         throw Error(fmt::format(
-            "{}: sensor \"{}\": beam \"{}\" has no node there; the nearest is at {}; a <controller> "
+            "{}: sensor \"{}\": beam \"{}\" has no node there; the nearest is at {}; a "
+            "<controller> "
             "may sample between nodes",
             who, of.record.name, place.name, text_of({Place::Kind::beam, place.name, nearest->s})));
       }
-      if (node != nullptr)
-        return {node->node, node->frame, reference(node->node) * node->frame};
+      if (node != nullptr) return {node->node, node->frame, reference(node->node) * node->frame};
       const Pose<double> H = make_reference_line(*beam->scene).at(place.parameter);
       return {at.node, relative(reference(at.node), H), H};
     }
@@ -1172,8 +1172,9 @@ std::string without_potential(const Scene& scene) {
     if (beam.form == Form::paper && rigid_with(scene, beam.name) == nullptr)
       return label(beam) + " has the paper's form, which is not the gradient of an energy";
   if (const std::string feeds = first_feedback(scene); !feeds.empty())
-    return feeds + " answers to the motion as a law of sensors says, which is not the gradient of an "
-                   "energy";
+    return feeds +
+           " answers to the motion as a law of sensors says, which is not the gradient of an "
+           "energy";
   const auto fault = [](const auto& load) -> std::string {
     if (load.moment) return label(load) + " has a dead moment, whose work depends on the way";
     if (load.follower_force || load.follower_moment)

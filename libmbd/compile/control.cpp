@@ -86,7 +86,8 @@ class SampledController final : public Controller {
     std::string wrong;
     const auto check = [&](double x, const std::string& of) {
       if (!std::isfinite(x) && wrong.empty())
-        wrong = fmt::format("controller \"{}\": {} is {}; look at what it is made of", name_, of, x);
+        wrong =
+            fmt::format("controller \"{}\": {} is {}; look at what it is made of", name_, of, x);
       return x;
     };
     const auto hold = [&](std::size_t input, double u, const std::string& of) {
@@ -104,8 +105,7 @@ class SampledController final : public Controller {
           if (x.derivative != 0.0)
             s[1] = (x.filter * s[1] + x.derivative * (e - before)) / (x.filter + period_);
           const double wanted = x.proportional * e + s[0] + s[1];
-          const double u =
-              x.limits ? std::clamp(wanted, (*x.limits)[0], (*x.limits)[1]) : wanted;
+          const double u = x.limits ? std::clamp(wanted, (*x.limits)[0], (*x.limits)[1]) : wanted;
           const double growth = x.integral * period_ * e;
           if (!((wanted > u && growth > 0.0) || (wanted < u && growth < 0.0))) s[0] += growth;
           s[2] = e;
@@ -167,9 +167,10 @@ SensorName find_sensor(const Scene& scene, const std::string& name, const std::s
                                                 std::chars_format::fixed);
       if (!rest.starts_with('@') || error != std::errc() ||
           !(place.parameter >= 0.0 && place.parameter <= 1.0))
-        throw fail(fmt::format("\"{}\" is a beam; write {}.start, {}.end or {}@0.5 before the "
-                               "quantity, as {}.end.displacement.1",
-                               first, first, first, first, first));
+        throw fail(
+            fmt::format("\"{}\" is a beam; write {}.start, {}.end or {}@0.5 before the "
+                        "quantity, as {}.end.displacement.1",
+                        first, first, first, first, first));
       rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     }
     record.at = place;
@@ -229,9 +230,8 @@ std::unique_ptr<Sensor> ControlCompiler::make_sensor(const SensorName& of,
       throw refuse("it follows from the accelerations; a <controller> may sample it");
     const bool turns = q.of == Of::joint_with_angle;
     const bool rate = q.from == schema::Quantity::From::velocity;
-    const joint::Definition& d =
-        joints_.coordinate(*of.record.joint, turns, Source{},
-                           fmt::format("{}: sensor \"{}\"", who, of.record.name));
+    const joint::Definition& d = joints_.coordinate(
+        *of.record.joint, turns, Source{}, fmt::format("{}: sensor \"{}\"", who, of.record.name));
     const joint::Axis axis{{d.a, d.b}, d.angle};
     if (turns)
       return std::make_unique<joint::CoordinateSensor<joint::Turning>>(axis, d.P, d.Q, rate);
@@ -250,9 +250,10 @@ std::unique_ptr<Sensor> ControlCompiler::make_sensor(const SensorName& of,
       if (name != q.name) continue;
       const SensorPlace place = find_(of, who);
       if (place.node == 0)
-        throw Error(fmt::format("{}: sensor \"{}\": it is fixed to the ground and does not move; "
-                                "leave it out",
-                                who, of.record.name));
+        throw Error(
+            fmt::format("{}: sensor \"{}\": it is fixed to the ground and does not move; "
+                        "leave it out",
+                        who, of.record.name));
       const double from = name == "displacement" ? place.start.r(of.component) : 0.0;
       return std::make_unique<PlaceSensor>(kind, place.node, place.frame, of.component, from);
     }
@@ -279,7 +280,8 @@ void ControlCompiler::feed_back() {
     bool is_rate = false;
     const Expression& law = *system_.signals()[i].expression(is_rate);
     std::vector<std::size_t> all;
-    for (const std::string& name : law.sensors()) all.push_back(sensor(name, system_.signal_name(i)));
+    for (const std::string& name : law.sensors())
+      all.push_back(sensor(name, system_.signal_name(i)));
     system_.feed_back(static_cast<Index>(i), std::move(all));
   }
 }

@@ -17,7 +17,7 @@ namespace mbd {
 
 // What a sensor is called: "elbow.angle", "arm.end.velocity.2", "hub.position.1".
 struct SensorName {
-  RecordScene record;                      // of its place, joint or spring, and its quantity
+  RecordScene record;  // of its place, joint or spring, and its quantity
   const schema::Quantity* quantity = nullptr;
   int component = 0;  // from 0
 };

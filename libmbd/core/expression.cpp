@@ -694,9 +694,8 @@ class Expression::Parser {
                           "smooth step, such as tanh, or a <controller>, which may compare them"
            : has_inputs_
                ? "inputs cannot be compared; decide in the program that sets them"
-               : "solve for the switching " +
-                     std::string(is_of_time() ? "time" : "point") + " and compare " +
-                     variable_ + " with it; write abs(x) < a as -a < x && x < a");
+               : "solve for the switching " + std::string(is_of_time() ? "time" : "point") +
+                     " and compare " + variable_ + " with it; write abs(x) < a as -a < x && x < a");
     }
     const double slope = left.slope - right.slope;
     if (slope == 0.0) {
@@ -923,8 +922,9 @@ class Expression::Parser {
     if (!is_of_time() || argument_)
       fail(name.position, "the sensor " + quoted(name.text),
            allowed_ == Variables::none ? "a constant" : "a function of " + variable_,
-           argument_ ? "a <function> is of time; use sensors in the laws of loads and in controllers"
-                     : "sensors vary in time, and are for the laws of loads and for controllers");
+           argument_
+               ? "a <function> is of time; use sensors in the laws of loads and in controllers"
+               : "sensors vary in time, and are for the laws of loads and for controllers");
     has_sensors_ = true;
     const auto known = std::find(sensors_.begin(), sensors_.end(), name.text);
     const auto place = static_cast<std::int32_t>(known - sensors_.begin());
@@ -968,8 +968,8 @@ class Expression::Parser {
     const auto* const parameters = std::exchange(parameters_, function.parameters.get());
     const std::size_t at = std::exchange(at_, 0);
     const Token token = token_;
-    const auto outer = std::exchange(
-        argument_, std::pair(x.kind == Operand::constant ? 0.0 : x.slope, x.offset));
+    const auto outer =
+        std::exchange(argument_, std::pair(x.kind == Operand::constant ? 0.0 : x.slope, x.offset));
     const auto variable = std::exchange(variable_, std::string(kTime));
     advance();
     Operand value = number(choice());
@@ -1087,12 +1087,12 @@ class Expression::Parser {
   [[noreturn]] void fail_kink(const Function& function, const Operand& x) const {
     fail(x.position, std::string(function.name) + " of a general function of " + variable_,
          "arguments that are constant or of the form a*" + variable_ + " + b",
-         has_sensors_ ? std::string(
-                            "a law of sensors must have a derivative: limit it smoothly, as "
-                            "a*tanh(u/a), or in a <controller>")
+         has_sensors_
+             ? std::string("a law of sensors must have a derivative: limit it smoothly, as "
+                           "a*tanh(u/a), or in a <controller>")
          : has_inputs_ ? std::string("limit inputs in the program that sets them")
-                     : "the times of its kinks are not known; write them as " + variable_ + " < " +
-                           variable_ + "1 ? value : value");
+                       : "the times of its kinks are not known; write them as " + variable_ +
+                             " < " + variable_ + "1 ? value : value");
   }
 
   [[noreturn]] void fail_unknown(const Token& name) const {
@@ -1146,7 +1146,8 @@ class Expression::Parser {
   bool has_inputs_ = false;  // the text names one
   bool has_sensors_ = false;
   std::vector<std::string> sensors_;
-  std::optional<std::pair<double, double>> argument_;  // slope and offset of t, in a function that is called
+  std::optional<std::pair<double, double>>
+      argument_;  // slope and offset of t, in a function that is called
   std::vector<Instruction> program_;
   std::vector<Fault> faults_;
 };

@@ -69,7 +69,8 @@ class Parameters : public std::map<std::string, double, std::less<>> {
   using map::map;
   std::map<std::string, NamedInput, std::less<>> inputs;
   std::map<std::string, NamedFunction, std::less<>> functions;
-  std::set<std::string, std::less<>> own;  // names without a point that are read as sensors are: states of a controller
+  std::set<std::string, std::less<>>
+      own;  // names without a point that are read as sensors are: states of a controller
 };
 
 // What an expression may depend on besides parameters: t, or in laws (law.hpp) a displacement x or a rate v.

@@ -45,7 +45,7 @@ enum class Opcode : std::uint8_t {
   both,
   either,
   opposite,
-  less,        // of numbers, where nothing is differentiated
+  less,  // of numbers, where nothing is differentiated
   less_equal,
   equal,
   // control

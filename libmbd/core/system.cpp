@@ -266,13 +266,12 @@ void add_block(const Slot& slot, const Mat6& block) {
 void System::add_feedback(const State& state, const TangentWeights& weights, double U,
                           std::span<const Slot> slots) const {
   if (feedback_.empty()) return;
-  each_feedback_block(
-      state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
-        Mat6 block = U * K;
-        if (weights.V != 0.0)
-          block += weights.V * (weights.T_inv.empty() ? C : Mat6(C * weights.T_inv[node]));
-        add_block(slots[slot], block);
-      });
+  each_feedback_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
+    Mat6 block = U * K;
+    if (weights.V != 0.0)
+      block += weights.V * (weights.T_inv.empty() ? C : Mat6(C * weights.T_inv[node]));
+    add_block(slots[slot], block);
+  });
 }
 
 // --- controllers ---
@@ -300,8 +299,8 @@ bool System::sample(State& state, double slack, std::string& failure) const {
     if (std::abs(k * period - state.t) <= slack && k >= next) {
       any = true;
       next = k + 1.0;
-      std::string wrong = controller->sample(
-          state, std::span(state.control).subspan(at + 1, own), state.inputs);
+      std::string wrong =
+          controller->sample(state, std::span(state.control).subspan(at + 1, own), state.inputs);
       if (failure.empty()) failure = std::move(wrong);
     }
     at += 1 + own;
@@ -370,11 +369,11 @@ bool System::linearize_powers(const State& given, std::span<const Mat6> V_hat, V
   bool in_range = feedback_finite(state);
   for (const auto& batch : batches_) in_range &= batch->linearize_powers(state, V_hat, r, P);
   if (feeds_back())
-    each_feedback_block(
-        state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
-          add_block(P[0][slot], K + C * V_hat[node]);
-          add_block(P[1][slot], C);
-        });
+    each_feedback_block(state,
+                        [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
+                          add_block(P[0][slot], K + C * V_hat[node]);
+                          add_block(P[1][slot], C);
+                        });
   leave_out_idle(state, r, P[0]);
   return in_range;
 }

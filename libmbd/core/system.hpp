@@ -53,7 +53,7 @@ class Controller {
  public:
   virtual ~Controller() = default;
   virtual std::string name() const = 0;
-  virtual double period() const = 0;               // [s]
+  virtual double period() const = 0;                // [s]
   virtual std::vector<double> initial() const = 0;  // of its own states
   // At state.t, the accepted state before its outputs change: sets inputs of the model and its own states. Empty, or what is
   // wrong: an output that is not finite.

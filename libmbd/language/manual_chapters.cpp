@@ -464,12 +464,18 @@ a limit and this would drive it further. The matrices of a `state_space` are of 
   <controller name="servo" period="T">
     <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
   </controller>
+  <controller name="trim" period="2*T">
+    <state name="count" next="count+1"/>
+    <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+    <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+    <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+  </controller>
   <body name="cart" mass="m" inertia="1 1 1"/>
   <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
   <prismatic name="rail" between="ground cart" axis="1 0 0"/>
   <prismatic name="track" between="ground wagon" axis="1 0 0"/>
   <load at="cart" force="push 0 0"/>
-  <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed) 0 0"/>
+  <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
   <transient duration="0.5" step="0.01"/>
   <record name="cart" joint="rail" quantities="displacement speed"/>
   <record name="wagon" joint="track" quantities="displacement speed"/>

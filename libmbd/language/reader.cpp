@@ -500,7 +500,8 @@ class Reader {
   bool complete(const Item& item, FunctionScene& function) {
     const bool has_table = !schema::words(item.xml().text).empty();
     if (item.has("value") == has_table)
-      item.fail(std::string("give the value, or a table as text") + (has_table ? ", not both" : ""));
+      item.fail(std::string("give the value, or a table as text") +
+                (has_table ? ", not both" : ""));
     if (item.has("value"))
       for (const std::string_view of : {"unit", "interpolation"})
         if (item.has(of)) item.refuse(of, "is of a table; leave it out");
@@ -563,8 +564,8 @@ class Reader {
     }
     for (const std::string_view word : Item::words_of(item.text_of("value")))
       if (calls.contains(word) && !parameters_.functions.contains(word) && word != name)
-        item.fail("value", "the function " + in_quotes(word) +
-                               " stands after this one; put it before it");
+        item.fail("value",
+                  "the function " + in_quotes(word) + " stands after this one; put it before it");
   }
 
   // What it gives is an input of the laws after it.

@@ -229,10 +229,10 @@ const std::vector<Element>& table() {
          mark},
         {"stop", "path repeat defaults", "A mark at which the path ends.", mark},
     };
-    for (Element& element : std::array{element_of<ControlStateScene>("controller"),
-                                       element_of<ControlOutputScene>("controller"),
-                                       element_of<PidScene>("controller"),
-                                       element_of<StateSpaceScene>("controller")})
+    for (Element& element :
+         std::array{element_of<ControlStateScene>("controller"),
+                    element_of<ControlOutputScene>("controller"),
+                    element_of<PidScene>("controller"), element_of<StateSpaceScene>("controller")})
       list.push_back(element);
     const Scene kinds;
     each_kind(kinds, [&list]<class Items>(const Items&) {
@@ -383,7 +383,8 @@ std::string usual_word(std::string_view word) {
       {"tyre", "there is no rolling", true},
       {"rolling", "there is none", true},
       {"control", "write <controller period=…>, or a law of sensors: moment=\"-k*elbow.angle\""},
-      {"sensor", "laws of loads and controllers know the motion by names: elbow.angle, arm.end.velocity.2"},
+      {"sensor",
+       "laws of loads and controllers know the motion by names: elbow.angle, arm.end.velocity.2"},
       {"motor", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
       {"actuator", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
       {"shell", "there are beams and bodies only", true},

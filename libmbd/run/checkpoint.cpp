@@ -28,9 +28,10 @@ std::uint64_t sum_of(std::span<const char> bytes) {
 
 CheckpointEvery checkpoint_every(const std::string& text) {
   const auto refuse = [&]() -> Error {
-    return Error("--checkpoint-every " + text +
-                 ": write a time on the clock, as 10min, 30s or 2h, or a number of rows of results, "
-                 "as 100rows");
+    return Error(
+        "--checkpoint-every " + text +
+        ": write a time on the clock, as 10min, 30s or 2h, or a number of rows of results, "
+        "as 100rows");
   };
   double value = 0.0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);

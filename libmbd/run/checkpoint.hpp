@@ -31,9 +31,9 @@ struct RunCheckpoint {
   CheckpointEvery every;
   std::string history;  // the file, as far as it goes
   Checkpoint stepper;
-  long step = 0;                     // steps taken
-  double monitor_at = 0.0;           // the next state that is looked at [s]
-  double force_most = 0.0;           // of the report, as of states looked at so far:
+  long step = 0;            // steps taken
+  double monitor_at = 0.0;  // the next state that is looked at [s]
+  double force_most = 0.0;  // of the report, as of states looked at so far:
   RunReport report = {};
 
   void archive(Archive& a);

@@ -313,8 +313,9 @@ class Explainer {
       present("loads that answer to the motion at once, by sensors in their laws", laws);
     Names sampled;
     for (const ControllerScene& controller : scene_.controllers)
-      sampled.push_back(at(fmt::format("{} every {} s", label(controller), shortest(controller.period)),
-                           controller.source));
+      sampled.push_back(
+          at(fmt::format("{} every {} s", label(controller), shortest(controller.period)),
+             controller.source));
     if (!sampled.empty())
       present("controllers, which sample the motion and hold what they give", sampled);
   }

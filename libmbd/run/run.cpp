@@ -56,10 +56,9 @@ constexpr double much_energy = 0.1;   // of the largest kinetic energy, change o
 constexpr double much_noise = 1e-3;   // of constraint forces: worth a note
 constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
 
-constexpr const char* result_files[] = {"report.json", "history.csv", "history.svg",
-                                        "path.csv",    "path.svg",    "shapes.svg",
-                                        "motion.bin",  "run.h5",      "view.html",
-                                        checkpoint_file};
+constexpr const char* result_files[] = {"report.json", "history.csv",  "history.svg", "path.csv",
+                                        "path.svg",    "shapes.svg",   "motion.bin",  "run.h5",
+                                        "view.html",   checkpoint_file};
 
 class Stopwatch {
  public:
@@ -233,9 +232,10 @@ class Run {
     if (!every_ && !options_.restart) return;
     const char* const option = options_.restart ? "--restart" : "--checkpoint-every";
     if (!scene_.transient)
-      throw Error(scene_.source, fmt::format("{}: there is no <transient>, whose steps go on; leave "
-                                             "it out",
-                                             option));
+      throw Error(scene_.source,
+                  fmt::format("{}: there is no <transient>, whose steps go on; leave "
+                              "it out",
+                              option));
     if (scene_.transient->method == TimeMethod::ida)
       throw Error(scene_.transient->source,
                   fmt::format("{}: method=\"ida\" keeps a history that cannot be saved; take "
@@ -251,8 +251,7 @@ class Run {
     if (!options_.restart) return;
     from_ = read_checkpoint(*options_.output);
     const auto refuse = [&](const std::string& what) {
-      return Error(
-          fmt::format("{}: {}", (*options_.output / checkpoint_file).string(), what));
+      return Error(fmt::format("{}: {}", (*options_.output / checkpoint_file).string(), what));
     };
     if (from_->columns != columns_in_words() || from_->output != output_in_words())
       throw refuse(
@@ -311,22 +310,24 @@ class Run {
     report_.most_iterations = r.most_iterations;
     force_most_ = from_->force_most;
     replay(state);
-    report_.notes.push_back(
-        fmt::format("went on from a checkpoint at t = {:.9g} s: what the certificate says of single "
-                    "steps, and costs, are of the steps since then",
-                    state.t));
+    report_.notes.push_back(fmt::format(
+        "went on from a checkpoint at t = {:.9g} s: what the certificate says of single "
+        "steps, and costs, are of the steps since then",
+        state.t));
   }
 
   // After a step, when everything that it has to give has been written.
   void keep(Stepper& stepper, const State& state, long step, double monitor_at) {
     if (!every_) return;
     const double part = scene_.transient->duration / CheckpointEvery::parts;
-    const long due = every_->rows > 0 ? report_.rows / every_->rows
-                                      : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+    const long due = every_->rows > 0
+                         ? report_.rows / every_->rows
+                         : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
     if (kept_parts_ < 0) kept_parts_ = 0;
     if (due <= kept_parts_) return;
     kept_parts_ = due;
-    Checkpoint of_stepper = stepper.save(state);  // also where it is not written: the same steps follow
+    Checkpoint of_stepper =
+        stepper.save(state);  // also where it is not written: the same steps follow
     const auto now = std::chrono::steady_clock::now();
     if (every_->rows == 0 &&
         std::chrono::duration<double>(now - checkpoint_at_).count() < every_->seconds)

@@ -22,8 +22,7 @@ struct FunctionScene {
       "A function of time that the laws of loads, drives and controllers call by its name, as "
       "ref(t) or ref(2*t+1): an expression, or as text a table of t [s] and its value in turn, t "
       "rising.",
-      "functions",
-      field::of_functions};
+      "functions", field::of_functions};
   static void each_field(const auto& f) {
     using namespace field;
     using S = FunctionScene;
@@ -67,8 +66,7 @@ struct ControlOutputScene {
   static void each_field(const auto& f) {
     using namespace field;
     using S = ControlOutputScene;
-    f(Field(&S::name, "name", "", required,
-            "what laws after it call it: letters, digits and _"));
+    f(Field(&S::name, "name", "", required, "what laws after it call it: letters, digits and _"));
     f(Field(&S::start, "start", any_unit, "0", "before the first instant, and in a <static>"));
     f(Field(&S::value, "value", any_unit, required,
             "from the instant on until the next: an expression of t, sensors, inputs, states and "
@@ -143,8 +141,7 @@ struct ControllerScene {
       "Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next "
       "instant: what it consists of is evaluated in its order, with states as they were; what it "
       "gives acts from that instant on, without delay. Steps end there.",
-      "controllers",
-      field::of_controllers};
+      "controllers", field::of_controllers};
   static void each_field(const auto& f) {
     using namespace field;
     using S = ControllerScene;

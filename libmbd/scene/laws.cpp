@@ -137,7 +137,8 @@ std::string function_text(const TableScene& table) {
     pieces.push_back(
         {x, x, {f, df, (3.0 * mean - 2.0 * df - next) / h, (df + next - 2.0 * mean) / (h * h)}});
   }
-  if (smooth) pieces.push_back({knots[last].x, knots[last].x, {knots[last].f, knots[last].df, 0, 0}});
+  if (smooth)
+    pieces.push_back({knots[last].x, knots[last].x, {knots[last].f, knots[last].df, 0, 0}});
   return text_of(pieces);
 }
 

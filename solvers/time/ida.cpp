@@ -469,7 +469,8 @@ StepReport Ida::one_step(State& state) {
   integrator_->set_powers(powers);
   if (observer_) observer_(*integrator_);
 
-  if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, slack_, report)) return report;
+  if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, slack_, report))
+    return report;
   tiny_ = h < slack_ && !landed ? tiny_ + 1 : 0;
   if (tiny_ > most_tiny_steps) {
     report.failure = fmt::format(

@@ -342,7 +342,8 @@ StepReport OneStep::adaptive_step(State& state) {
     sizes_.rotation_error += error_norm_->rotation();
     take_step(state);
     ++counters_.steps;
-    if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report)) return report;
+    if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))
+      return report;
     report.converged = true;
     return report;
   }

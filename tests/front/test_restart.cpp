@@ -53,8 +53,8 @@ class Killer final : public Observer {
   std::atomic<bool>& flag_;
 };
 
-RunReport run_in(const fs::path& directory, const Scene& scene, const std::string& every, bool restart,
-                 long kill_at = 0) {
+RunReport run_in(const fs::path& directory, const Scene& scene, const std::string& every,
+                 bool restart, long kill_at = 0) {
   RunOptions options;
   options.output = directory;
   if (!every.empty()) options.checkpoint_every = checkpoint_every(every);
@@ -139,7 +139,8 @@ TEST(Restart, SaysWhatIsWrong) {
   put(kept);
   EXPECT_EQ(said(scene), "no error");
 
-  EXPECT_SAYS(said(read(model + R"(<transient duration="0.1" tolerance="1e-4" method="ida"/>)"), "5rows", false),
+  EXPECT_SAYS(said(read(model + R"(<transient duration="0.1" tolerance="1e-4" method="ida"/>)"),
+                   "5rows", false),
               "method=\"ida\"");
   EXPECT_SAYS(said(read(model + end + "<motion_output/>"), "5rows", false), "<motion_output>");
   for (const char* text : {"", "10", "rows", "-3s", "2.5rows", "5 kg", "0min", "nan s"}) {

@@ -153,8 +153,8 @@ TEST(Functions, SayWhatIsWrong) {
   EXPECT_SAYS(said(R"x(<parameter name="f" value="1"/><function name="f" value="t"/>)x"),
               "there is a parameter");
   const auto law = [](const std::string& text) {
-    return refusal(R"x(<function name="f" value="t"/>)x" + mass + R"x(<load at="m" force=")x" + text +
-                   R"x( 0 0"/>)x" + transient);
+    return refusal(R"x(<function name="f" value="t"/>)x" + mass + R"x(<load at="m" force=")x" +
+                   text + R"x( 0 0"/>)x" + transient);
   };
   EXPECT_SAYS(law("f"), "write f(t)");
   EXPECT_SAYS(law("f()"), "give the argument");
@@ -254,11 +254,12 @@ TEST(Sensors, ServoOfAnArm) {
 // Newton's iterations the same.
 TEST(Sensors, AreTheSameAsSpringsAndForces) {
   const std::string end = R"x(<transient duration="0.5" step="1e-3"/>)x";
-  Session spring(arm + R"x(<joint_spring name="k" joint="elbow" angular_stiffness="30" angular_damping="2"
+  Session spring(arm +
+                 R"x(<joint_spring name="k" joint="elbow" angular_stiffness="30" angular_damping="2"
       rest_angle="-0.5"/>)x" +
                  end);
-  Session law(arm +
-              R"x(<joint_torque joint="elbow" moment="-30*(elbow.angle+0.5)-2*elbow.rate"/>)x" + end);
+  Session law(
+      arm + R"x(<joint_torque joint="elbow" moment="-30*(elbow.angle+0.5)-2*elbow.rate"/>)x" + end);
   Extensions extensions;
   extensions.forces.push_back(
       make_force("servo", {"upper", "lower"}, [](const PlacesMotion& at, std::span<Vec6> wrenches) {
@@ -307,7 +308,8 @@ TEST(Sensors, TangentAgainstDifferences) {
       follower_force="0 2*gripper.velocity_local.1*pin.rate 0" follower_moment="0 0 pin.angle*gripper.angular_velocity_local.2"/>
     <load at="m" moment="tanh(slide.displacement.2) 0 t*rail.displacement"/>
     <distributed beam="b" force="0 0 -3*(1-s)*b.end.displacement.3*m.angular_velocity.3"/>)x";
-  const Model plain = compile(read(base + transient)), with = compile(read(base + loads + transient));
+  const Model plain = compile(read(base + transient)),
+              with = compile(read(base + loads + transient));
   Rng rng(5);
   State state = with.initial;
   with.system->set_time(state, 0.7);
@@ -369,7 +371,8 @@ TEST(Sensors, TangentAgainstDifferences) {
 
 // A PD law on a pendulum about its equilibrium: J q" + c q' + (k + m g l) q = 0.
 TEST(Sensors, PendulumIsLinearised) {
-  const std::string pendulum = R"x(<body name="rod" mass="3" inertia="0.01 0.25 0.25" at="0 -0.5 0"/>
+  const std::string pendulum =
+      R"x(<body name="rod" mass="3" inertia="0.01 0.25 0.25" at="0 -0.5 0"/>
     <revolute name="hinge" between="ground rod" at="0 0 0" axis="0 0 1"/><gravity acceleration="0 -9.81 0"/>
     <input name="u"/>
     <joint_torque joint="hinge" moment="-12*(hinge.angle-u)-0.7*hinge.rate"/>
@@ -391,8 +394,8 @@ TEST(Sensors, PendulumIsLinearised) {
   run.to(3.0);
   const double omega = std::sqrt(k / J), zeta = 0.5 * c / J / omega, d = zeta * omega,
                w = omega * std::sqrt(1 - zeta * zeta), t = 3.0;
-  const double wanted = 1e-5 * 12.0 / k *
-                        (1.0 - std::exp(-d * t) * (std::cos(w * t) + d / w * std::sin(w * t)));
+  const double wanted =
+      1e-5 * 12.0 / k * (1.0 - std::exp(-d * t) * (std::cos(w * t) + d / w * std::sin(w * t)));
   EXPECT_NEAR(run.output("h.angle"), wanted, 1e-6 * 1e-5);
 }
 
@@ -412,8 +415,8 @@ TEST(Sensors, ActInEquilibria) {
 
 TEST(Sensors, SayWhatIsWrong) {
   const auto law = [](const std::string& moment) {
-    return refusal(arm + R"x(<joint_torque name="servo" joint="elbow" moment=")x" + moment + R"x("/>)x" +
-                   transient);
+    return refusal(arm + R"x(<joint_torque name="servo" joint="elbow" moment=")x" + moment +
+                   R"x("/>)x" + transient);
   };
   EXPECT_EQ(law("-elbow.angle"), "no error");
   EXPECT_SAYS(law("-elbo.angle"), "did you mean \"elbow\"");
@@ -433,8 +436,10 @@ TEST(Sensors, SayWhatIsWrong) {
   EXPECT_SAYS(other(R"x(<drive joint="elbow" angle="shoulder.angle"/>)x"), "let a <load>");
   EXPECT_SAYS(other(R"x(<drive joint="elbow" rate="shoulder.rate"/>)x"), "let a load");
   EXPECT_SAYS(other(R"x(<base_motion acceleration="upper.velocity.1 0 0"/>)x"), "let a <load>");
-  EXPECT_SAYS(other(R"x(<drag at="lower" density="1" area="1" coefficient="1" flow="upper.velocity.1 0 0"/>)x"),
-              "depends on a sensor");
+  EXPECT_SAYS(
+      other(
+          R"x(<drag at="lower" density="1" area="1" coefficient="1" flow="upper.velocity.1 0 0"/>)x"),
+      "depends on a sensor");
   EXPECT_SAYS(other(R"x(<parameter name="p" value="elbow.angle"/>)x"), "the sensor 'elbow.angle'");
   EXPECT_SAYS(other(R"x(<joint_spring name="k" joint="elbow" moment="x*elbow.angle"/>)x"),
               "the sensor 'elbow.angle'");
@@ -506,10 +511,12 @@ TEST(Controllers, DoubleIntegrator) {
   const std::string law = R"x(<controller name="c" period="0.07">
       <output name="u" value="-8*(p.displacement-1)-5*p.speed"/></controller>
     <load at="m" force="u 0 0"/>)x";
-  const auto wanted = held_mass(0.07, 30, [](int, double x, double v) { return -8 * (x - 1) - 5 * v; });
+  const auto wanted =
+      held_mass(0.07, 30, [](int, double x, double v) { return -8 * (x - 1) - 5 * v; });
   for (const char* settings :
-       {R"x(step="0.07")x", R"x(step="0.03")x", R"x(step="0.1")x", R"x(step="0.033" method="radau")x",
-        R"x(tolerance="1e-6")x", R"x(tolerance="1e-6" method="radau")x", R"x(tolerance="1e-9" method="ida")x"}) {
+       {R"x(step="0.07")x", R"x(step="0.03")x", R"x(step="0.1")x",
+        R"x(step="0.033" method="radau")x", R"x(tolerance="1e-6")x",
+        R"x(tolerance="1e-6" method="radau")x", R"x(tolerance="1e-9" method="ida")x"}) {
     SCOPED_TRACE(settings);
     Session run(cart + law + fmt::format(R"x(<transient duration="2.1" {}/>)x", settings));
     // The state at the last instant: from fixed steps that do not end there, by dense output.
@@ -531,7 +538,8 @@ TEST(Controllers, DoubleIntegrator) {
 // history the reaction at an instant is that of the new output.
 TEST(Controllers, ActAtOnce) {
   Session run(cart + R"x(<controller name="c" period="0.5">
-      <output name="u" start="7" value="4+t"/></controller><load at="m" force="u 0 0"/>)x" + transient);
+      <output name="u" start="7" value="4+t"/></controller><load at="m" force="u 0 0"/>)x" +
+              transient);
   EXPECT_EQ(run.held("u"), 4.0);
   EXPECT_NEAR(run.state.Vdot[1](0), 2.0, 1e-12);
   run.to(0.4);
@@ -560,7 +568,8 @@ TEST(Controllers, StatesAndOrder) {
   double last = 3.0;
   const auto wanted = held_mass(0.05, 20, [&](int k, double x, double) {
     const double ref = 0.05 * k < 0.5 - 1e-12 ? 1.0 : -1.0;
-    const double w = k < 4 ? 2.0 : std::min(std::max(6 * (ref - x) - last / 4, -3.0), std::abs(last) + 1);
+    const double w =
+        k < 4 ? 2.0 : std::min(std::max(6 * (ref - x) - last / 4, -3.0), std::abs(last) + 1);
     const double u = w + (k >= 7 && w != 2.0 ? std::floor(last) : 0.0);
     last = w;
     return u;
@@ -626,9 +635,11 @@ TEST(Controllers, AreInCheckpoints) {
   const std::string law = R"x(<controller name="c" period="0.03">
       <pid name="u" error="1-p.displacement" proportional="30" integral="40" derivative="12" filter="0.03"/>
     </controller><load at="m" force="u-0.3*p.speed^3 0 0"/>)x";
-  for (const char* settings : {R"x(step="0.02")x", R"x(step="0.02" method="radau")x", R"x(tolerance="1e-5")x"}) {
+  for (const char* settings :
+       {R"x(step="0.02")x", R"x(step="0.02" method="radau")x", R"x(tolerance="1e-5")x"}) {
     SCOPED_TRACE(settings);
-    const std::string text = cart + law + fmt::format(R"x(<transient duration="2" {}/>)x", settings);
+    const std::string text =
+        cart + law + fmt::format(R"x(<transient duration="2" {}/>)x", settings);
     Session whole(text), part(text);
     for (int k = 0; k < 17; ++k) ASSERT_TRUE(whole.stepper->step(whole.state).converged);
     const Checkpoint kept = whole.stepper->save(whole.state);
@@ -665,24 +676,32 @@ TEST(Controllers, SayWhatIsWrong) {
   EXPECT_SAYS(said(R"x(<output name="u" value="1"/><output name="u" value="1"/>)x"), "already");
   EXPECT_SAYS(said(R"x(<pid name="u" error="1"/>)x"), "it gives nothing");
   EXPECT_SAYS(said(R"x(<pid name="u" error="1" integral="1" limits="1 -1"/>)x"), "must rise");
-  EXPECT_SAYS(said(R"x(<state_space inputs="1" outputs="u" A="1 2" B="1" C="1"/>)x"), "A has 2 numbers");
-  EXPECT_SAYS(said(R"x(<state_space inputs="1" outputs="u" A="1" B="1 2" C="1"/>)x"), "B has 2 numbers");
+  EXPECT_SAYS(said(R"x(<state_space inputs="1" outputs="u" A="1 2" B="1" C="1"/>)x"),
+              "A has 2 numbers");
+  EXPECT_SAYS(said(R"x(<state_space inputs="1" outputs="u" A="1" B="1 2" C="1"/>)x"),
+              "B has 2 numbers");
   const auto whole = [](const std::string& controller, const std::string& end = transient) {
     return refusal(cart + controller + end);
   };
-  EXPECT_SAYS(whole(R"x(<controller name="c" period="0"><output name="u" value="1"/></controller>)x"),
-              "must be positive");
-  EXPECT_SAYS(whole(R"x(<controller name="c" period="1e-9"><output name="u" value="1"/></controller>)x"),
-              "instants in the run");
-  EXPECT_SAYS(whole(R"x(<controller name="c" period="1"><output name="u" value="1"/></controller>)x",
-                    "<static/>"),
-              "it samples a motion");
+  EXPECT_SAYS(
+      whole(R"x(<controller name="c" period="0"><output name="u" value="1"/></controller>)x"),
+      "must be positive");
+  EXPECT_SAYS(
+      whole(R"x(<controller name="c" period="1e-9"><output name="u" value="1"/></controller>)x"),
+      "instants in the run");
+  EXPECT_SAYS(
+      whole(R"x(<controller name="c" period="1"><output name="u" value="1"/></controller>)x",
+            "<static/>"),
+      "it samples a motion");
   EXPECT_SAYS(whole(R"x(<controller name="c" period="1"><output name="u" value="1"/></controller>
       <drive joint="p" displacement="u"/>)x"),
               "jump");
   // An output that is not a number ends the run by its name.
-  Session run(cart + R"x(<controller name="c" period="0.3"><output name="u" value="sqrt(0.5-t)"/></controller>
-    <load at="m" force="u 0 0"/>)x" + transient);
+  Session run(
+      cart +
+      R"x(<controller name="c" period="0.3"><output name="u" value="sqrt(0.5-t)"/></controller>
+    <load at="m" force="u 0 0"/>)x" +
+      transient);
   StepReport report;
   do report = run.stepper->step(run.state);
   while (report.converged && run.state.t < 0.95);
@@ -698,7 +717,8 @@ TEST(HostileControl, OtherUnitsAndOrder) {
   const std::string end = R"x(<transient duration="400 ms" step="2 ms"/>)x";
   Session plain(arm + R"x(<controller name="c" period="0.005">
       <output name="u" value="-60*(elbow.angle+0.5)-4*elbow.rate"/></controller>
-    <joint_torque joint="elbow" moment="u-3*(lower.position.2+0.2)"/>)x" + end);
+    <joint_torque joint="elbow" moment="u-3*(lower.position.2+0.2)"/>)x" +
+                end);
   Session other(R"x(<transient duration="400 ms" step="2 ms"/>
     <parameter name="stiffness" value="60*pi/180*1e3 N.mm"/><function name="target" unit="deg">0 -28.64788975654116  9 -28.64788975654116</function>
     <controller name="c" period="5 ms">
@@ -750,7 +770,8 @@ TEST(HostileControl, PeriodBesideTheSteps) {
     for (int k = 1; k / 3.0 < t; ++k) x += 0.5 * (t - k / 3.0) * (t - k / 3.0);
     return x;
   };
-  for (const char* settings : {R"x(step="0.25")x", R"x(step="0.1")x", R"x(tolerance="1e-6")x", R"x(step="0.7" method="radau")x"}) {
+  for (const char* settings : {R"x(step="0.25")x", R"x(step="0.1")x", R"x(tolerance="1e-6")x",
+                               R"x(step="0.7" method="radau")x"}) {
     SCOPED_TRACE(settings);
     Session run(cart + law + fmt::format(R"x(<transient duration="7" {}/>)x", settings));
     run.to(7.0);

@@ -318,15 +318,17 @@ void add_run_command(CLI::App& app, int& status) {
                     "without the second run, in longer steps, that estimates the error of steps in "
                     "time, and costs 0.5 to 0.8 of the run");
   command
-      ->add_option("--checkpoint-every", arguments->checkpoint_every,
-                   "write the whole of the run into checkpoint.bin that often, from which --restart "
-                   "goes on: a time on the clock (10min, 30s) or rows of results (100rows). Not of "
-                   "method ida, nor with --motion")
+      ->add_option(
+          "--checkpoint-every", arguments->checkpoint_every,
+          "write the whole of the run into checkpoint.bin that often, from which --restart "
+          "goes on: a time on the clock (10min, 30s) or rows of results (100rows). Not of "
+          "method ida, nor with --motion")
       ->check(not_empty, "", "")
       ->type_name("TIME");
-  command->add_flag("--restart", arguments->restart,
-                    "go on from checkpoint.bin in the directory of results: history.csv becomes that "
-                    "of a run that was not killed, to the last bit");
+  command->add_flag(
+      "--restart", arguments->restart,
+      "go on from checkpoint.bin in the directory of results: history.csv becomes that "
+      "of a run that was not killed, to the last bit");
   command->add_flag("--motion", arguments->motion,
                     "keep the motion of all nodes in motion.bin, for `mbd view`: a frame with each "
                     "row of history.csv, or what <motion_output> says");
