@@ -1,9 +1,9 @@
 // Feedback in the model file: functions of time, laws of sensors, sampled controllers. Against closed forms, differences, and
 // equations integrated here.
 //
-// Tried in the library, and killed: the coupling left out of the tangent, its rate left out, B^T w without the gradient of the rate;
-// states updated before outputs are made; the second instant missed; an output one period late; no wind-up limit; a sensor of a place
-// in the axes of the node; the function's factor of its argument dropped.
+// Tried in the library, and killed: the coupling left out of the tangent; its rates left out; a rate's gradient by the motion, of a
+// joint and of a place, left out; states updated before what follows them; an instant missed; no limit to wind-up; the factor of a
+// function's argument dropped.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
