@@ -17,6 +17,7 @@
 #include "elements/beam/beam_place.hpp"
 #include "elements/node/batches.hpp"
 #include "elements/node/force_batch.hpp"
+#include "libmbd/compile/control.hpp"
 #include "libmbd/compile/fusion.hpp"
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/model.hpp"
@@ -66,7 +67,7 @@ class Compiler {
           label("mbd", scene_.name) +
               ": there is nothing to do; give <static/>, <transient …/> or both, or <path/>");
     for (const InputScene& input : scene_.inputs)
-      system_->add_input({input.name, input.unit, input.factor, input.value});
+      system_->add_input({input.name, input.unit, input.factor, input.value, input.controller});
     find_boundaries();
     fuse();
     for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
@@ -88,6 +89,16 @@ class Compiler {
     joints_->add_all();
     add_springs(nodes.find);
     for (const std::shared_ptr<const Force>& force : extensions.forces) add_force(force);
+
+    ControlCompiler control(
+        scene_, *system_, *joints_,
+        [this](const SensorName& of, const std::string& who) { return sensor_place(of, who); },
+        [this](const SensorName& of) -> Sample {
+          const Quantities one{of.quantity};
+          return of.record.at ? place_sample(of.record, one) : sample_of(of.record, *of.quantity);
+        });
+    control.feed_back();
+    control.add_controllers();
 
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
@@ -850,6 +861,35 @@ class Compiler {
     springs_->finish();
   }
 
+  // --- sensors ---
+
+  SensorPlace sensor_place(const SensorName& of, const std::string& who) const {
+    const Place& place = *of.record.at;
+    const CompiledBeam* const beam =
+        place.kind == Place::Kind::beam ? find_beam(place.name) : nullptr;
+    Attachment at = find(place, {}, who);
+    if (beam != nullptr && !is_boundary(*beam, place.parameter)) {
+      const BeamNode* const node = at.rigid == nullptr ? node_at(*beam, place.parameter) : nullptr;
+      if (at.rigid == nullptr && node == nullptr) {
+        const BeamNode* nearest = nullptr;
+        for (const BeamNode* const other : distinct_nodes(*beam))
+          if (nearest == nullptr ||
+              std::abs(other->s - place.parameter) < std::abs(nearest->s - place.parameter))
+            nearest = other;
+        throw Error(fmt::format(
+            "{}: sensor \"{}\": beam \"{}\" has no node there; the nearest is at {}; a "
+            "<controller> "
+            "may sample between nodes",
+            who, of.record.name, place.name, text_of({Place::Kind::beam, place.name, nearest->s})));
+      }
+      if (node != nullptr) return {node->node, node->frame, reference(node->node) * node->frame};
+      const Pose<double> H = make_reference_line(*beam->scene).at(place.parameter);
+      return {at.node, relative(reference(at.node), H), H};
+    }
+    if (at.node == 0) return {0, {}, {}};
+    return {at.node, frame_of(at), at.pose};
+  }
+
   // --- checks ---
 
   // Without a transient prescribed motions grow with the load, from none.
@@ -1131,6 +1171,10 @@ std::string without_potential(const Scene& scene) {
   for (const BeamScene& beam : scene.beams)
     if (beam.form == Form::paper && rigid_with(scene, beam.name) == nullptr)
       return label(beam) + " has the paper's form, which is not the gradient of an energy";
+  if (const std::string feeds = first_feedback(scene); !feeds.empty())
+    return feeds +
+           " answers to the motion as a law of sensors says, which is not the gradient of an "
+           "energy";
   const auto fault = [](const auto& load) -> std::string {
     if (load.moment) return label(load) + " has a dead moment, whose work depends on the way";
     if (load.follower_force || load.follower_moment)

@@ -32,6 +32,12 @@ drag::Flow Drags::flow(const DragScene& drag) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Expression& e = (*drag.flow)[i];
     if (is_zero(e)) continue;
+    if (e.has_sensors())
+      throw Error(
+          drag.source,
+          fmt::format("{}: flow {} \"{}\" depends on a sensor; drag answers to the motion by "
+                      "itself, and other forces of it are a <load> with sensors",
+                      label(drag), i + 1, excerpt(e.text())));
     const auto add = [&](const Signal& signal) {
       return static_cast<int>(system_.add_signal(
           signal, SignalUse::load,

@@ -249,6 +249,12 @@ void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
 }
 
 void check_prescribed(const Expression& law, const Source& source, const std::string& who) {
+  if (law.has_sensors())
+    throw Error(
+        source,
+        fmt::format("{}: \"{}\" depends on a sensor, and a motion that is prescribed cannot "
+                    "answer to the motion; let a <load> or a <joint_torque> of sensors act",
+                    who, excerpt(law.text())));
   if (law.has_inputs() && !law.breakpoints().empty())
     throw Error(source,
                 fmt::format("{}: \"{}\" depends on an input and switches in time: how far it jumps "

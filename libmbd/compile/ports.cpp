@@ -28,7 +28,7 @@ std::size_t find(const std::vector<Named>& all, std::string_view name, const cha
 Ports ports(const Model& model) {
   Ports all;
   for (const InputInfo& input : model.system->inputs())
-    all.inputs.push_back({input.name, input.unit, {}});
+    all.inputs.push_back({input.name, input.unit, {}, input.set_by});
   for (const Channel& channel : model.channels)
     for (const Column& column : channel.columns)
       all.outputs.push_back({column.name, column.unit, column.frame});

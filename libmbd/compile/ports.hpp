@@ -13,6 +13,8 @@ namespace mbd {
 // `name` and `unit` as in the model and in history.csv; `frame`: along whose axes, "" of what has none.
 struct Port {
   std::string name, unit, frame;
+  std::string set_by =
+      {};  // of an input: the controller of the model that sets it; empty: the program does
 };
 
 struct Ports {

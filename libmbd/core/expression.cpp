@@ -245,7 +245,7 @@ std::string_view remedy_for_symbol(std::string_view symbol) {
 class Expression::Parser {
  public:
   Parser(std::string_view text, const Parameters& parameters, Variables allowed)
-      : text_(text), parameters_(parameters), allowed_(allowed), variable_(name_of(allowed)) {}
+      : text_(text), parameters_(&parameters), allowed_(allowed), variable_(name_of(allowed)) {}
 
   Expression run() {
     if (text_.size() > kMaxLength) {
@@ -264,6 +264,7 @@ class Expression::Parser {
            "name parts of the expression as parameters or split it");
     Expression expression;
     expression.breakpoints_ = join_switching_times(program_);
+    expression.sensors_ = std::move(sensors_);
     program_.shrink_to_fit();
     expression.program_ = std::move(program_);
     expression.text_ = text_;
@@ -302,6 +303,7 @@ class Expression::Parser {
         case Opcode::constant:
         case Opcode::time:
         case Opcode::input:
+        case Opcode::sensor:
         case Opcode::before:
         case Opcode::after:
           ++depth;
@@ -314,6 +316,11 @@ class Expression::Parser {
         case Opcode::atan2:
         case Opcode::first_before:
         case Opcode::first_after:
+        case Opcode::min:
+        case Opcode::max:
+        case Opcode::less:
+        case Opcode::less_equal:
+        case Opcode::equal:
         case Opcode::both:
         case Opcode::either:
         case Opcode::jump:
@@ -420,7 +427,9 @@ class Expression::Parser {
       read_number();
     } else if (is_name_part(begin)) {
       token_.kind = Token::name;
-      while (is_name_part(at_)) ++at_;
+      // Of sensors, after their first letter, anything that names of items, places and components have but a minus.
+      while (is_name_part(at_) || ((byte(at_) == '.' || byte(at_) == '@') && is_name_part(at_ + 1)))
+        ++at_;
     } else {
       token_.kind = Token::symbol;
       constexpr std::array<std::string_view, 7> doubles{"<=", ">=", "==", "!=", "&&", "||", "**"};
@@ -662,6 +671,8 @@ class Expression::Parser {
     if (left.is_faulty()) return faulty_truth(left, left);
     if (right.is_faulty()) return faulty_truth(left, right);
     const bool is_equality = op.text == "==" || op.text == "!=";
+    if (is_sampled() && !(left.kind == Operand::constant && right.kind == Operand::constant))
+      return compare_values(left, op);
     if (left.kind == Operand::constant && right.kind == Operand::constant) {
       if (is_equality) return truth(left, (left.offset == right.offset) == (op.text == "=="));
       const double x = left.offset, y = right.offset;
@@ -679,11 +690,12 @@ class Expression::Parser {
     if (left.kind == Operand::general || right.kind == Operand::general) {
       fail(op.position, "a comparison of a general function of " + variable_,
            "terms of the form a*" + variable_ + " + b",
-           has_inputs_
+           has_sensors_ ? "sensors cannot be compared, as a law must have a derivative: write a "
+                          "smooth step, such as tanh, or a <controller>, which may compare them"
+           : has_inputs_
                ? "inputs cannot be compared; decide in the program that sets them"
-               : "solve for the switching " +
-                     std::string(allowed_ == Variables::time ? "time" : "point") + " and compare " +
-                     variable_ + " with it; write abs(x) < a as -a < x && x < a");
+               : "solve for the switching " + std::string(is_of_time() ? "time" : "point") +
+                     " and compare " + variable_ + " with it; write abs(x) < a as -a < x && x < a");
     }
     const double slope = left.slope - right.slope;
     if (slope == 0.0) {
@@ -695,6 +707,18 @@ class Expression::Parser {
     const double time = switching_time(left, right, op.position);
     cut(left.begin);
     emit(is_less == (slope > 0.0) ? Opcode::before : Opcode::after, time);
+    return {Operand::condition, left.begin, left.position};
+  }
+
+  bool is_sampled() const { return allowed_ == Variables::sampled; }
+
+  // Of two numbers at an instant.
+  Operand compare_values(const Operand& left, const Token& op) {
+    const bool equality = op.text == "==" || op.text == "!=";
+    const bool turned = op.text == "!=" || op.text.front() == '>';  // !(x <= y), !(x < y)
+    const bool strict = op.text == "<" || op.text == ">=";
+    emit(equality ? Opcode::equal : strict ? Opcode::less : Opcode::less_equal);
+    if (turned) emit(Opcode::opposite);
     return {Operand::condition, left.begin, left.position};
   }
 
@@ -826,8 +850,8 @@ class Expression::Parser {
   }
 
   Operand named(const Token& name) {
-    const auto parameter = parameters_.find(name.text);
-    const bool is_parameter = parameter != parameters_.end();
+    const auto parameter = parameters_->find(name.text);
+    const bool is_parameter = parameter != parameters_->end();
     const bool is_variable = allowed_ != Variables::none && name.text == variable_;
     if (is_parameter && (is_variable || is_reserved(name.text))) {
       fail(name.position, "a parameter named " + quoted(name.text),
@@ -844,16 +868,14 @@ class Expression::Parser {
       fail(name.position, "the time t", "a constant",
            "this value cannot vary; use numbers and parameters");
     }
-    if (name.text == kTime && allowed_ != Variables::time) {
+    if (name.text == kTime && !is_of_time()) {
       fail(name.position, "the time t", "a function of " + variable_,
            "a law does not vary in time; use " + variable_ + ", numbers and parameters");
     }
-    if (is_variable) {
-      const std::size_t begin = emit(Opcode::time);
-      return {Operand::affine, begin, name.position, 1.0, 0.0, kSound};
-    }
-    if (const auto input = parameters_.inputs.find(name.text); input != parameters_.inputs.end()) {
-      if (allowed_ != Variables::time)
+    if (is_variable) return argument_ ? argument(name.position) : time(name.position);
+    if (const auto input = parameters_->inputs.find(name.text);
+        input != parameters_->inputs.end()) {
+      if (!is_of_time())
         fail(name.position, "the input " + quoted(name.text),
              allowed_ == Variables::none ? "a constant" : "a function of " + variable_,
              "inputs vary in time, and are for the laws of loads and drives");
@@ -861,8 +883,113 @@ class Expression::Parser {
       const std::size_t begin = emit(Opcode::input, input->second.factor, input->second.index);
       return {Operand::general, begin, name.position};
     }
+    if (const auto function = parameters_->functions.find(name.text);
+        function != parameters_->functions.end())
+      return call(function->second, name);
     if (const auto* function = find_name(kFunctions, name.text)) return call(*function, name);
+    const bool is_sensor = name.text.find_first_of(".@") != std::string_view::npos;
+    if (is_sensor || parameters_->own.contains(name.text)) return sensor(name);
     fail_unknown(name);
+  }
+
+  bool is_of_time() const { return allowed_ == Variables::time || is_sampled(); }
+
+  Operand time(std::size_t position) {
+    const std::size_t begin = emit(Opcode::time);
+    if (is_sampled()) return {Operand::general, begin, position};
+    return {Operand::affine, begin, position, 1.0, 0.0, kSound};
+  }
+
+  // t in a function of the model: what it is called with.
+  Operand argument(std::size_t position) {
+    const auto [slope, offset] = *argument_;
+    const std::size_t begin = program_.size();
+    if (slope == 0.0) return constant(begin, position, offset);
+    const Operand t = time(position);
+    if (slope != 1.0) {
+      emit(Opcode::constant, slope);
+      emit(Opcode::multiply);
+    }
+    if (offset != 0.0) {
+      emit(Opcode::constant, offset);
+      emit(Opcode::add);
+    }
+    if (t.kind == Operand::general) return {Operand::general, begin, position};
+    return {Operand::affine, begin, position, slope, offset, kSound};
+  }
+
+  Operand sensor(const Token& name) {
+    if (!is_of_time() || argument_)
+      fail(name.position, "the sensor " + quoted(name.text),
+           allowed_ == Variables::none ? "a constant" : "a function of " + variable_,
+           argument_
+               ? "a <function> is of time; use sensors in the laws of loads and in controllers"
+               : "sensors vary in time, and are for the laws of loads and for controllers");
+    has_sensors_ = true;
+    const auto known = std::find(sensors_.begin(), sensors_.end(), name.text);
+    const auto place = static_cast<std::int32_t>(known - sensors_.begin());
+    if (known == sensors_.end()) sensors_.emplace_back(name.text);
+    const std::size_t begin = emit(Opcode::sensor, 0.0, place);
+    return {Operand::general, begin, name.position};
+  }
+
+  // A function of the model: its text is read in place of the call, with the argument as its t.
+  Operand call(const NamedFunction& function, const Token& name) {
+    const Level level(*this);
+    const std::string shape = std::string(name.text) + "(t)";
+    if (!is_of_time())
+      fail(name.position, "the function of time " + quoted(name.text),
+           allowed_ == Variables::none ? "a constant" : "a function of " + variable_,
+           "this value does not vary in time");
+    const std::size_t opened = token_.position;
+    if (!accept("("))
+      fail(token_.position, describe_token(), "'(' after " + std::string(name.text),
+           "write " + shape);
+    if (is_symbol(")")) fail(token_.position, "no argument", shape, "give the argument");
+    const std::size_t begin = program_.size();
+    // Read as an expression of time, also where the rest is sampled: then it is known to be a*t + b.
+    const Variables around = std::exchange(allowed_, Variables::time);
+    const Operand x = number(choice());
+    allowed_ = around;
+    if (is_symbol(","))
+      fail(token_.position, "one argument too many", shape,
+           "remove it; the decimal sign is a point, not a comma");
+    if (!is_symbol(")")) fail_unclosed(opened, "an operator or ')'");
+    if (x.is_faulty()) {
+      advance();
+      return x;
+    }
+    if (x.kind == Operand::general)
+      fail(x.position, "a general function of t as the argument of " + std::string(name.text),
+           "t, or an argument of the form a*t + b",
+           "a function of time is called at the time, or at another that goes with it");
+    cut(begin);
+    const auto text = std::exchange(text_, std::string_view(*function.text));
+    const auto* const parameters = std::exchange(parameters_, function.parameters.get());
+    const std::size_t at = std::exchange(at_, 0);
+    const Token token = token_;
+    const auto outer =
+        std::exchange(argument_, std::pair(x.kind == Operand::constant ? 0.0 : x.slope, x.offset));
+    const auto variable = std::exchange(variable_, std::string(kTime));
+    advance();
+    Operand value = number(choice());
+    if (token_.kind != Token::end) fail_at_token("an operator or the end");
+    text_ = text;
+    parameters_ = parameters;
+    at_ = at;
+    token_ = token;
+    argument_ = outer;
+    variable_ = variable;
+    advance();
+    value.position = name.position;
+    if (function.factor == 1.0 || value.is_faulty()) return value;
+    if (value.kind == Operand::constant)
+      return constant(value.begin, value.position, function.factor * value.offset);
+    emit(Opcode::constant, function.factor);
+    emit(Opcode::multiply);
+    return value.kind == Operand::affine
+               ? affine(value, function.factor * value.slope, function.factor * value.offset)
+               : value;
   }
 
   Operand call(const Function& function, const Token& name) {
@@ -900,6 +1027,10 @@ class Expression::Parser {
         return std::string(function.name) + "(" + to_text(x.offset) + ")";
       });
     }
+    if (is_sampled()) {
+      emit(function.op);
+      return general(x);
+    }
     switch (function.op) {
       case Opcode::abs: {
         if (x.kind != Operand::affine) fail_kink(function, x);
@@ -928,6 +1059,10 @@ class Expression::Parser {
     if (!is_selection || is_constant || x.is_faulty() || y.is_faulty()) {
       return combine(x, y, function.op, name.position, function.name);
     }
+    if (is_sampled()) {
+      emit(function.op);
+      return general(x);
+    }
     if (x.kind == Operand::general) fail_kink(function, x);
     if (y.kind == Operand::general) fail_kink(function, y);
     const double slope = x.slope - y.slope;
@@ -952,9 +1087,12 @@ class Expression::Parser {
   [[noreturn]] void fail_kink(const Function& function, const Operand& x) const {
     fail(x.position, std::string(function.name) + " of a general function of " + variable_,
          "arguments that are constant or of the form a*" + variable_ + " + b",
-         has_inputs_ ? std::string("limit inputs in the program that sets them")
-                     : "the times of its kinks are not known; write them as " + variable_ + " < " +
-                           variable_ + "1 ? value : value");
+         has_sensors_
+             ? std::string("a law of sensors must have a derivative: limit it smoothly, as "
+                           "a*tanh(u/a), or in a <controller>")
+         : has_inputs_ ? std::string("limit inputs in the program that sets them")
+                       : "the times of its kinks are not known; write them as " + variable_ +
+                             " < " + variable_ + "1 ? value : value");
   }
 
   [[noreturn]] void fail_unknown(const Token& name) const {
@@ -971,15 +1109,21 @@ class Expression::Parser {
       if (count > most) list += " and " + std::to_string(count - most) + " more";
     };
     const auto by_name = [](const auto& row) { return row.name; };
-    add("parameters ", parameters_, [](const auto& row) { return std::string_view(row.first); });
+    add("parameters ", *parameters_, [](const auto& row) { return std::string_view(row.first); });
     if (list.empty()) list = "no parameters";
-    if (allowed_ == Variables::time && !parameters_.inputs.empty())
-      add("; inputs ", parameters_.inputs,
+    if (is_of_time() && !parameters_->inputs.empty())
+      add("; inputs ", parameters_->inputs,
           [](const auto& row) { return std::string_view(row.first); });
+    if (is_of_time() && !parameters_->functions.empty())
+      add("; functions of time ", parameters_->functions,
+          [](const auto& row) { return std::string_view(row.first); });
+    if (is_of_time() && !parameters_->own.empty())
+      add("; states ", parameters_->own,
+          [](const std::string& own) { return std::string_view(own); });
     add("; constants ", kConstants, by_name);
     if (allowed_ != Variables::none) {
       names.push_back(variable_);
-      list += (allowed_ == Variables::time ? "; the time " : "; the variable ") + variable_;
+      list += (is_of_time() ? "; the time " : "; the variable ") + variable_;
     }
     add("; functions ", kFunctions, by_name);
     const auto distance = [&](std::string_view other) { return edit_distance(name.text, other); };
@@ -993,13 +1137,17 @@ class Expression::Parser {
   }
 
   std::string_view text_;
-  const Parameters& parameters_;
+  const Parameters* parameters_;
   Variables allowed_;
   std::string variable_;     // its name, for messages
   std::size_t at_ = 0;       // where the next token is looked for
   Token token_;              // the current token
   int depth_ = -1;           // levels of recursion; the whole is level 0
   bool has_inputs_ = false;  // the text names one
+  bool has_sensors_ = false;
+  std::vector<std::string> sensors_;
+  std::optional<std::pair<double, double>>
+      argument_;  // slope and offset of t, in a function that is called
   std::vector<Instruction> program_;
   std::vector<Fault> faults_;
 };
@@ -1025,11 +1173,20 @@ Expression Expression::sum(std::span<const Term> terms, double stretch) {
       continue;
     }
     const bool first = program.empty();
+    std::vector<std::int32_t> places;  // of its sensors
+    for (const std::string& name : of->sensors_) {
+      auto& all = result.sensors_;
+      const auto known = std::find(all.begin(), all.end(), name);
+      places.push_back(static_cast<std::int32_t>(known - all.begin()));
+      if (known == all.end()) all.push_back(name);
+    }
     std::vector<std::int32_t> moved;  // where each instruction, and the end, have gone
     std::vector<std::size_t> jumps;
     for (const Instruction& i : of->program_) {
       moved.push_back(static_cast<std::int32_t>(program.size()));
       program.push_back(i);
+      if (i.op == Opcode::sensor)
+        program.back().target = places[static_cast<std::size_t>(i.target)];
       if (i.op == Opcode::jump || i.op == Opcode::jump_if_false)
         jumps.push_back(program.size() - 1);
       if (stretch == 1.0) continue;
@@ -1083,7 +1240,20 @@ double Expression::value() const {
 }
 
 template <class S>
-Taylor<S> Expression::evaluate(S t, Side side, std::span<const InputValue> inputs) const {
+Taylor<S> Expression::evaluate(S t, Side side, std::span<const InputValue> inputs,
+                               std::span<const double> sensors) const {
+  return run(t, side, inputs, sensors, {});
+}
+
+double Expression::derivative(std::size_t sensor, double t, Side side,
+                              std::span<const InputValue> inputs,
+                              std::span<const double> sensors) const {
+  return run(t, side, inputs, sensors, {.time = 0.0, .sensor = sensor}).d;
+}
+
+template <class S>
+Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
+                          std::span<const double> sensors, const Seed& seed) const {
   std::array<Taylor<S>, kMaxStack> stack;  // uninitialised; the parser has checked the depth
   std::size_t size = 0;
   const auto push = [&](S v, S d) { stack[size++] = {v, d, S(0)}; };
@@ -1099,14 +1269,21 @@ Taylor<S> Expression::evaluate(S t, Side side, std::span<const InputValue> input
         push(S(value), S(0));
         break;
       case Opcode::time:
-        push(t, S(1));
+        push(t, S(seed.time));
         break;
       case Opcode::input: {
         constexpr S unknown = std::numeric_limits<S>::quiet_NaN();
         const auto place = static_cast<std::size_t>(instruction.target);
         const Taylor<S> u =
             place < inputs.size() ? inputs[place].at(t) : Taylor<S>{unknown, unknown, unknown};
-        stack[size++] = {S(value) * u.v, S(value) * u.d, S(value) * u.dd};
+        const S rate = S(value) * S(seed.time);
+        stack[size++] = {S(value) * u.v, rate * u.d, rate * u.dd};
+        break;
+      }
+      case Opcode::sensor: {
+        const auto place = static_cast<std::size_t>(instruction.target);
+        push(place < sensors.size() ? S(sensors[place]) : std::numeric_limits<S>::quiet_NaN(),
+             place == seed.sensor ? S(1) : S(0));
         break;
       }
       case Opcode::before:
@@ -1152,6 +1329,35 @@ Taylor<S> Expression::evaluate(S t, Side side, std::span<const InputValue> input
       case Opcode::opposite:
         stack[size - 1].v = S(1) - stack[size - 1].v;
         break;
+      case Opcode::less:
+      case Opcode::less_equal:
+      case Opcode::equal: {
+        --size;
+        const S x = stack[size - 1].v, y = stack[size].v;
+        const bool holds = op == Opcode::less ? x < y : op == Opcode::equal ? x == y : x <= y;
+        stack[size - 1] = {holds ? S(1) : S(0), S(0), S(0)};
+        break;
+      }
+      case Opcode::min:
+      case Opcode::max: {
+        --size;
+        const S x = stack[size - 1].v, y = stack[size].v;
+        if (!(op == Opcode::min ? x <= y : x >= y) || std::isnan(y)) stack[size - 1] = stack[size];
+        break;
+      }
+      case Opcode::abs:
+        if (stack[size - 1].v < S(0)) stack[size - 1] = -stack[size - 1];
+        break;
+      case Opcode::floor:
+      case Opcode::ceil:
+      case Opcode::round: {
+        const S x = stack[size - 1].v;
+        stack[size - 1] = {op == Opcode::floor  ? std::floor(x)
+                           : op == Opcode::ceil ? std::ceil(x)
+                                                : std::round(x),
+                           S(0), S(0)};
+        break;
+      }
       case Opcode::jump:
         i = static_cast<std::size_t>(instruction.target) - 1;
         break;
@@ -1166,8 +1372,9 @@ Taylor<S> Expression::evaluate(S t, Side side, std::span<const InputValue> input
   return stack[0];
 }
 
-template Taylor<double> Expression::evaluate(double, Side, std::span<const InputValue>) const;
-template Taylor<long double> Expression::evaluate(long double, Side,
-                                                  std::span<const InputValue>) const;
+template Taylor<double> Expression::evaluate(double, Side, std::span<const InputValue>,
+                                             std::span<const double>) const;
+template Taylor<long double> Expression::evaluate(long double, Side, std::span<const InputValue>,
+                                                  std::span<const double>) const;
 
 }  // namespace mbd

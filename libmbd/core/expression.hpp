@@ -15,7 +15,8 @@
 //
 // Names: the parameters given; the constants pi and deg (= pi/180: 5*deg is an angle in rad);
 // the variable t (time, s) where the caller allows it, and there the inputs of the model (input.hpp), or in its place x or v (law.hpp), for which all that
-// is said of t here holds as well. Functions: sin cos tan asin acos atan
+// is said of t here holds as well; sensors of the motion where t is, `elbow.angle`, `arm.end.velocity.2`, which are names with a
+// point or an @ in them, and mean what the caller makes of them; functions of time of the model, f(a*t+b). Functions: sin cos tan asin acos atan
 // atan2(y,x) sinh cosh tanh exp log ln (both natural) log10 sqrt pow(x,p) abs min(x,y) max(x,y),
 // and, of constants only, floor ceil round. Numbers and conditions are different types.
 //
@@ -34,6 +35,8 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,15 +53,30 @@ struct NamedInput {
   double factor = 1.0;
 };
 
-// Named constants of a model, and its inputs.
+class Parameters;
+
+// A function of time that expressions of time call by its name: `factor` times an expression of t, read with the parameters that
+// there were where it stands.
+struct NamedFunction {
+  std::shared_ptr<const std::string> text;
+  std::shared_ptr<const Parameters> parameters;
+  double factor = 1.0;
+};
+
+// Named constants of a model, its inputs and its functions of time.
 class Parameters : public std::map<std::string, double, std::less<>> {
  public:
   using map::map;
   std::map<std::string, NamedInput, std::less<>> inputs;
+  std::map<std::string, NamedFunction, std::less<>> functions;
+  std::set<std::string, std::less<>>
+      own;  // names without a point that are read as sensors are: states of a controller
 };
 
 // What an expression may depend on besides parameters: t, or in laws (law.hpp) a displacement x or a rate v.
-enum class Variables { none, time, x, v };
+// `sampled`: t and all that depends on time, at an instant: nothing is differentiated, so conditions may compare anything, and
+// abs, min, max, floor, ceil and round may be of anything.
+enum class Variables { none, time, x, v, sampled };
 
 // The limit taken at a breakpoint: from earlier or from later times.
 enum class Side { left, right };
@@ -101,21 +119,31 @@ class Expression {
 
   bool is_constant() const;
   bool has_inputs() const;  // it depends on inputs of the model
+  bool has_sensors() const { return !sensors_.empty(); }
+
+  // The names of the sensors that it depends on, each once.
+  const std::vector<std::string>& sensors() const { return sensors_; }
 
   // The value of a constant expression, always finite. Throws Error if it depends on t.
   double value() const;
 
   // Value and time derivatives at t [s]. At a breakpoint, the limit from `side`. Outside the domain
   // of a function (sqrt(t) at t < 0) or at a pole the result is not finite and returned as it is; so is that of
-  // inputs that are not given. `inputs`: those of the model, in its order.
-  Taylor2 operator()(double t, Side side = Side::right,
-                     std::span<const InputValue> inputs = {}) const {
-    return evaluate(t, side, inputs);
+  // inputs and sensors that are not given. `inputs`: those of the model, in its order; `sensors`: the values of sensors(), taken
+  // as constant by the derivatives.
+  Taylor2 operator()(double t, Side side = Side::right, std::span<const InputValue> inputs = {},
+                     std::span<const double> sensors = {}) const {
+    return evaluate(t, side, inputs, sensors);
   }
 
   // The same for S = double and long double.
   template <class S>
-  Taylor<S> evaluate(S t, Side side = Side::right, std::span<const InputValue> inputs = {}) const;
+  Taylor<S> evaluate(S t, Side side = Side::right, std::span<const InputValue> inputs = {},
+                     std::span<const double> sensors = {}) const;
+
+  // The derivative by the sensor of that place in sensors(), at fixed time and inputs.
+  double derivative(std::size_t sensor, double t, Side side, std::span<const InputValue> inputs,
+                    std::span<const double> sensors) const;
 
   // Taylor coefficients at all t in [a, b]: c[k] holds f^(k)(t)/k! [1/s^k], round-off included; infinite where a
   // pole, or the end of a domain, cannot be excluded. No breakpoint may lie between a and b; at one that is a or b,
@@ -144,14 +172,25 @@ class Expression {
 
   Expression() = default;
 
+  // With the derivatives of the time, and of one sensor.
+  struct Seed {
+    double time = 1.0;
+    std::size_t sensor = static_cast<std::size_t>(-1);
+  };
+  template <class S>
+  Taylor<S> run(S t, Side side, std::span<const InputValue> inputs, std::span<const double> sensors,
+                const Seed& seed) const;
+
   std::string text_;                  // as given
   std::vector<Instruction> program_;  // postfix, with forward jumps
   std::vector<double> breakpoints_;   // [s], ascending, distinct
+  std::vector<std::string> sensors_;  // by the targets of instructions
 };
 
-extern template Taylor<double> Expression::evaluate(double, Side,
-                                                    std::span<const InputValue>) const;
+extern template Taylor<double> Expression::evaluate(double, Side, std::span<const InputValue>,
+                                                    std::span<const double>) const;
 extern template Taylor<long double> Expression::evaluate(long double, Side,
-                                                         std::span<const InputValue>) const;
+                                                         std::span<const InputValue>,
+                                                         std::span<const double>) const;
 
 }  // namespace mbd

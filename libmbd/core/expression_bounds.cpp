@@ -286,7 +286,8 @@ void Expression::enclose(double a, double b, std::span<Interval> c) const {
       case Opcode::constant:
         stack.push_back(with.constant(instruction.value));
         break;
-      case Opcode::input: {
+      case Opcode::input:
+      case Opcode::sensor: {
         Series unknown;
         unknown.fill(
             {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()});

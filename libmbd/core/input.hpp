@@ -14,6 +14,7 @@ struct InputInfo {
   std::string unit;     // of its values, as written in the model; empty: SI, or a pure number
   double factor = 1.0;  // what makes SI of them
   double initial = 0.0;
+  std::string set_by = {};  // the controller of the model that sets it; empty: the program does
 };
 
 // From `since` [s] on the input is  u(t) = f + fdot tau + fddot tau^2/2,  tau = t - since,  in its own unit. Set between

@@ -10,6 +10,7 @@ enum class Opcode : std::uint8_t {
   constant,  // push value
   time,      // push t
   input,     // push `value` times the input at the place `target`
+  sensor,    // push the sensor at the place `target`
   // of two numbers
   add,
   subtract,
@@ -44,10 +45,13 @@ enum class Opcode : std::uint8_t {
   both,
   either,
   opposite,
+  less,  // of numbers, where nothing is differentiated
+  less_equal,
+  equal,
   // control
   jump,
   jump_if_false,  // pops the condition
-  // of constants only: folded, never in a program
+  // of constants, and where nothing is differentiated
   abs,
   min,
   max,

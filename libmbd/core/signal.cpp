@@ -88,6 +88,10 @@ class Signal::RateLaw {
       throw Error(name() +
                   ": depends on an input, whose future is not known; prescribe the angle or the "
                   "displacement, and give the input its rates (InputValue)");
+    if (rate_.has_sensors())
+      throw Error(name() +
+                  ": depends on a sensor; a motion that is prescribed cannot answer to the motion: "
+                  "let a load or a <joint_torque> act on it");
     if (!std::isfinite(f0)) {
       throw Error(name() + ": found the initial value " + to_text(f0) +
                   ", expected a finite number; correct it");
@@ -297,6 +301,11 @@ bool Signal::has_inputs() const {
   return expression != nullptr && expression->has_inputs();
 }
 
+bool Signal::has_sensors() const {
+  const auto* expression = std::get_if<Expression>(&law_);
+  return expression != nullptr && expression->has_sensors();
+}
+
 // The magnitude against which a jump is measured is that on the pieces on both sides, of length τ:
 //   (5)  m_k = max(|f^(k)|, |f^(k−1)|/τ, …), sampled,
 // because the limits alone may both be rounding errors, as those of ṙ at t = 6 for
@@ -322,7 +331,7 @@ std::vector<Jump> Signal::jumps() const {
     return {s.f, s.fdot, s.fddot};
   };
   std::vector<Jump> result;
-  if (has_inputs()) {
+  if (has_inputs() || has_sensors()) {
     for (const double t : times) result.push_back({t, 0, std::numeric_limits<double>::quiet_NaN()});
     return result;
   }
@@ -365,7 +374,9 @@ std::vector<Jump> Signal::jumps() const {
 // does not; two jumps within the interval, which may cancel in (6), do not in (7).
 std::optional<Jump> Signal::undeclared_jump(double t_begin, double t_end) const {
   const auto* expression = std::get_if<Expression>(&law_);
-  if (expression == nullptr || expression->is_constant() || expression->has_inputs()) return {};
+  if (expression == nullptr || expression->is_constant() || expression->has_inputs() ||
+      expression->has_sensors())
+    return {};
   constexpr double smallest = 1e-4;  // jump / V
   constexpr double shortest = 1e-9;  // interval / (t_end - t_begin)
   constexpr int samples = 199;       // of a piece; uneven, so as not to fall in step with a period

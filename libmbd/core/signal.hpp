@@ -80,6 +80,7 @@ class Signal {
 
   bool is_constant() const;
   bool has_inputs() const;
+  bool has_sensors() const;  // its values are then of System::signals_at
 
   // The expression that the signal is, or that its rate is (`is_rate`); nullptr: a constant.
   const Expression* expression(bool& is_rate) const;

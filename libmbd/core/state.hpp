@@ -32,7 +32,8 @@ struct Work {
 // Arrays by node; node 0 is the ground, whose pose is the identity and never changes.
 // A State of a static System has no rates: V and Vdot are empty.
 struct State {
-  double t = 0.0;  // [s]
+  double t = 0.0;           // [s]
+  Side side = Side::right;  // of t, from which the signals are (System::set_time)
   double load_factor =
       1.0;  // on every load of the scene, gravity and (in statics) prescribed motions
             // included; 1 but in load stepping and path following
@@ -47,6 +48,8 @@ struct State {
   std::vector<SignalValue> signals;  // drives and load signals at t (System::set_time)
   std::vector<InputValue>
       inputs;  // in the order of System::inputs(): what a program sets between steps
+  std::vector<double>
+      control;  // of System::controllers(): of each the count of its next instant, then its own states
   Work work;
   double momentum_rate = 0.0;  // [1/s] c of a stepper that balances momenta; 0: none (mass.hpp)
   std::vector<double> angles;  // unwrapped angle of each followed joint at the last accepted state;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace mbd {
 
@@ -35,6 +36,19 @@ Index System::add_input(InputInfo input) {
   return static_cast<Index>(inputs_.size()) - 1;
 }
 
+Index System::add_sensor(std::unique_ptr<Sensor> sensor) {
+  sensors_.push_back(std::move(sensor));
+  return static_cast<Index>(sensors_.size()) - 1;
+}
+
+void System::feed_back(Index signal, std::vector<std::size_t> sensors) {
+  feedback_.push_back({static_cast<std::size_t>(signal), std::move(sensors)});
+}
+
+void System::add_controller(std::unique_ptr<Controller> controller) {
+  controllers_.push_back(std::move(controller));
+}
+
 Index System::add_angle() { return angles_++; }
 
 void System::add_batch(std::unique_ptr<Batch> batch) { batches_.push_back(std::move(batch)); }
@@ -51,6 +65,7 @@ void System::finish(bool with_rates, double length_scale) {
     batch->connect(graph_);
   }
   first_contributions_.push_back(graph_.contributions.size());
+  connect_feedback();
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const int accelerates = signal_uses_[i] == SignalUse::drive ? 2 : 0;
     for (const Jump& jump : signals_[i].jumps())
@@ -88,6 +103,11 @@ State System::reference_state() const {
   state.lambda = VecX::Zero(multipliers_);
   state.signals.resize(signals_.size());
   state.inputs = initial_inputs();
+  for (const auto& controller : controllers_) {
+    state.control.push_back(0.0);
+    const std::vector<double> own = controller->initial();
+    state.control.insert(state.control.end(), own.begin(), own.end());
+  }
   state.angles.assign(static_cast<std::size_t>(angles_), 0.0);
   set_time(state, 0.0);
   return state;
@@ -101,13 +121,191 @@ std::vector<InputValue> System::initial_inputs() const {
 
 void System::set_time(State& state, double t, Side side) const {
   state.t = t;
+  state.side = side;
   signals_at(t, side, state.inputs, state.signals);
 }
 
 void System::signals_at(double t, Side side, std::span<const InputValue> inputs,
-                        std::vector<SignalValue>& signals) const {
+                        std::vector<SignalValue>& signals, const State* motion) const {
   signals.resize(signals_.size());
   for (std::size_t i = 0; i < signals_.size(); ++i) signals[i] = signals_[i](t, side, inputs);
+  std::vector<double> readings;
+  for (const Feedback& f : feedback_) {
+    signals[f.signal] = {0.0, 0.0, 0.0};
+    if (motion == nullptr) continue;
+    readings.clear();
+    for (const std::size_t s : f.sensors) readings.push_back(sensors_[s]->value(*motion));
+    const Taylor2 law = (*f.law)(t, side, inputs, readings);
+    signals[f.signal] = {law.v, law.d, law.dd};
+  }
+}
+
+// --- laws with sensors ---
+
+// Where its loads act is seen in the reference configuration: a node that a load acts on it acts on everywhere.
+void System::connect_feedback() {
+  if (feedback_.empty()) return;
+  State state = reference_state();
+  VecX with, without;
+  for (Feedback& f : feedback_) {
+    bool is_rate = false;
+    f.law = signals_[f.signal].expression(is_rate);
+    std::vector<char> acts(node_names_.size(), 0);
+    for (const auto& batch : batches_) {
+      const auto load = [&](double value, VecX& r) {
+        for (SignalValue& signal : state.signals) signal = {};
+        state.signals[f.signal].f = value;
+        r.setZero(rows());
+        batch->load_rate(state, r);
+      };
+      load(1.0, with);
+      load(0.0, without);
+      bool any = false;
+      for (Index n = 0; n < nodes(); ++n)
+        if (with.segment<6>(6 * n) != without.segment<6>(6 * n)) {
+          any = true;
+          if (n > 0) acts[static_cast<std::size_t>(n)] = 1;
+        }
+      if (any) f.loads.push_back(batch.get());
+    }
+    for (std::size_t n = 0; n < acts.size(); ++n)
+      if (acts[n] != 0) f.acts_on.push_back(static_cast<int>(n));
+    for (const std::size_t s : f.sensors)
+      for (const int node : sensors_[s]->nodes())
+        if (std::find(f.looks_at.begin(), f.looks_at.end(), node) == f.looks_at.end())
+          f.looks_at.push_back(node);
+    f.first_slot = graph_.contributions.size();
+    for (const int column : f.looks_at)
+      for (const int row : f.acts_on) graph_.contributions.push_back({row - 1, column - 1});
+  }
+}
+
+double System::value_of(const Feedback& f, const State& state,
+                        std::vector<double>& readings) const {
+  readings.clear();
+  for (const std::size_t s : f.sensors) readings.push_back(sensors_[s]->value(state));
+  return (*f.law)(state.t, state.side, state.inputs, readings).v;
+}
+
+const State& System::fed_back(const State& state) const {
+  if (feedback_.empty()) return state;
+  thread_local State fed;
+  thread_local std::vector<double> readings;
+  fed = state;
+  for (const Feedback& f : feedback_) {
+    const double value = value_of(f, state, readings);
+    if (std::isfinite(value)) fed.signals[f.signal].f += value;  // else feedback_finite() says it
+  }
+  return fed;
+}
+
+bool System::feedback_finite(const State& state) const {
+  thread_local std::vector<double> readings;
+  return std::all_of(feedback_.begin(), feedback_.end(), [&](const Feedback& f) {
+    return std::isfinite(value_of(f, state, readings));
+  });
+}
+
+void System::force_per_signal(const Feedback& f, const State& state, VecX& p) const {
+  thread_local State alone;
+  thread_local VecX rest;
+  alone = state;
+  for (SignalValue& signal : alone.signals) signal = {};
+  p.setZero(rows());
+  rest.setZero(rows());
+  for (const Batch* const batch : f.loads) batch->load_rate(alone, rest);
+  alone.signals[f.signal].f = 1.0;
+  for (const Batch* const batch : f.loads) batch->load_rate(alone, p);
+  p -= rest;
+}
+
+template <class F>
+void System::each_feedback_block(const State& state, const F& look) const {
+  VecX p;
+  std::vector<double> readings;
+  std::vector<Vec6> by_motion, by_velocity, of_motion, of_velocity;
+  for (const Feedback& f : feedback_) {
+    value_of(f, state, readings);
+    of_motion.assign(f.looks_at.size(), Vec6::Zero());
+    of_velocity = of_motion;
+    for (std::size_t s = 0; s < f.sensors.size(); ++s) {
+      const Sensor& sensor = *sensors_[f.sensors[s]];
+      const double slope = f.law->derivative(s, state.t, state.side, state.inputs, readings);
+      if (!std::isfinite(slope)) continue;  // the tangent stays finite
+      const std::vector<int> seen = sensor.nodes();
+      by_motion.assign(seen.size(), Vec6::Zero());
+      by_velocity = by_motion;
+      sensor.derive(state, by_motion, by_velocity);
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        const auto at = static_cast<std::size_t>(
+            std::find(f.looks_at.begin(), f.looks_at.end(), seen[i]) - f.looks_at.begin());
+        of_motion[at] += slope * by_motion[i];
+        of_velocity[at] += slope * by_velocity[i];
+      }
+    }
+    force_per_signal(f, state, p);
+    std::size_t slot = f.first_slot;
+    for (std::size_t c = 0; c < f.looks_at.size(); ++c)
+      for (const int row : f.acts_on) {
+        const Vec6 force = state.load_factor * p.segment<6>(6 * static_cast<Index>(row));
+        look(Mat6(force * of_motion[c].transpose()), Mat6(force * of_velocity[c].transpose()),
+             static_cast<std::size_t>(f.looks_at[c]), slot++);
+      }
+  }
+}
+
+namespace {
+
+void add_block(const Slot& slot, const Mat6& block) {
+  Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(slot.data, Eigen::OuterStride<>(slot.ld)) += block;
+}
+
+}  // namespace
+
+// U: of the increments, 0 for rates alone.
+void System::add_feedback(const State& state, const TangentWeights& weights, double U,
+                          std::span<const Slot> slots) const {
+  if (feedback_.empty()) return;
+  each_feedback_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
+    Mat6 block = U * K;
+    if (weights.V != 0.0)
+      block += weights.V * (weights.T_inv.empty() ? C : Mat6(C * weights.T_inv[node]));
+    add_block(slots[slot], block);
+  });
+}
+
+// --- controllers ---
+
+double System::next_instant(const State& state, double slack) const {
+  double next = std::numeric_limits<double>::infinity();
+  std::size_t at = 0;
+  for (const auto& controller : controllers_) {
+    const double period = controller->period();
+    double k = std::max(state.control[at], std::floor((state.t + slack) / period));
+    while (k * period <= state.t + slack) ++k;
+    next = std::min(next, k * period);
+    at += 1 + controller->initial().size();
+  }
+  return next;
+}
+
+bool System::sample(State& state, double slack, std::string& failure) const {
+  bool any = false;
+  std::size_t at = 0;
+  for (const auto& controller : controllers_) {
+    const double period = controller->period(), k = std::round(state.t / period);
+    const std::size_t own = controller->initial().size();
+    double& next = state.control[at];
+    if (std::abs(k * period - state.t) <= slack && k >= next) {
+      any = true;
+      next = k + 1.0;
+      std::string wrong =
+          controller->sample(state, std::span(state.control).subspan(at + 1, own), state.inputs);
+      if (failure.empty()) failure = std::move(wrong);
+    }
+    at += 1 + own;
+  }
+  return any;
 }
 
 std::string System::unusable_signal(const State& state, bool accelerations) const {
@@ -134,9 +332,10 @@ std::string System::unusable_signal(const State& state, bool accelerations) cons
   return {};
 }
 
-bool System::residual(const State& state, VecX& r) const {
+bool System::residual(const State& given, VecX& r) const {
+  const State& state = fed_back(given);
   r.setZero(rows());
-  bool in_range = true;
+  bool in_range = feedback_finite(state);
   for (const auto& batch : batches_) in_range &= batch->residual(state, r);
   clear_idle(state, r, 6 * nodes());
   return in_range;
@@ -152,20 +351,29 @@ bool System::linearize(const State& state, const TangentWeights& weights, VecX& 
   return linearize(state, weights, r, S.slots());
 }
 
-bool System::linearize(const State& state, const TangentWeights& weights, VecX& r,
+bool System::linearize(const State& given, const TangentWeights& weights, VecX& r,
                        std::span<const Slot> slots) const {
+  const State& state = fed_back(given);
   r.setZero(rows());
-  bool in_range = true;
+  bool in_range = feedback_finite(state);
   for (const auto& batch : batches_) in_range &= batch->linearize(state, weights, r, slots);
+  add_feedback(state, weights, weights.U, slots);
   leave_out_idle(state, r, slots);
   return in_range;
 }
 
-bool System::linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
+bool System::linearize_powers(const State& given, std::span<const Mat6> V_hat, VecX& r,
                               const std::array<std::span<const Slot>, 3>& P) const {
+  const State& state = fed_back(given);
   r.setZero(rows());
-  bool in_range = true;
+  bool in_range = feedback_finite(state);
   for (const auto& batch : batches_) in_range &= batch->linearize_powers(state, V_hat, r, P);
+  if (feeds_back())
+    each_feedback_block(state,
+                        [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
+                          add_block(P[0][slot], K + C * V_hat[node]);
+                          add_block(P[1][slot], C);
+                        });
   leave_out_idle(state, r, P[0]);
   return in_range;
 }
@@ -188,18 +396,20 @@ void System::linearized_resultants(const State& state, const VecX& dU, std::vect
   }
 }
 
-bool System::linearize_mixed(const State& state, std::span<const Vec6> S, VecX& r,
+bool System::linearize_mixed(const State& given, std::span<const Vec6> S, VecX& r,
                              LinearSolver& solver) const {
-  if (S.empty()) return linearize(state, {}, r, solver);
+  if (S.empty()) return linearize(given, {}, r, solver);
+  const State& state = fed_back(given);
   solver.set_zero();
   r.setZero(rows());
-  bool in_range = true;
+  bool in_range = feedback_finite(state);
   std::size_t first = 0;
   for (const auto& batch : batches_) {
     const auto count = static_cast<std::size_t>(batch->resultant_count());
     in_range &= batch->linearize_mixed(state, S.subspan(first, count), r, solver.slots());
     first += count;
   }
+  add_feedback(state, {}, 1.0, solver.slots());
   leave_out_idle(state, r, solver.slots());
   return in_range;
 }
@@ -222,18 +432,25 @@ void System::leave_out_idle(const State& state, VecX& r, std::span<const Slot> s
     }
 }
 
-void System::add_rate_tangent(const State& state, const TangentWeights& weights,
+void System::add_rate_tangent(const State& given, const TangentWeights& weights,
                               std::span<const Slot> slots) const {
+  const State& state = fed_back(given);
   for (const auto& batch : batches_) batch->add_rate_tangent(state, weights, slots);
+  add_feedback(state, weights, 0.0, slots);
 }
 
-void System::load_rate(const State& state, VecX& r) const {
+void System::load_rate(const State& given, VecX& r) const {
+  const State& state = fed_back(given);
   r.setZero(rows());
   for (const auto& batch : batches_) batch->load_rate(state, r);
   clear_idle(state, r, 6 * nodes());
 }
 
-std::string System::out_of_range(const State& state) const {
+std::string System::out_of_range(const State& given) const {
+  const State& state = fed_back(given);
+  std::vector<double> readings;
+  for (const Feedback& f : feedback_)
+    if (!std::isfinite(value_of(f, given, readings))) return signal_names_[f.signal];
   for (const auto& batch : batches_) {
     if (std::string name = batch->out_of_range(state); !name.empty()) return name;
   }
@@ -271,7 +488,8 @@ Energies System::energies(const State& state) const {
   return sum;
 }
 
-Work System::power(const State& state) const {
+Work System::power(const State& given) const {
+  const State& state = fed_back(given);
   Work sum;
   for (const auto& batch : batches_)
     sum += {batch->load_power(state), batch->drive_power(state), batch->damping_power(state)};

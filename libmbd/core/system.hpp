@@ -33,6 +33,34 @@ struct Breakpoint {
   bool restart = false;  // accelerations and multipliers jump: an integrator starts afresh
 };
 
+// A number of the motion that laws of loads and controllers know.
+class Sensor {
+ public:
+  virtual ~Sensor() = default;
+
+  // In SI units. Of a state without rates, rates are 0.
+  virtual double value(const State& state) const = 0;
+
+  // The nodes on whose motion it depends, without the ground, and its derivatives by increments dU, at fixed velocities, and by
+  // velocities V of each: body axes, in the order of nodes(). Of sensors that controllers alone read there are none.
+  virtual std::vector<int> nodes() const { return {}; }
+  virtual void derive(const State& /*state*/, std::span<Vec6> /*by_motion*/,
+                      std::span<Vec6> /*by_velocity*/) const {}
+};
+
+// What is evaluated at the instants k period, k = 0, 1, 2, …, and holds what it gives until the next.
+class Controller {
+ public:
+  virtual ~Controller() = default;
+  virtual std::string name() const = 0;
+  virtual double period() const = 0;                // [s]
+  virtual std::vector<double> initial() const = 0;  // of its own states
+  // At state.t, the accepted state before its outputs change: sets inputs of the model and its own states. Empty, or what is
+  // wrong: an output that is not finite.
+  virtual std::string sample(const State& state, std::span<double> own,
+                             std::vector<InputValue>& inputs) const = 0;
+};
+
 class System {
  public:
   // --- building (by compile) ---
@@ -44,6 +72,11 @@ class System {
   Index add_signal(Signal signal, SignalUse use = SignalUse::drive, std::string name = {});
   // Returns its index in State::inputs.
   Index add_input(InputInfo input);
+  Index add_sensor(std::unique_ptr<Sensor> sensor);  // returns its place
+  // The law of that signal, of a load, has sensors: those at these places, in the order of Expression::sensors(). Its loads must
+  // be linear in it.
+  void feed_back(Index signal, std::vector<std::size_t> sensors);
+  void add_controller(std::unique_ptr<Controller> controller);
   Index add_angle();  // one more followed angle; returns its index
   void add_batch(std::unique_ptr<Batch> batch);
   void finish(bool with_rates, double length_scale);  // after the last add
@@ -74,6 +107,9 @@ class System {
   SignalUse signal_use(std::size_t i) const { return signal_uses_[i]; }
   const std::string& signal_name(std::size_t i) const { return signal_names_[i]; }
   const std::vector<InputInfo>& inputs() const { return inputs_; }
+  const std::vector<std::unique_ptr<Sensor>>& sensors() const { return sensors_; }
+  const std::vector<std::unique_ptr<Controller>>& controllers() const { return controllers_; }
+  bool feeds_back() const { return !feedback_.empty(); }
   const std::vector<Breakpoint>& breakpoints() const { return breakpoints_; }  // t rising, distinct
 
   // --- evaluation ---
@@ -82,9 +118,18 @@ class System {
   std::vector<InputValue> initial_inputs() const;
   // t and the signals at t; at a jump, their limits from `side`.
   void set_time(State& state, double t, Side side = Side::right) const;
-  // The signals alone, of other inputs.
+  // The signals alone, of other inputs. Those whose laws have sensors are 0, but at the motion of a state if it is given, with
+  // derivatives at held sensors.
   void signals_at(double t, Side side, std::span<const InputValue> inputs,
-                  std::vector<SignalValue>& signals) const;
+                  std::vector<SignalValue>& signals, const State* motion = nullptr) const;
+  // The state with the signals that laws with sensors give at its motion, added to what is there; the state itself if there are
+  // none. For those who evaluate batches by themselves; valid until the next call in this thread.
+  const State& fed_back(const State& state) const;
+  // The next instant of a controller after state.t [s], infinity if there is none; `slack` is the round-off of times.
+  double next_instant(const State& state, double slack) const;
+  // Runs the controllers, in their order, of which one has an instant at state.t. Returns whether there is one; `failure` is what
+  // went wrong.
+  bool sample(State& state, double slack, std::string& failure) const;
   // The first signal of the state that cannot be used, with its value, its time and what to do: a load that is not
   // finite, or a drive that is not, or with rates its first derivative; the second counts where `accelerations`
   // follow from it. Empty if there is none.
@@ -132,6 +177,26 @@ class System {
   }
 
  private:
+  // A signal whose law has sensors. The load acts as p(U) f, p = dr/df, and the law adds p (df/dU, df/dV) to the tangent, by
+  // blocks of the nodes where the load acts and those that the sensors look at.
+  struct Feedback {
+    std::size_t signal;
+    std::vector<std::size_t> sensors;
+    const Expression* law = nullptr;
+    std::vector<const Batch*> loads{};  // that it acts by
+    std::vector<int> acts_on{}, looks_at{};
+    std::size_t first_slot = 0;
+  };
+  void connect_feedback();
+  double value_of(const Feedback& f, const State& state, std::vector<double>& readings) const;
+  // Calls look(K, C, node of the column, number of the slot), K = dr/dU and C = dr/dV; `state` is fed back.
+  template <class F>
+  void each_feedback_block(const State& state, const F& look) const;
+  void add_feedback(const State& state, const TangentWeights& weights, double U,
+                    std::span<const Slot> slots) const;
+  bool feedback_finite(const State& state) const;
+  void force_per_signal(const Feedback& f, const State& state, VecX& p) const;
+
   void clear_idle(const State& state, VecX& multipliers, Index first) const;
   void leave_out_idle(const State& state, VecX& r, std::span<const Slot> slots) const;
 
@@ -153,6 +218,9 @@ class System {
   std::vector<SignalUse> signal_uses_;
   std::vector<std::string> signal_names_;
   std::vector<InputInfo> inputs_;
+  std::vector<std::unique_ptr<Sensor>> sensors_;
+  std::vector<Feedback> feedback_;
+  std::vector<std::unique_ptr<Controller>> controllers_;
   std::vector<Breakpoint> breakpoints_;
   Index multipliers_ = 0;
   Index angles_ = 0;

@@ -56,7 +56,8 @@ class Checked {
                 " is no place; it must lie between 0, the start of the beam, and 1, its end");
   }
   void check(const About& about, const Expression& law, std::string_view component = "") const {
-    if (about.has(field::prescribed) || law.has_inputs()) return;  // compile() looks at these
+    if (about.has(field::prescribed) || law.has_inputs() || law.has_sensors())
+      return;  // compile() looks at these
     const double value = law(0.0).v;
     fail_if(!std::isfinite(value), std::string(about.attribute.name) + std::string(component) +
                                        " is " + schema::shortest(value) +

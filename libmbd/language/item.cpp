@@ -298,10 +298,10 @@ std::vector<std::string_view> Item::words_of(std::string_view expression) {
 
 // The text of one number or signal, with the unit that follows it converted to `unit`.
 Expression Item::parse(std::string_view name, std::string_view text, Variables variables,
-                       std::string_view unit) const {
+                       std::string_view unit, const Parameters& parameters) const {
   const auto expression = [&](std::string_view of) {
     try {
-      return Expression::parse(of, context_.parameters, variables);
+      return Expression::parse(of, parameters, variables);
     } catch (const Error& error) {
       const schema::Attribute* const entry = schema::find_attribute(*element_, name);
       const bool words = entry && entry->kind == Kind::number && !entry->choices.empty();
@@ -441,6 +441,15 @@ Mat3 Item::orientation(std::string_view name) const {
 
 Expression Item::signal(std::string_view name) const {
   return parse(name, raw(name, {Kind::signal}), Variables::time, entry_of(name).unit);
+}
+
+Expression Item::sampled(std::string_view name, const Parameters& parameters) const {
+  return sampled(name, raw(name, {Kind::signal}), parameters);
+}
+
+Expression Item::sampled(std::string_view name, std::string_view text,
+                         const Parameters& parameters) const {
+  return parse(name, text, Variables::sampled, any_unit, parameters);
 }
 
 std::array<Expression, 3> Item::signals(std::string_view name) const {

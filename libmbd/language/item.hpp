@@ -67,6 +67,10 @@ class Item {
   Mat3 symmetric(std::string_view name) const;    // from xx yy zz [xy xz yz]
   Mat3 orientation(std::string_view name) const;  // from a rotation vector or a matrix
   Expression signal(std::string_view name) const;
+  // The same of a controller, whose states the parameters know as their own; and of one of several, `text`.
+  Expression sampled(std::string_view name, const Parameters& parameters) const;
+  Expression sampled(std::string_view name, std::string_view text,
+                     const Parameters& parameters) const;
   std::array<Expression, 3> signals(std::string_view name) const;
   std::array<FieldExpression, 3> fields(std::string_view name) const;
   Expression law(std::string_view name) const;  // of x, or of v
@@ -103,7 +107,11 @@ class Item {
   std::string expand(std::string_view name, std::string_view text) const;
   std::size_t chosen(std::string_view name) const;
   Expression parse(std::string_view name, std::string_view text, Variables variables,
-                   std::string_view unit) const;
+                   std::string_view unit) const {
+    return parse(name, text, variables, unit, context_.parameters);
+  }
+  Expression parse(std::string_view name, std::string_view text, Variables variables,
+                   std::string_view unit, const Parameters& parameters) const;
   double factor(std::string_view name, std::string_view unit, std::string_view wanted) const;
   void check_one_unit(std::string_view name, std::string_view text, std::string_view unit) const;
   struct Component {

@@ -199,10 +199,10 @@ to the file that says so. That file is a model too; its own name is not used.
 - **Dry friction**: `damping_moment="T*tanh(v/v0)"` of a `<joint_spring>` or `damping_force` of a `<spring>`, with
   a friction T that is given. It creeps instead of sticking, at less than v0; the force between the
   surfaces is not taken into account.
-- **Control**: a PD controller to a fixed target is a `<joint_spring>` with `angular_stiffness`,
-  `angular_damping` and `rest_angle`; what is known beforehand as a function of time is a `<joint_torque>` or a
-  `<drive>`. Everything else is for a program (C++ or Python) that steps the model, reads what its records say and sets
-  its `<input>`s. Controllers in the model file itself are not there.
+- **Control** beyond the laws of sensors and the sampled `<controller>`s of its chapter: continuous integrators and filters
+  have no states of their own (a controller with a short `period` has them); sensors cannot steer what a `<drive>` or `<motion>`
+  prescribes (a `<joint_torque>` of sensors can). Everything else is for a program (C++ or Python) that steps the model, reads
+  what its records say and sets its `<input>`s.
 - **Gears, racks, belts, cams, rolling wheels**: not there. A ratio between two angles can be had where both
   are driven by laws; a `<screw>` ties an angle to a displacement.
 - **Cables that go slack**: a `<spring>` with `force="x > 0 ? k*x : 0"`; a `<distance>` holds in pressure as well.
@@ -476,6 +476,58 @@ matrices from inputs to what is recorded. `mbd check` counts inputs.
   <transient duration="0.5" step="1 ms"/>
   <record name="shoulder" joint="shoulder" quantities="angle rate"/>
   <expect quantity="shoulder.angle" at="0.5" value="0" tolerance="1e-9" source="equilibrium"/>
+</mbd>
+)xml"},
+    {"Control", "function controller state output pid state_space",
+     R"md(A function of time is called by the laws of loads, drives and controllers after it, at t or at an argument a*t + b: `ref(t)`,
+`ref(t-0.2)`. A table of it is linear beyond its ends.
+
+**Sensors.** The laws of loads, distributed loads and joint torques, and controllers, know the motion by names: what has it and
+what it is, as `<record>` names it, with the number of the component behind a vector. `elbow.angle` and `elbow.rate` of a joint,
+`rail.displacement` and `rail.speed`, `hub.velocity.2` of a body, `arm.end.displacement.3` or `arm@0.5.position.1` of a beam, in SI
+units and rad. A name with a `-` in it cannot be used.
+
+**At once.** `moment="-k*(elbow.angle-ref(t))-c*elbow.rate"` acts inside the iterations of each step with its exact tangent, as a
+spring does, however stiff it is; in equilibria rates are 0, and in linear analyses it is part of the matrices. Such a law has a
+derivative: it knows joint angles, displacements and their rates, and of places with a node position, displacement, velocity and
+angular velocity (also `_local`), and neither compares sensors nor takes their `abs`, `min`, `max` (write `a*tanh(u/a)`).
+
+**Sampled.** A controller looks at the motion at the instants t = 0, `period`, 2 `period`, …, where steps of all methods end. At each,
+what it consists of is evaluated in its order: expressions know t, sensors (all that can be recorded), inputs, outputs before
+them and those of controllers before it, and the states as they were; after that the states take their next values. What comes out
+acts from that instant on, without delay, until the next; accelerations jump there, and are made consistent. A sensor of an
+acceleration or a reaction tells what it was just before. Conditions and kinks may be of anything. Before t = 0, and in a `<static>`, an
+output is its `start`; linear analyses hold outputs.
+
+A `pid` with error e, period T and filter time F has the output P + I + D, limited, with
+P = kp e, D(k) = (F D(k-1) + kd (e(k) - e(k-1))) / (F + T), D(0) = 0, and I(k+1) = I(k) + ki T e(k), but where the output is at
+a limit and this would drive it further. The matrices of a `state_space` are of discrete time.
+)md",
+     R"xml(<mbd name="two_carts">
+  <!-- A controller brings a cart to its target in two periods; a second cart follows it by a law of sensors. -->
+  <parameter name="m" value="2 kg"/>
+  <parameter name="T" value="0.1"/>
+  <function name="target" unit="mm">0 300  5 300</function>
+  <controller name="servo" period="T">
+    <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
+  </controller>
+  <controller name="trim" period="2*T">
+    <state name="count" next="count+1"/>
+    <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+    <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+    <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+  </controller>
+  <body name="cart" mass="m" inertia="1 1 1"/>
+  <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
+  <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+  <prismatic name="track" between="ground wagon" axis="1 0 0"/>
+  <load at="cart" force="push 0 0"/>
+  <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
+  <transient duration="0.5" step="0.01"/>
+  <record name="cart" joint="rail" quantities="displacement speed"/>
+  <record name="wagon" joint="track" quantities="displacement speed"/>
+  <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
+  <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
 </mbd>
 )xml"},
     {"Loads", "load distributed gravity",

@@ -11,6 +11,7 @@
 #include "libmbd/language/read_tree.hpp"
 #include "libmbd/language/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"
+#include "libmbd/scene/laws.hpp"
 #include "libmbd/text/spelling.hpp"
 
 namespace mbd {
@@ -36,6 +37,7 @@ class Reader {
     const ReadingContext context{scene_.file, parameters_, defaults_, units_};
     check_version(root, scene_.file);
     const Item model(root, context);
+    root_ = &root;
     scene_.source = model.source();
     scene_.name = model.text("name");
     read_children(model);
@@ -226,6 +228,8 @@ class Reader {
       item.fail("there is a parameter " + in_quotes(name) + " already; choose another name");
     if (parameters_.inputs.contains(name))
       item.fail("there is an input " + in_quotes(name) + " already; choose another name");
+    if (parameters_.functions.contains(name))
+      item.fail("there is a function " + in_quotes(name) + " already; choose another name");
   }
 
   void define(const Item& item, const std::string& name, double value) {
@@ -271,7 +275,14 @@ class Reader {
   }
 
   template <class T>
-  static T read(const Item& item) {
+  T read(const Item& item) {
+    if constexpr (std::is_same_v<T, FunctionScene>)
+      if (item.has("value")) check_circle(item);
+    return read_fields<T>(item);
+  }
+
+  template <class T>
+  static T read_fields(const Item& item) {
     T made;
     if constexpr (requires { made.source; }) made.source = item.source();
     T::each_field([&]<class F>(const F& field) {
@@ -299,7 +310,7 @@ class Reader {
   static void read_field(const Item& item, T& made,
                          const field::Parts<T, std::variant<Line...>>& line) {
     const auto read_line = [&]<class L>() {
-      if (item.element().name == L::item.element) made.*line.member = read<L>(item);
+      if (item.element().name == L::item.element) made.*line.member = read_fields<L>(item);
     };
     (read_line.template operator()<Line>(), ...);
   }
@@ -391,7 +402,7 @@ class Reader {
   }
 
   Station station(const Item& item) {
-    Station station = read<Station>(item);
+    Station station = read_fields<Station>(item);
     bool stiff = false;
     each(item, [&](const Item& part) { matrix(item, part, station, stiff); });
     if (!stiff && !station.shape)
@@ -473,7 +484,7 @@ class Reader {
       item.fail(
           "give stiffness_proportional, mass_proportional, or viscous entries EA, GA2, GA3, "
           "GJ, EI2, EI3, D12 …; or leave it out");
-    SectionDamping damping = read<SectionDamping>(item);
+    SectionDamping damping = read_fields<SectionDamping>(item);
     constexpr std::array<std::string_view, 6> diagonal = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
     for (int i = 0; i < 6; ++i) {
       damping.viscous(i, i) = item.number(diagonal[static_cast<std::size_t>(i)]);
@@ -505,7 +516,7 @@ class Reader {
           item.refuse(of_motion,
                       "is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
     if (auto* const curve = std::get_if<Curve>(&beam.line))
-      each(item, [&](const Item& part) { curve->points.push_back(read<CurvePoint>(part)); });
+      each(item, [&](const Item& part) { curve->points.push_back(read_fields<CurvePoint>(part)); });
     return true;
   }
 
@@ -519,6 +530,199 @@ class Reader {
     parameters_.inputs.emplace(input.name,
                                NamedInput{static_cast<int>(scene_.inputs.size()), input.factor});
     return true;
+  }
+
+  // --- functions and controllers ---
+
+  bool complete(const Item& item, FunctionScene& function) {
+    const bool has_table = !schema::words(item.xml().text).empty();
+    if (item.has("value") == has_table)
+      item.fail(std::string("give the value, or a table as text") +
+                (has_table ? ", not both" : ""));
+    if (item.has("value"))
+      for (const std::string_view of : {"unit", "interpolation"})
+        if (item.has(of)) item.refuse(of, "is of a table; leave it out");
+    check_free(item, function.name);
+    NamedFunction made{nullptr, std::make_shared<const Parameters>(parameters_), 1.0};
+    if (has_table) {
+      function.table = table(item);
+      if (item.has("unit")) try {
+          const double factor = unit_factor(item.text("unit"), any_unit);
+          for (auto& [t, value] : function.table->points) value *= factor;
+        } catch (const Error& error) {
+          item.fail("unit", error.what());
+        }
+      check_law(*function.table, LawOf::displacement, item.source(),
+                label(item.element().name, function.name), "values");
+      made.text = std::make_shared<const std::string>(function_text(*function.table));
+    } else {
+      made.text = std::make_shared<const std::string>(function.value->text());
+    }
+    parameters_.functions.emplace(function.name, std::move(made));
+    return true;
+  }
+
+  // The functions that a function calls and that are not there yet: itself, or those after it. What the expression says of an
+  // unknown name says less.
+  void check_circle(const Item& item) const {
+    std::map<std::string_view, std::vector<std::string_view>> calls;
+    const auto collect = [&](const auto& self, const xml::Element& parent) -> void {
+      for (const xml::Element& child : parent.children) {
+        if (child.name == "repeat") self(self, child);
+        if (child.name != "function") continue;
+        std::string_view name, value;
+        for (const xml::Attribute& a : child.attributes) {
+          if (a.name == "name") name = a.value;
+          if (a.name == "value") value = a.value;
+        }
+        calls[name] = Item::words_of(value);
+      }
+    };
+    if (root_ != nullptr) collect(collect, *root_);
+    const std::string name = item.text_of("name");
+    std::vector<std::string_view> chain{name};
+    std::set<std::string_view> seen;
+    const auto returns = [&](const auto& self, std::string_view from) -> bool {
+      const auto it = calls.find(from);
+      if (it == calls.end()) return false;
+      for (const std::string_view to : it->second) {
+        if (to == name) return true;
+        if (!calls.contains(to) || !seen.insert(to).second) continue;
+        chain.push_back(to);
+        if (self(self, to)) return true;
+        chain.pop_back();
+      }
+      return false;
+    };
+    if (returns(returns, name)) {
+      std::string circle;
+      for (const std::string_view one : chain) circle += std::string(one) + " calls ";
+      item.fail("value", "a circle: " + circle + name + "; what is known must not ask for itself");
+    }
+    for (const std::string_view word : Item::words_of(item.text_of("value")))
+      if (calls.contains(word) && !parameters_.functions.contains(word) && word != name)
+        item.fail("value",
+                  "the function " + in_quotes(word) + " stands after this one; put it before it");
+  }
+
+  // What it gives is an input of the laws after it.
+  void add_output(const Item& item, const ControllerScene& controller, const std::string& name,
+                  double start) {
+    check_free(item, name);
+    parameters_.inputs.emplace(name, NamedInput{static_cast<int>(scene_.inputs.size()), 1.0});
+    InputScene input;
+    input.source = item.source();
+    input.name = name;
+    input.value = start;
+    input.controller = controller.name;
+    scene_.inputs.push_back(std::move(input));
+  }
+
+  // With the states of a controller: all of them, whose names only its expressions know.
+  Parameters of_controller(const Item& item) {
+    std::set<std::string, std::less<>> own;
+    each(item, [&](const Item& part) {
+      if (part.element().name != "state") return;
+      const std::string name = part.text("name");
+      check_free(part, name);
+      if (!own.insert(name).second)
+        part.fail("the controller has a state " + in_quotes(name) +
+                  " already; choose another name");
+    });
+    Parameters all = parameters_;
+    all.own = own;
+    return all;
+  }
+
+  bool complete(const Item& item, ControllerScene& controller) {
+    if (item.xml().children.empty())
+      item.fail("it does nothing; give it an <output>, a <pid> or a <state_space>");
+    const Parameters with_states = of_controller(item);
+    const auto parameters = [&] {  // with the outputs so far
+      Parameters all = with_states;
+      all.inputs = parameters_.inputs;
+      return all;
+    };
+    each(item, [&](const Item& part) {
+      const std::string_view kind = part.element().name;
+      if (kind == "state") {
+        controller.parts.emplace_back(ControlStateScene{part.source(), part.text("name"),
+                                                        part.number("start"),
+                                                        part.sampled("next", parameters())});
+      } else if (kind == "output") {
+        ControlOutputScene output{part.source(), part.text("name"), part.number("start"),
+                                  part.sampled("value", parameters())};
+        if (with_states.own.contains(output.name))
+          part.fail("the controller has a state of that name; choose another");
+        add_output(part, controller, output.name, output.start);
+        controller.parts.emplace_back(std::move(output));
+      } else if (kind == "pid") {
+        controller.parts.emplace_back(pid(part, controller, parameters()));
+      } else {
+        controller.parts.emplace_back(state_space(part, controller, parameters()));
+      }
+    });
+    return true;
+  }
+
+  PidScene pid(const Item& part, const ControllerScene& controller, const Parameters& parameters) {
+    PidScene pid{part.source(),
+                 part.text("name"),
+                 part.number("start"),
+                 part.sampled("error", parameters),
+                 part.number("proportional"),
+                 part.number("integral"),
+                 part.number("derivative"),
+                 part.number("filter"),
+                 {}};
+    if (part.has("limits")) {
+      const std::vector<double> ends = part.numbers("limits");
+      if (!(ends[0] < ends[1])) part.refuse("limits", "must rise: the least output, the largest");
+      pid.limits = {ends[0], ends[1]};
+    }
+    if (pid.proportional == 0.0 && pid.integral == 0.0 && pid.derivative == 0.0)
+      part.fail("it gives nothing; give proportional, integral or derivative");
+    add_output(part, controller, pid.name, pid.start);
+    return pid;
+  }
+
+  StateSpaceScene state_space(const Item& part, const ControllerScene& controller,
+                              const Parameters& parameters) {
+    StateSpaceScene all;
+    all.source = part.source();
+    const std::string inputs = part.text("inputs");
+    for (const std::string_view text : schema::words(inputs))
+      all.inputs.push_back(part.sampled("inputs", text, parameters));
+    all.outputs = part.names("outputs");
+    const auto numbers = [&](std::string_view name) {
+      std::vector<double> values;
+      const std::string text = part.text_of(name);
+      for (const std::string_view word : schema::words(text))
+        values.push_back(part.evaluate(name, word));
+      return values;
+    };
+    all.A = numbers("A");
+    const auto states = static_cast<std::size_t>(std::lround(std::sqrt(double(all.A.size()))));
+    const std::size_t m = all.inputs.size(), p = all.outputs.size();
+    const auto sized = [&](std::string_view name, std::vector<double>& values, std::size_t rows,
+                           std::size_t columns, bool may_miss) {
+      if (may_miss && !part.has(name)) values.assign(rows * columns, 0.0);
+      if (values.size() != rows * columns)
+        part.fail(std::string(name) + " has " + std::to_string(values.size()) +
+                  " numbers, must have " + std::to_string(rows) + " x " + std::to_string(columns) +
+                  ", row by row");
+    };
+    all.B = numbers("B");
+    all.C = numbers("C");
+    all.D = numbers("D");
+    all.start = numbers("start");
+    sized("A", all.A, states, states, false);
+    sized("B", all.B, states, m, false);
+    sized("C", all.C, p, states, false);
+    sized("D", all.D, p, m, true);
+    sized("start", all.start, states, 1, true);
+    for (const std::string& name : all.outputs) add_output(part, controller, name, 0.0);
+    return all;
   }
 
   bool complete(const Item& item, BodyScene& body) {
@@ -650,7 +854,7 @@ class Reader {
 
   bool complete(const Item& item, PathScene& path) {
     each(item, [&](const Item& part) {
-      path.marks.push_back(read<PathMarkScene>(part));
+      path.marks.push_back(read_fields<PathMarkScene>(part));
       path.marks.back().stops = part.element().name == "stop";
     });
     return true;
@@ -717,6 +921,7 @@ class Reader {
   const Overrides& overrides_;
   Scene scene_;
   Parameters parameters_;
+  const xml::Element* root_ = nullptr;  // of the file given
   std::map<std::string, std::vector<DefaultValue>, std::less<>> defaults_;
   std::map<std::string, std::string, std::less<>> units_;  // that parameters were given in
   std::vector<std::string> files_;  // being read, each included by the one before

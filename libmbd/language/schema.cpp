@@ -246,12 +246,22 @@ const std::vector<Element>& table() {
          mark},
         {"stop", "path repeat defaults", "A mark at which the path ends.", mark},
     };
+    for (Element& element :
+         std::array{element_of<ControlStateScene>("controller"),
+                    element_of<ControlOutputScene>("controller"),
+                    element_of<PidScene>("controller"), element_of<StateSpaceScene>("controller")})
+      list.push_back(element);
     const Scene kinds;
     each_kind(kinds, [&list]<class Items>(const Items&) {
       using Item = typename Items::value_type;
       constexpr bool many = requires(Items items) { items.size(); };
       if constexpr (!Item::item.element.empty())
         list.push_back(element_of<Item>(many ? anywhere : once));
+      if constexpr (std::is_same_v<Item, FunctionScene>) {
+        list.back().content = "pairs of numbers";
+        list.back().attributes.push_back(interpolation_of(
+            "of a table: linear or a cubic spline; linear beyond the first and the last point"));
+      }
     });
     for (std::size_t k = 0; k < std::size(SectionShape::kinds); ++k)
       list.push_back(shape_element(static_cast<SectionShape::Kind>(k)));
@@ -391,19 +401,9 @@ std::string usual_word(std::string_view word) {
       {"tire", "there is no rolling", true},
       {"tyre", "there is no rolling", true},
       {"rolling", "there is none", true},
-      {"control",
-       "a PD controller to a fixed target is a <joint_spring> with rest_angle; others are programs "
-       "that set an <input>",
-       true},
-      {"controller",
-       "a PD controller to a fixed target is a <joint_spring> with rest_angle; others are programs "
-       "that set an <input>",
-       true},
-      {"pid",
-       "a PD controller to a fixed target is a <joint_spring> with rest_angle; others are programs "
-       "that set an <input>",
-       true},
-      {"sensor", "a program that steps the model reads its <record>s and sets its <input>s", true},
+      {"control", "write <controller period=…>, or a law of sensors: moment=\"-k*elbow.angle\""},
+      {"sensor",
+       "laws of loads and controllers know the motion by names: elbow.angle, arm.end.velocity.2"},
       {"motor", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
       {"actuator", "write <joint_torque …/>, or <drive …/> if it prescribes the motion"},
       {"shell", "there are beams and bodies only", true},

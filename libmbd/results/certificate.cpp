@@ -167,7 +167,8 @@ Vec3 Audit::point_of(int part, const State& state, Vec3* velocity) const {
   return x;
 }
 
-void Audit::outside(const State& state, std::vector<Outside>& all) const {
+void Audit::outside(const State& given, std::vector<Outside>& all) const {
+  const State& state = system_.fed_back(given);
   all.assign(kept_.size(), {});
   on_nodes_r_.setZero(system_.rows());
   for (const Batch* const batch : on_nodes_) batch->residual(state, on_nodes_r_);

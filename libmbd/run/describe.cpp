@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "elements/beam/beam_elastic_batch.hpp"
+#include "libmbd/compile/control.hpp"
 #include "libmbd/compile/drags.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/language/schema.hpp"
@@ -102,6 +103,10 @@ std::vector<Count> stated_counts(const Scene& scene) {
     using Item = typename Items::value_type;
     if constexpr (requires { items.size(); })
       counts.push_back({std::string(Item::item.plural), std::ssize(items)});
+    if constexpr (std::is_same_v<Item, InputScene>)  // without outputs of controllers
+      counts.back().count = std::count_if(items.begin(), items.end(), [](const InputScene& input) {
+        return input.controller.empty();
+      });
     if constexpr (std::is_same_v<Item, Section>) counts.push_back({"damped sections", damped});
     if constexpr (std::is_same_v<Item, BeamScene>) counts.push_back({"elements", elements});
   });
@@ -255,6 +260,7 @@ class Explainer {
     fluid();
     joints();
     springs();
+    control();
     analyses();
     limits();
   }
@@ -297,6 +303,23 @@ class Explainer {
   void stated(const std::vector<Item>& items) {
     either(std::string(Item::item.explained), from(items),
            fmt::format("no <{}>", Item::item.element));
+  }
+
+  // Said where there is any.
+  void control() {
+    Names laws;
+    each_item(scene_, [&](const auto& item) {
+      if (has_sensors(item)) laws.push_back(at(label(item), item.source));
+    });
+    if (!laws.empty())
+      present("loads that answer to the motion at once, by sensors in their laws", laws);
+    Names sampled;
+    for (const ControllerScene& controller : scene_.controllers)
+      sampled.push_back(
+          at(fmt::format("{} every {} s", label(controller), shortest(controller.period)),
+             controller.source));
+    if (!sampled.empty())
+      present("controllers, which sample the motion and hold what they give", sampled);
   }
 
   const Batch* batch(std::string_view type) const {
@@ -501,7 +524,12 @@ class Explainer {
       constexpr bool elsewhere =
           std::is_same_v<Item, LoadScene> || std::is_same_v<Item, DistributedLoadScene> ||
           std::is_same_v<Item, JointTorqueScene> || std::is_same_v<Item, MotionScene>;
-      if constexpr (!Item::item.explained.empty() && !elsewhere) stated(items);
+      if constexpr (std::is_same_v<Item, InputScene>)
+        either(std::string(Item::item.explained),
+               from(items, [](const InputScene& input) { return input.controller.empty(); }),
+               "no <input>");
+      else if constexpr (!Item::item.explained.empty() && !elsewhere)
+        stated(items);
     });
     if (scene_.loads.empty() && scene_.distributed_loads.empty()) return;
 

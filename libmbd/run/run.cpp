@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <new>
@@ -20,6 +22,7 @@
 #include "libmbd/pictures/shapes.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/expect.hpp"
+#include "libmbd/results/history.hpp"
 #include "libmbd/results/time_error.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
@@ -53,9 +56,9 @@ constexpr double much_energy = 0.1;   // of the largest kinetic energy, change o
 constexpr double much_noise = 1e-3;   // of constraint forces: worth a note
 constexpr long most_monitored = 200;  // states whose residuals and energies are looked at
 
-constexpr const char* result_files[] = {"report.json", "history.csv", "history.svg",
-                                        "path.csv",    "path.svg",    "shapes.svg",
-                                        "motion.bin",  "run.h5",      "view.html"};
+constexpr const char* result_files[] = {"report.json", "history.csv",  "history.svg", "path.csv",
+                                        "path.svg",    "shapes.svg",   "motion.bin",  "run.h5",
+                                        "view.html",   checkpoint_file};
 
 class Stopwatch {
  public:
@@ -176,6 +179,7 @@ class Run {
       plot_ = std::make_unique<HistoryPlot>(*options.output / name, scene_, model_);
       check_directory(*options.output);
     }
+    prepare_checkpoints();
 
     const System& system = *model_.system;
     report_.nodes = system.nodes();
@@ -201,7 +205,7 @@ class Run {
   RunReport go() {
     State state = model_.initial;
     try {
-      if (scene_.statics) find_equilibrium(state);
+      if (scene_.statics && !from_) find_equilibrium(state);
       if (scene_.path) follow(state);
       if (scene_.transient) integrate(state);
     } catch (const Stopped&) {
@@ -221,6 +225,129 @@ class Run {
   }
 
  private:
+  // --- checkpoints ---
+
+  void prepare_checkpoints() {
+    every_ = options_.checkpoint_every;
+    if (!every_ && !options_.restart) return;
+    const char* const option = options_.restart ? "--restart" : "--checkpoint-every";
+    if (!scene_.transient)
+      throw Error(scene_.source,
+                  fmt::format("{}: there is no <transient>, whose steps go on; leave "
+                              "it out",
+                              option));
+    if (scene_.transient->method == TimeMethod::ida)
+      throw Error(scene_.transient->source,
+                  fmt::format("{}: method=\"ida\" keeps a history that cannot be saved; take "
+                              "generalized_alpha or radau",
+                              option));
+    if (scene_.motion_output)
+      throw Error(scene_.motion_output->source,
+                  fmt::format("{}: motion (<motion_output>, --motion, --view, --hdf5) is not kept "
+                              "with checkpoints; leave one of them out",
+                              option));
+    if (!options_.output)
+      throw Error(fmt::format("{}: checkpoints stand with the results; name a directory", option));
+    if (!options_.restart) return;
+    from_ = read_checkpoint(*options_.output);
+    const auto refuse = [&](const std::string& what) {
+      return Error(fmt::format("{}: {}", (*options_.output / checkpoint_file).string(), what));
+    };
+    if (from_->columns != columns_in_words() || from_->output != output_in_words())
+      throw refuse(
+          "is of another model, or of other records or times of output; give those that the run "
+          "was begun with, or begin it anew, without --restart");
+    if (every_ && *every_ != from_->every)
+      throw refuse(
+          "the run was begun with another --checkpoint-every, on which the last digits depend; "
+          "leave it out");
+    every_ = from_->every;
+  }
+
+  std::string columns_in_words() const {
+    std::string text = scene_.name;
+    for (const Column& column : columns_) text += " " + column.name + "[" + column.unit + "]";
+    return text;
+  }
+  std::string output_in_words() const {
+    const TransientScene& t = *scene_.transient;
+    return fmt::format("{:.17g} {:.17g} {} {:.17g}", t.duration, row_interval(t).value_or(0.0),
+                       t.output_steps, rows_->end());
+  }
+
+  // Rows of results as they were.
+  void replay(const State& state) {
+    write_file(*options_.output / "history.csv", from_->history);
+    const History history = read_history(*options_.output / "history.csv");
+    const std::size_t rows = history.rows();
+    for (std::size_t i = 0; i < rows; ++i) {
+      for (std::size_t c = 0; c < row_.size(); ++c) row_[c] = history.values[c][i];
+      if (report_.rows == 0) begin();
+      for (Observer* const observer : observers_) observer->accepted({model_, state, row_});
+      ++report_.rows;
+    }
+  }
+
+  void go_on_from(Stepper& stepper, State& state) {
+    try {
+      stepper.restore(from_->stepper, state);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}; begin the run anew, without --restart",
+                              (*options_.output / checkpoint_file).string(), error.what()));
+    }
+    const RunReport& r = from_->report;
+    report_.sampled_states = r.sampled_states;
+    report_.position = r.position;
+    report_.velocity = r.velocity;
+    report_.energy_start = r.energy_start;
+    report_.energy_end = r.energy_end;
+    report_.energy_least = r.energy_least;
+    report_.energy_most = r.energy_most;
+    report_.kinetic_most = r.kinetic_most;
+    report_.work = r.work;
+    report_.momentum_start = r.momentum_start;
+    report_.momentum_end = r.momentum_end;
+    report_.most_iterations = r.most_iterations;
+    force_most_ = from_->force_most;
+    replay(state);
+    report_.notes.push_back(fmt::format(
+        "went on from a checkpoint at t = {:.9g} s: what the certificate says of single "
+        "steps, and costs, are of the steps since then",
+        state.t));
+  }
+
+  // After a step, when everything that it has to give has been written.
+  void keep(Stepper& stepper, const State& state, long step, double monitor_at) {
+    if (!every_) return;
+    const double part = scene_.transient->duration / CheckpointEvery::parts;
+    const long due = every_->rows > 0
+                         ? report_.rows / every_->rows
+                         : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+    if (kept_parts_ < 0) kept_parts_ = 0;
+    if (due <= kept_parts_) return;
+    kept_parts_ = due;
+    Checkpoint of_stepper =
+        stepper.save(state);  // also where it is not written: the same steps follow
+    const auto now = std::chrono::steady_clock::now();
+    if (every_->rows == 0 &&
+        std::chrono::duration<double>(now - checkpoint_at_).count() < every_->seconds)
+      return;
+    checkpoint_at_ = now;
+    history_->flush();
+    RunCheckpoint whole;
+    whole.columns = columns_in_words();
+    whole.output = output_in_words();
+    whole.every = *every_;
+    std::ifstream history(*options_.output / "history.csv", std::ios::binary);
+    whole.history.assign(std::istreambuf_iterator<char>(history), {});
+    whole.stepper = std::move(of_stepper);
+    whole.step = step;
+    whole.monitor_at = monitor_at;
+    whole.force_most = force_most_;
+    whole.report = report_;
+    write_checkpoint(*options_.output, whole);
+  }
+
   // What is left of a step that did not come to its end is the last state that was accepted.
   void end_early(State& state, const std::string& why) {
     stop::Scope::done();
@@ -298,7 +425,8 @@ class Run {
     // Of an earlier run, perhaps of another kind.
     std::error_code code;
     for (const char* const old : result_files)
-      if (old != name + ".csv") std::filesystem::remove(directory / old, code);
+      if (old != name + ".csv" && !(from_ && old == checkpoint_file))
+        std::filesystem::remove(directory / old, code);
     history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_);
     observers_.push_back(history_.get());
     observers_.push_back(plot_.get());
@@ -437,7 +565,10 @@ class Run {
           "and may diverge in long runs; 0.9 is safer");
     const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
     say_balance();
-    if (options_.estimate_error) {
+    if (options_.estimate_error && every_)
+      report_.notes.push_back(
+          "the error of steps in time is not estimated: the run has checkpoints");
+    if (options_.estimate_error && !every_) {
       time_error_.emplace(*model_.system, transient);
       time_error_->start(state);
     }
@@ -466,14 +597,31 @@ class Run {
       report_.output += watch_.lap();
     });
 
-    StepReport step = stepper->start(state);
-    if (!step.converged) fail_to_start(step.failure);
-    judge_laws(stepper->laws());
-    report_.integration += watch_.lap();
-    going = accept(state, true) && write_frame(state);
+    StepReport step;
+    long first = 1;
+    if (from_) {
+      going = false;  // rows that restoring shows have been written
+      go_on_from(*stepper, state);
+      judge_laws(stepper->laws());
+      first = from_->step + 1;
+      monitor_at = from_->monitor_at;
+      const double t = steps > 0 ? static_cast<double>(from_->step) * *transient.step : state.t;
+      while (rows_->next() <= t + rows_->slack()) rows_->advance();
+      const double part = transient.duration / CheckpointEvery::parts;
+      kept_parts_ = every_->rows > 0
+                        ? report_.rows / every_->rows
+                        : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+      going = true;
+    } else {
+      step = stepper->start(state);
+      if (!step.converged) fail_to_start(step.failure);
+      judge_laws(stepper->laws());
+      report_.integration += watch_.lap();
+      going = accept(state, true) && write_frame(state);
+    }
     report_.output += watch_.lap();
     bool at_end = false;
-    for (long n = 1; going && !at_end; ++n) {
+    for (long n = first; going && !at_end; ++n) {
       try {
         step = stepper->step(state);
       } catch (const Stopped&) {
@@ -511,7 +659,10 @@ class Run {
       if (options_.progress)
         options_.progress({state.t, transient.duration, n, steps, step.iterations});
       report_.output += watch_.lap();
-      if (going && !at_end) going = !interrupted(state);
+      if (going && !at_end) {
+        going = !interrupted(state);
+        if (going) keep(*stepper, state, n, monitor_at);
+      }
     }
     if (!report_.complete() && report_.rows > 0) monitor(state);
     report_.integration += watch_.lap();
@@ -728,6 +879,8 @@ class Run {
       if (motion_) motion_->close();
     });
     attempt([this] { write_file(*options_.output / "report.json", to_json(report_)); });
+    std::error_code code;
+    if (report_.complete()) std::filesystem::remove(*options_.output / checkpoint_file, code);
     std::erase_if(report_.results, [](const auto& file) { return !std::filesystem::exists(file); });
   }
 
@@ -735,6 +888,10 @@ class Run {
   const RunOptions& options_;
   std::optional<DirectoryLock> lock_;
   std::optional<State> kept_;  // the last that statics accepted
+  std::optional<CheckpointEvery> every_;
+  std::optional<RunCheckpoint> from_;  // of a run that goes on
+  long kept_parts_ = -1;               // instants of checkpoints so far
+  std::chrono::steady_clock::time_point checkpoint_at_ = std::chrono::steady_clock::now();
   Stopwatch watch_;
   RunReport report_;
   std::optional<RowTimes> rows_;  // of a transient

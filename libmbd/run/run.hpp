@@ -9,6 +9,7 @@
 
 #include "libmbd/results/observers.hpp"
 #include "libmbd/results/report.hpp"
+#include "libmbd/run/checkpoint.hpp"
 #include "libmbd/scene/scene.hpp"
 #include "libmbd/scene/transient.hpp"
 
@@ -29,6 +30,10 @@ struct RunOptions {
   // Of a transient that comes to its end, a second run in other steps, of 0.5 to 0.8 times its cost, which estimates its
   // error (time_error.hpp).
   bool estimate_error = true;
+  // Of a transient with an output directory: from there a run that was killed goes on with `restart`, and history.csv is that of
+  // one that was not, to the last bit. Without an estimate of the error in time, and without motion.
+  std::optional<CheckpointEvery> checkpoint_every = {};
+  bool restart = false;  // `checkpoint_every` then follows from the checkpoint, and may be left out
   std::function<void(const Progress&)> progress = {};  // after each time step
   // True ends the run: looked at from inside compilation, Newton's iterations and searches (core/stop.hpp), so at most
   // one factorisation later.

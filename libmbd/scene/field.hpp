@@ -271,6 +271,7 @@ inline constexpr std::string_view of_sections = "sections", of_materials = "mate
                                   of_parts = "beams, bodies, joints and motions",
                                   of_springs = "springs, bushings and joint springs",
                                   of_loads = "loads, masses, drags and joint torques",
-                                  of_records = "records", of_inputs = "inputs";
+                                  of_records = "records", of_inputs = "inputs",
+                                  of_functions = "functions", of_controllers = "controllers";
 
 }  // namespace mbd::field

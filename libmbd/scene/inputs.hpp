@@ -12,7 +12,8 @@ struct InputScene {
   std::string name;
   std::string unit;
   double value = 0.0;
-  double factor = 1.0;  // what makes SI of its values
+  double factor = 1.0;     // what makes SI of its values
+  std::string controller;  // that sets it, as its output; empty: an <input>
 
   static constexpr field::ItemKind item{
       "input",

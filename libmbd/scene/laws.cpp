@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "libmbd/scene/spline.hpp"
 
@@ -42,6 +43,26 @@ void check_continuous(const Expression& law, char variable, const Source& source
   }
 }
 
+// From `begin` on: c0 + s (c1 + s (c2 + s c3)), s = t - from.
+struct Piece {
+  double begin, from;
+  double c[4];
+};
+
+std::string text_of(const Piece& piece) {
+  const auto& c = piece.c;
+  const std::string s = fmt::format("(t-({}))", piece.from);
+  if (c[2] == 0.0 && c[3] == 0.0) return fmt::format("({})+{}*({})", c[0], s, c[1]);
+  return fmt::format("({})+{}*(({})+{}*(({})+{}*({})))", c[0], s, c[1], s, c[2], s, c[3]);
+}
+
+std::string text_of(std::span<const Piece> pieces) {
+  if (pieces.size() == 1) return text_of(pieces.front());
+  const std::size_t half = pieces.size() / 2;
+  return fmt::format("t<({})?({}):({})", pieces[half].begin, text_of(pieces.first(half)),
+                     text_of(pieces.subspan(half)));
+}
+
 }  // namespace
 
 void check_law(const LawScene& law, LawOf of, const Source& source, const std::string& who,
@@ -71,9 +92,14 @@ void check_law(const LawScene& law, LawOf of, const Source& source, const std::s
 Law make_law(const LawScene& law) {
   if (const auto* const expression = std::get_if<Expression>(&law)) return Law::of(*expression);
   const TableScene& table = std::get<TableScene>(law);
+  const std::vector<Law::Knot> knots = knots_of(table);
+  return table.interpolation == Interpolation::linear ? Law::linear(knots) : Law::smooth(knots);
+}
+
+std::vector<Law::Knot> knots_of(const TableScene& table) {
   std::vector<Law::Knot> knots;
   for (const auto& [x, f] : table.points) knots.push_back({x, f, 0.0});
-  if (table.interpolation == Interpolation::linear) return Law::linear(knots);
+  if (table.interpolation == Interpolation::linear) return knots;
   // A spline is a cubic between its breaks, which need not be the points.
   const auto count = static_cast<Index>(table.points.size());
   const double first = table.points.front()[0], width = table.points.back()[0] - first;
@@ -88,7 +114,32 @@ Law make_law(const LawScene& law) {
   knots.clear();
   for (const double u : spline.breaks())
     knots.push_back({first + u * width, spline.value(u)(0), spline.derivative(u)(0) / width});
-  return Law::smooth(knots);
+  return knots;
+}
+
+std::string function_text(const TableScene& table) {
+  const std::vector<Law::Knot> knots = knots_of(table);
+  const bool smooth = table.interpolation != Interpolation::linear;
+  const auto slope = [&](std::size_t i) {  // of the line from knot i to the next
+    return (knots[i + 1].f - knots[i].f) / (knots[i + 1].x - knots[i].x);
+  };
+  const std::size_t last = knots.size() - 1;
+  std::vector<Piece> pieces;
+  const auto& first = knots.front();
+  pieces.push_back({first.x, first.x, {first.f, smooth ? first.df : slope(0), 0.0, 0.0}});
+  for (std::size_t i = 0; i < last; ++i) {
+    const auto& [x, f, df] = knots[i];
+    if (!smooth) {
+      if (i > 0) pieces.push_back({x, x, {f, slope(i), 0.0, 0.0}});
+      continue;
+    }
+    const double h = knots[i + 1].x - x, mean = slope(i), next = knots[i + 1].df;
+    pieces.push_back(
+        {x, x, {f, df, (3.0 * mean - 2.0 * df - next) / h, (df + next - 2.0 * mean) / (h * h)}});
+  }
+  if (smooth)
+    pieces.push_back({knots[last].x, knots[last].x, {knots[last].f, knots[last].df, 0, 0}});
+  return text_of(pieces);
 }
 
 LawScene scaled_law(const LawScene& law, double factor, double stretch) {

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "libmbd/core/law.hpp"
 #include "libmbd/scene/scene.hpp"
@@ -19,6 +20,13 @@ void check_law(const LawScene& law, LawOf of, const Source& source, const std::s
 
 // Of a law that has been checked.
 Law make_law(const LawScene& law);
+
+// The points of a checked table, or the breaks of its spline with the slopes there.
+std::vector<Law::Knot> knots_of(const TableScene& table);
+
+// An expression of t with the values of a checked table: cubics or lines, chosen by a search that halves, linear beyond the ends
+// with the slope there.
+std::string function_text(const TableScene& table);
 
 // factor * law(x / stretch): in other units of the force and of its variable.
 LawScene scaled_law(const LawScene& law, double factor, double stretch);

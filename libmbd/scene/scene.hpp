@@ -13,6 +13,7 @@
 #include "libmbd/scene/analyses.hpp"
 #include "libmbd/scene/beams.hpp"
 #include "libmbd/scene/bodies.hpp"
+#include "libmbd/scene/control.hpp"
 #include "libmbd/scene/inputs.hpp"
 #include "libmbd/scene/joints.hpp"
 #include "libmbd/scene/loads.hpp"
@@ -29,6 +30,8 @@ struct Scene {
   std::vector<InputScene> inputs;  // their order is that of State::inputs
   std::vector<MaterialScene> materials;
   std::vector<LayupScene> layups;
+  std::vector<FunctionScene> functions;
+  std::vector<ControllerScene> controllers;  // their order is that in which they sample
   std::vector<Section> sections;
   std::vector<BeamScene> beams;
   std::vector<BodyScene> bodies;
@@ -64,6 +67,8 @@ void each_kind(SomeScene& scene, const F& f) {
   f(scene.inputs);
   f(scene.materials);
   f(scene.layups);
+  f(scene.functions);
+  f(scene.controllers);
   f(scene.sections);
   f(scene.beams);
   f(scene.bodies);

@@ -24,15 +24,15 @@ VecX force_of(const System& system, const State& state, std::size_t input) {
   moved.inputs[input].fdot = 1.0;
   moved.inputs[input].since = state.t;
   moved.inputs[input].f = state.inputs[input].at(state.t).v;
-  system.signals_at(state.t, Side::right, moved.inputs, with);
+  system.signals_at(state.t, Side::right, moved.inputs, with, &state);
   moved.inputs[input].fdot = 0.0;
-  system.signals_at(state.t, Side::right, moved.inputs, without);
+  system.signals_at(state.t, Side::right, moved.inputs, without, &state);
   double size = 1.0, most = 0.0;
   std::vector<double> rate(with.size());
   for (std::size_t k = 0; k < with.size(); ++k) {
     rate[k] = with[k].fdot - without[k].fdot;
     most = std::max(most, std::abs(rate[k]));
-    if (rate[k] != 0.0) size = std::max(size, std::abs(state.signals[k].f));
+    if (rate[k] != 0.0) size = std::max(size, std::abs(with[k].f));
   }
   VecX force = VecX::Zero(system.rows());
   if (most == 0.0) return force;

@@ -91,8 +91,8 @@ class Archive {
   }
   void item(Pose<double>& H) { (*this)(H.p.coeffs(), H.r); }
   void item(State& s) {
-    (*this)(s.t, s.load_factor, s.pose, s.V, s.Vdot, s.lambda, s.idle, s.signals, s.inputs, s.work,
-            s.momentum_rate, s.angles);
+    (*this)(s.t, s.side, s.load_factor, s.pose, s.V, s.Vdot, s.lambda, s.idle, s.signals, s.inputs,
+            s.control, s.work, s.momentum_rate, s.angles);
   }
 
   std::vector<char> bytes_;

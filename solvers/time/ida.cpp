@@ -369,7 +369,7 @@ StepReport Ida::start(State& state) {
   sizes_ = {};
   tiny_ = 0;
   last_usable_ = std::numeric_limits<double>::infinity();
-  return restart(state);
+  return first_restart(system_, state, slack_);
 }
 
 StepReport Ida::restart(State& state) {
@@ -418,7 +418,7 @@ StepReport Ida::one_step(State& state) {
   StepReport report;
   parted_ = false;
   const double last = std::min(options_.end, stop_);
-  Landing landing = next_landing(system_.breakpoints(), state.t, last, slack_);
+  Landing landing = landing_of(system_, state, last, slack_);
   if (last_usable_ < landing.t) {
     if (!(last_usable_ - state.t > slack_)) {
       report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable_);
@@ -469,7 +469,8 @@ StepReport Ida::one_step(State& state) {
   integrator_->set_powers(powers);
   if (observer_) observer_(*integrator_);
 
-  if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, report)) return report;
+  if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, slack_, report))
+    return report;
   tiny_ = h < slack_ && !landed ? tiny_ + 1 : 0;
   if (tiny_ > most_tiny_steps) {
     report.failure = fmt::format(

@@ -34,7 +34,7 @@ LawSteps::LawSteps(const System& system, double begin, double end) {
   for (std::size_t i = 0; i < system.signals().size(); ++i) {
     bool is_rate = false;
     const Expression* const law = system.signals()[i].expression(is_rate);
-    if (law == nullptr || law->is_constant() || law->has_inputs()) continue;
+    if (law == nullptr || law->is_constant() || law->has_inputs() || law->has_sensors()) continue;
     ++facts_.laws;
     const bool drives = system.signal_use(i) == SignalUse::drive;
     static constexpr std::array<int, 2> both{1, 2};

@@ -108,7 +108,7 @@ StepReport OneStep::start(State& state) {
   count_ = 0;
   halvings_ = 0;
   sizes_ = {};
-  return restart(state);
+  return first_restart(system_, state, slack_);
 }
 
 // What follows from settings and the time of start().
@@ -249,7 +249,7 @@ StepReport OneStep::fixed_step(State& state) {
   const double end = origin_ + static_cast<double>(count_ + 1) * settings_.step;
   double reached = state.t;
   while (reached < end - slack_) {
-    const Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
+    const Landing landing = landing_of(system_, state, end, slack_);
     reached = landing.t;
     const double whole = landing.t - state.t;
     for (bool last = false; !last;) {  // in one step, or in pieces
@@ -276,7 +276,7 @@ StepReport OneStep::fixed_step(State& state) {
       ++halvings_;
       ++counters_.retries;
     }
-    if (landing.restart && !restart_at(landing.restart_at, state, report)) return report;
+    if (landing.restart && !restart_at(landing.restart_at, state, slack_, report)) return report;
   }
   ++count_;
   ++counters_.steps;
@@ -287,7 +287,7 @@ StepReport OneStep::fixed_step(State& state) {
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const double end = std::min(settings_.end, stop_);
-  Landing landing = next_landing(system_.breakpoints(), state.t, end, slack_);
+  Landing landing = landing_of(system_, state, end, slack_);
   std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false, contradicted = false;
   if (!(landing.t - state.t > slack_)) {
@@ -350,7 +350,8 @@ StepReport OneStep::adaptive_step(State& state) {
     sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
     take_step(state);
     ++counters_.steps;
-    if (last && landing.restart && !restart_at(landing.restart_at, state, report)) return report;
+    if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))
+      return report;
     report.converged = true;
     return report;
   }

@@ -201,6 +201,7 @@ void StabilizedIndex2::follow(const State& accepted) {
   at_.load_factor = mu_state_.load_factor = accepted.load_factor;
   at_.idle = mu_state_.idle = accepted.idle;
   at_.inputs = mu_state_.inputs = accepted.inputs;
+  at_.control = mu_state_.control = accepted.control;
 }
 
 void StabilizedIndex2::set(double t, std::span<const double> y, std::span<const double> ydot) {

@@ -14,9 +14,16 @@
 
 namespace mbd {
 
-bool Stepper::restart_at(double t, State& state, StepReport& report) {
+bool Stepper::restart_at(double t, State& state, double slack, StepReport& report) {
   const double reached = state.t;
   state.t = t;
+  std::string wrong;
+  if (system().sample(state, slack, wrong)) inputs_ = state.inputs;
+  if (!wrong.empty()) {
+    report.converged = false;
+    report.failure = fmt::format("at t = {:.9g} s: {}", reached, wrong);
+    return false;
+  }
   const StepReport again = restart(state);
   ++counters_.restarts;
   if (again.converged) return true;
@@ -30,6 +37,29 @@ void Stepper::begin_watching(const System& system, const State& state) {
   check_sizes(system, state);
   watched_ = state.t;
   inputs_ = state.inputs;
+}
+
+StepReport Stepper::first_restart(const System& system, State& state, double slack) {
+  StepReport report = restart(state);
+  std::string wrong;
+  if (!report.converged || !system.sample(state, slack, wrong)) return report;
+  inputs_ = state.inputs;
+  if (wrong.empty()) return restart(state);
+  report.converged = false;
+  report.failure = fmt::format("at t = {:.9g} s: {}", state.t, wrong);
+  return report;
+}
+
+Landing Stepper::landing_of(const System& system, const State& state, double end, double slack) {
+  Landing landing = next_landing(system.breakpoints(), state.t, end, slack);
+  if (system.controllers().empty()) return landing;
+  const double instant = system.next_instant(state, slack);
+  if (instant > landing.t + slack) return landing;
+  if (instant < landing.t - slack)
+    return {.t = instant, .breakpoint = true, .restart = true, .restart_at = instant};
+  landing.breakpoint = landing.restart = true;
+  landing.restart_at = std::max(landing.restart_at, instant);
+  return landing;
 }
 
 bool Stepper::may_step(const System& system, State& state, InputChange restarts,
@@ -65,8 +95,8 @@ bool Stepper::may_step(const System& system, State& state, InputChange restarts,
     now.push_back({goes_on ? a.v : b.v, b.d, b.dd, state.t});
   }
   std::vector<SignalValue> before, after;
-  system.signals_at(state.t, Side::right, old, before);
-  system.signals_at(state.t, Side::right, now, after);
+  system.signals_at(state.t, Side::right, old, before, &state);
+  system.signals_at(state.t, Side::right, now, after, &state);
   bool jump = restarts == InputChange::any;
   for (std::size_t i = 0; i < before.size(); ++i) {
     const SignalValue &was = before[i], &is = after[i];
@@ -91,7 +121,7 @@ bool Stepper::may_step(const System& system, State& state, InputChange restarts,
     jump = jump || is.fddot != was.fddot;
   }
   inputs_ = state.inputs;
-  return !jump || restart_at(state.t, state, report);
+  return !jump || restart_at(state.t, state, 0.0, report);
 }
 
 void Stepper::archive(Archive& a) { a(counters_, sizes_, stop_, watched_, inputs_); }
@@ -142,10 +172,20 @@ std::uint64_t fingerprint(const System& system) {
   VecX r;
   system.residual(state, r);
   hash.add(r.data(), static_cast<std::size_t>(r.size()) * sizeof(double));
+  for (const auto& controller : system.controllers()) {
+    add_text(controller->name());
+    const double period = controller->period();
+    hash.add(&period, sizeof period);
+  }
+  std::string failure;
+  if (system.sample(state, 0.0, failure)) {  // what they make of that motion
+    hash.add(state.control.data(), state.control.size() * sizeof(double));
+    for (const InputValue& input : state.inputs) hash.add(&input.f, sizeof input.f);
+  }
   return hash.value();
 }
 
-constexpr std::string_view checkpoint_format = "mbd checkpoint 1";
+constexpr std::string_view checkpoint_format = "mbd checkpoint 2";
 
 }  // namespace
 
@@ -228,6 +268,7 @@ void check_sizes(const System& system, const State& state) {
         static_cast<std::size_t>(system.multipliers()));
   check("signals", state.signals.size(), system.signals().size());
   check("inputs", state.inputs.size(), system.inputs().size());
+  check("numbers of controllers", state.control.size(), system.reference_state().control.size());
 }
 
 void Stepper::record_size(double h, bool cut) {

@@ -45,6 +45,8 @@ struct RoundOff {
   double reciprocal_condition = 0.0;  // estimate, of the scaled matrix of Newton's iterations
 };
 
+struct Landing;
+
 class Stepper {
  public:
   virtual ~Stepper() = default;
@@ -109,10 +111,15 @@ class Stepper {
   // method needs one.
   enum class InputChange { jump, any };
   bool may_step(const System& system, State& state, InputChange restarts, StepReport& report);
+  // Of start(), in place of restart(): controllers that have an instant there see the state with its accelerations, and then what
+  // they give acts.
+  StepReport first_restart(const System& system, State& state, double slack);
+  // Where a step that would end at `end` has to stop: next_landing(), or an instant of a controller.
+  static Landing landing_of(const System& system, const State& state, double end, double slack);
   // Of step(), after it.
   void watch(const State& state) { watched_ = state.t; }
   // At the end of a step that landed on breakpoints, of which the last is at t. False: `report` says why.
-  bool restart_at(double t, State& state, StepReport& report);
+  bool restart_at(double t, State& state, double slack, StepReport& report);
   // Of an accepted step, `cut` by a breakpoint or the end.
   void record_size(double h, bool cut);
 

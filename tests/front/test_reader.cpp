@@ -380,8 +380,10 @@ TEST(Reader, RefusesBadOverrides) {
 
 // Words of what is not there, which point to the chapter on what does instead.
 TEST(Reader, SaysWhatIsNotThere) {
-  for (const char* word : {"friction", "gear", "contact", "limit", "controller", "wheel", "shell"})
+  for (const char* word : {"friction", "gear", "contact", "limit", "wheel", "shell"})
     EXPECT_SAYS(message(std::string("<") + word + "/>"), "see \"What is not there\"");
+  EXPECT_SAYS(message("<control/>"), "write <controller period");
+  EXPECT_SAYS(message("<pid name=\"u\" error=\"t\"/>"), "<pid> cannot stand in <mbd>");
   EXPECT_SAYS(message("<transient duration=\"1\" step=\"1\"><stop/></transient>"),
               "an end stop of a joint is a <joint_spring>");
   EXPECT_SAYS(message("<record name=\"x\" quantities=\"friction\"/>"), "of a <joint_spring>");

@@ -42,6 +42,8 @@ struct RunArguments {
   TransientOptions transient;
   bool certify = false;
   bool no_estimate = false;
+  std::string checkpoint_every;
+  bool restart = false;
   double certify_within = 60.0;
   bool quiet = false;
   bool motion = false;
@@ -187,10 +189,17 @@ int run_model(const RunArguments& arguments) {
                 ": says whose error --accuracy bounds; give --accuracy too");
   options.notes = apply(arguments.transient, scene);
   keep_motion(arguments, scene);
+  if (!arguments.accuracy.empty() && (arguments.restart || !arguments.checkpoint_every.empty()))
+    throw Error(
+        "--accuracy and checkpoints: pilot runs choose settings anew at each start; write those "
+        "that --accuracy prints into the model");
   if (!arguments.accuracy.empty()) choose_settings(arguments, scene, options);
   options.output = results_directory(arguments.output, arguments.model);
   options.certify = arguments.certify;
   options.estimate_error = !arguments.no_estimate;
+  options.restart = arguments.restart;
+  if (!arguments.checkpoint_every.empty())
+    options.checkpoint_every = checkpoint_every(arguments.checkpoint_every);
   std::optional<RunFile> run_file;
   if (arguments.hdf5)
     options.observers.push_back(&run_file.emplace(*options.output / "run.h5", scene));
@@ -308,6 +317,18 @@ void add_run_command(CLI::App& app, int& status) {
   command->add_flag("--no-estimate", arguments->no_estimate,
                     "without the second run, in longer steps, that estimates the error of steps in "
                     "time, and costs 0.5 to 0.8 of the run");
+  command
+      ->add_option(
+          "--checkpoint-every", arguments->checkpoint_every,
+          "write the whole of the run into checkpoint.bin that often, from which --restart "
+          "goes on: a time on the clock (10min, 30s) or rows of results (100rows). Not of "
+          "method ida, nor with --motion")
+      ->check(not_empty, "", "")
+      ->type_name("TIME");
+  command->add_flag(
+      "--restart", arguments->restart,
+      "go on from checkpoint.bin in the directory of results: history.csv becomes that "
+      "of a run that was not killed, to the last bit");
   command->add_flag("--motion", arguments->motion,
                     "keep the motion of all nodes in motion.bin, for `mbd view`: a frame with each "
                     "row of history.csv, or what <motion_output> says");

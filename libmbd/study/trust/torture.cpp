@@ -11,6 +11,7 @@
 #include <random>
 #include <thread>
 
+#include "libmbd/compile/control.hpp"
 #include "libmbd/run/run.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/study/trial/setting.hpp"
@@ -195,7 +196,16 @@ class TortureSession {
     result_.trials.push_back(trial);
   }
 
+  // What looks at the motion along inertial axes and in SI units would have to be moved and rescaled with it.
+  bool feeds_back(const char* what) {
+    const std::string feedback = first_feedback(scene_);
+    if (!feedback.empty())
+      result_.notes.push_back(fmt::format("not run {}: {} has laws of sensors", what, feedback));
+    return !feedback.empty();
+  }
+
   void motions() {
+    if (feeds_back("moved")) return;
     const auto back = [this](const RigidMotion& motion) {
       return [this, motion](Findings findings, std::vector<std::string>& not_compared) {
         return moved_back(std::move(findings), twins_->scene(), motion, not_compared);
@@ -223,7 +233,7 @@ class TortureSession {
   }
 
   void units() {
-    if (!wants("units")) return;
+    if (!wants("units") || feeds_back("in other units")) return;
     std::mt19937_64 random(options_.seed);
     const auto power = [&] { return std::pow(10.0, static_cast<double>(random() % 13) - 6.0); };
     std::vector<std::pair<std::string, UnitChange>> changes = {{"mm, t, s", {1e3, 1e-3, 1.0}}};

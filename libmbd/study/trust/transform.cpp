@@ -253,9 +253,11 @@ Scene reordered(const Scene& scene, std::uint64_t seed) {
   TransformRandom random(seed);
   each_kind(s, [&random]<class Items>(Items& items) {
     using Item = typename Items::value_type;
-    // The order of records is that of columns, which are compared; laws know inputs by their place.
+    // The order of records is that of columns, which are compared; laws know inputs by their place; controllers see what those
+    // before them give.
     if constexpr (requires { items.size(); } && !std::is_same_v<Item, RecordScene> &&
-                  !std::is_same_v<Item, InputScene>)
+                  !std::is_same_v<Item, InputScene> && !std::is_same_v<Item, FunctionScene> &&
+                  !std::is_same_v<Item, ControllerScene>)
       random.shuffle(items);
   });
   return s;
