@@ -1,7 +1,6 @@
 // Runs that are killed and go on: history.csv is that of a run that was not killed, to the last bit.
 //
-// Tried in the library, and killed: a stepper made ready only where a checkpoint is written; the count of steps begun at 1; the
-// time of the next row not advanced.
+// Tried in the library, and killed: the count of steps begun at 1; the time of the next row not advanced.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
