@@ -17,6 +17,7 @@ constexpr double largest_tolerance = 0.01;  // that makes sense
 // Of a node in a fixed step [rad]: of a top with 0.3 (1) is right to a factor of 3, with 0.5 it says an eighth of the error,
 // with 1 a hundredth. Radau's terms of higher order are smaller.
 constexpr double most_turn_alpha = 0.4, most_turn_radau = 1.0;
+constexpr double same_steps = 0.9;   // of the run's own: the other one says nothing
 constexpr double no_motion = 1e-12;  // lengths of the scene, or rad
 
 double angle_between(const Pose<double>& a, const Pose<double>& b) {
@@ -57,7 +58,8 @@ void TimeErrorMeter::sample(const State& state) {
 
 // False if the other run ends early for a reason of its own.
 bool TimeErrorMeter::follow(const TransientScene& other, double factor,
-                            const std::atomic<bool>* interrupted, TimeError& error) const {
+                            const std::atomic<bool>* interrupted, TimeError& error,
+                            long& steps) const {
   const double length = std::max(system_.length_scale(), farthest_);
   const double motion = std::min(1.0, std::max(farthest_ / length, turned_));
   const double last = samples_.back().t, slack = 1e-12 * (last - start_.t);
@@ -98,6 +100,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, double factor,
       }
       const double before = state.t;
       report = stepper->step(state);
+      ++steps;
       if (report.converged && !(state.t > before)) break;
       for (std::size_t n = 1; n < state.V.size(); ++n)
         if (const double w = state.V[n].tail<3>().norm(); w > spin) {
@@ -122,7 +125,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, double factor,
   return false;
 }
 
-TimeError TimeErrorMeter::measure(const std::atomic<bool>* interrupted) const {
+TimeError TimeErrorMeter::measure(long own_steps, const std::atomic<bool>* interrupted) const {
   TimeError error;
   if (samples_.empty()) {
     error.why_not = "there is no state to compare";
@@ -143,16 +146,25 @@ TimeError TimeErrorMeter::measure(const std::atomic<bool>* interrupted) const {
       if (others < 1.0) continue;
       times = steps / others;
     }
-    const TransientScene other =
+    TransientScene other =
         in_steps(transient_, times, longer ? other_tolerances : 1.0 / other_tolerances);
     if (!fixed && *other.tolerance == *transient_.tolerance) continue;
+    if (!fixed && !longer && own_steps > 0)
+      other.max_step = std::min(
+          *other.max_step, times * (samples_.back().t - start_.t) / static_cast<double>(own_steps));
     const double power = std::pow(times, order);
     const double factor = fixed ? 1.0 / std::abs(power - 1.0) : (longer ? 1.0 / 3.0 : 1.5);
     error = {};
     error.how = fixed ? fmt::format("steps {:.3g} times as {}", longer ? times : 1.0 / times,
                                     longer ? "long" : "short")
                       : fmt::format("a tolerance of {:.1g}", *other.tolerance);
-    if (follow(other, factor, interrupted, error)) {
+    long taken = 0;
+    const bool followed = follow(other, factor, interrupted, error, taken);
+    const bool stopped = interrupted != nullptr && *interrupted;
+    if (followed && !fixed && longer && !stopped &&
+        static_cast<double>(taken) > same_steps * static_cast<double>(own_steps))
+      continue;
+    if (followed) {
       error.known = error.why_not.empty();
       return error;
     }

@@ -837,7 +837,8 @@ class Run {
 
   void estimate_time_error() {
     if (!time_error_ || !report_.complete()) return;
-    report_.time_error = time_error_->measure(options_.interrupted);
+    report_.time_error =
+        time_error_->measure(report_.transient_counters.steps, options_.interrupted);
     report_.estimate = watch_.lap();
   }
 

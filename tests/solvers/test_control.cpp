@@ -695,7 +695,10 @@ TEST(Controllers, SayWhatIsWrong) {
       "it samples a motion");
   EXPECT_SAYS(whole(R"x(<controller name="c" period="1"><output name="u" value="1"/></controller>
       <drive joint="p" displacement="u"/>)x"),
-              "jump");
+              "what a controller holds");
+  EXPECT_SAYS(whole(R"x(<controller name="c" period="1"><output name="u" value="1"/></controller>
+      <drive joint="p" displacement="t&lt;0.5 ? 0 : u"/>)x"),
+              "depends on an input and switches in time");
   // An output that is not a number ends the run by its name.
   Session run(
       cart +

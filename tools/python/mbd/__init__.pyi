@@ -254,14 +254,15 @@ class Scene(Element):
         """<defaults>
           Elements with some of their attributes, no name and no content: what later
           elements of that kind have when they do not say otherwise.
-          Stands in <mbd>. Holds <section>, <station>, <stiffness>, <mass>, <damping>,
+          Stands in <mbd>. Holds <material>, <layup>, <ply>, <section>, <station>,
+          <stiffness>, <mass>, <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>,
           <beam>, <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>,
           <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
           <joint_torque>, <drag>, <added_mass>, <base_motion>, <gravity>, <static>,
           <path>, <mark>, <stop>, <transient>, <record>, <motion_output>, <plot>,
-          <expect>, <input>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
-          <cylindrical>, <screw>, <universal>, <spherical>, <planar>, <point_on_line>,
-          <distance>.
+          <expect>, <input>, <function>, <controller>, <fixed>, <rigid_link>,
+          <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>, <spherical>,
+          <planar>, <point_on_line>, <distance>.
 
         For example:
           <mbd name="balls" version="1">
@@ -281,11 +282,114 @@ class Scene(Element):
           </mbd>
         """
         ...
+    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None) -> MaterialElement:
+        """<material>
+          A linear elastic material, of which sections are made: isotropic by E and nu;
+          else along its axes, L along the fibres, N across the ply, T = N x L, by EL,
+          ET, GLT, nuLT, nuTN, and what differs along N.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name plies and sections refer to
+          E                  number > 0 [Pa], optional
+                             Young's modulus of an isotropic material
+          nu                 number, optional
+                             Poisson's ratio of an isotropic material, between -1 and
+                             0.5
+          EL                 number > 0 [Pa], optional
+                             Young's modulus along L, the fibres
+          ET                 number > 0 [Pa], optional
+                             along T
+          EN                 number > 0 [Pa], optional
+                             along N (default: ET)
+          GLT                number > 0 [Pa], optional
+                             shear modulus in the ply
+          GLN                number > 0 [Pa], optional
+                             of L and N (default: GLT)
+          GTN                number > 0 [Pa], optional
+                             of T and N (default: ET/(2 (1 + nuTN)))
+          nuLT               number, optional
+                             contraction along T by a stress along L; nuLT/EL = nuTL/ET
+          nuLN               number, optional
+                             contraction along N by a stress along L (default: nuLT)
+          nuTN               number, optional
+                             contraction along N by a stress along T
+          rho                number > 0 [kg/m3], optional
+                             density; without one, sections of it have no mass
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def layup(self, *, name: Value = None, listed: Value = None) -> LayupElement:
+        """<layup>
+          The plies of a wall, one after the other.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <ply>, <repeat>.
+
+        Attributes:
+          name               name, required
+                             name sections refer to
+          listed             inside or outside, default inside
+                             from the inside, the first ply is the innermost one; or
+                             from the outside. Angles are about the outward normal in
+                             both cases
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
     def section(self, *, name: Value = None, interpolation: Value = None) -> SectionElement:
         """<section>
           Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3.
           Stands in <mbd>, <repeat>, <defaults>. Holds <station>, <stiffness>, <mass>,
-          <damping>, <repeat>.
+          <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>, <repeat>.
 
         Attributes:
           name               name, required
@@ -1603,13 +1707,13 @@ class Scene(Element):
     def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
         """<repeat>
           Reads its contents several times.
-          Stands in <mbd>, <repeat>, <curve>, <section>. Holds <section>, <station>,
-          <beam>, <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>,
-          <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
-          <joint_torque>, <drag>, <added_mass>, <mark>, <stop>, <record>, <plot>,
-          <expect>, <repeat>, <input>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
-          <cylindrical>, <screw>, <universal>, <spherical>, <planar>, <point_on_line>,
-          <distance>.
+          Stands in <mbd>, <repeat>, <curve>, <layup>, <section>. Holds <material>,
+          <layup>, <ply>, <section>, <station>, <beam>, <arc>, <curve>, <point>, <body>,
+          <drive>, <motion>, <load>, <distributed>, <rigid>, <point_mass>, <spring>,
+          <bushing>, <joint_spring>, <joint_torque>, <drag>, <added_mass>, <mark>,
+          <stop>, <record>, <plot>, <expect>, <repeat>, <input>, <function>,
+          <controller>, <fixed>, <rigid_link>, <revolute>, <prismatic>, <cylindrical>,
+          <screw>, <universal>, <spherical>, <planar>, <point_on_line>, <distance>.
 
         Attributes:
           count              whole number from 0 to 1000000, required
@@ -1664,6 +1768,100 @@ class Scene(Element):
             <transient duration="0.5" step="1 ms"/>
             <record name="shoulder" joint="shoulder" quantities="angle rate"/>
             <expect quantity="shoulder.angle" at="0.5" value="0" tolerance="1e-9" source="equilibrium"/>
+          </mbd>
+        """
+        ...
+    def function(self, content: Value = None, /, *, name: Value = None, value: Value = None, unit: Value = None, interpolation: Value = None) -> FunctionElement:
+        """<function>
+          A function of time that the laws of loads, drives and controllers call by its
+          name, as ref(t) or ref(2*t+1): an expression, or as text a table of t [s] and
+          its value in turn, t rising.
+          Stands in <mbd>, <repeat>, <defaults>. Its text: pairs of numbers.
+
+        Attributes:
+          name               name, required
+                             what expressions of time call it: letters, digits and _,
+                             after its <function>
+          value              expression of t [any unit], optional
+                             an expression of t, of inputs and of functions before it,
+                             or a table as text
+          unit               text, optional
+                             of the values of a table (default: SI units; those of t are
+                             s)
+          interpolation      linear or smooth, default linear
+                             of a table: linear or a cubic spline; linear beyond the
+                             first and the last point
+
+        For example:
+          <mbd name="two_carts">
+            <!-- A controller brings a cart to its target in two periods; a second cart follows it by a law of sensors. -->
+            <parameter name="m" value="2 kg"/>
+            <parameter name="T" value="0.1"/>
+            <function name="target" unit="mm">0 300  5 300</function>
+            <controller name="servo" period="T">
+              <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
+            </controller>
+            <controller name="trim" period="2*T">
+              <state name="count" next="count+1"/>
+              <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+              <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+              <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+            </controller>
+            <body name="cart" mass="m" inertia="1 1 1"/>
+            <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
+            <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+            <prismatic name="track" between="ground wagon" axis="1 0 0"/>
+            <load at="cart" force="push 0 0"/>
+            <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
+            <transient duration="0.5" step="0.01"/>
+            <record name="cart" joint="rail" quantities="displacement speed"/>
+            <record name="wagon" joint="track" quantities="displacement speed"/>
+            <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
+            <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
+          </mbd>
+        """
+        ...
+    def controller(self, *, name: Value = None, period: Value = None) -> ControllerElement:
+        """<controller>
+          Samples the motion at t = 0, period, 2 period, … and holds its outputs until
+          the next instant: what it consists of is evaluated in its order, with states
+          as they were; what it gives acts from that instant on, without delay. Steps
+          end there.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <state>, <output>, <pid>,
+          <state_space>.
+
+        Attributes:
+          name               name, required
+                             name, for messages and results
+          period             number > 0 [s], required
+                             between its instants
+
+        For example:
+          <mbd name="two_carts">
+            <!-- A controller brings a cart to its target in two periods; a second cart follows it by a law of sensors. -->
+            <parameter name="m" value="2 kg"/>
+            <parameter name="T" value="0.1"/>
+            <function name="target" unit="mm">0 300  5 300</function>
+            <controller name="servo" period="T">
+              <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
+            </controller>
+            <controller name="trim" period="2*T">
+              <state name="count" next="count+1"/>
+              <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+              <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+              <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+            </controller>
+            <body name="cart" mass="m" inertia="1 1 1"/>
+            <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
+            <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+            <prismatic name="track" between="ground wagon" axis="1 0 0"/>
+            <load at="cart" force="push 0 0"/>
+            <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
+            <transient duration="0.5" step="0.01"/>
+            <record name="cart" joint="rail" quantities="displacement speed"/>
+            <record name="wagon" joint="track" quantities="displacement speed"/>
+            <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
+            <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
           </mbd>
         """
         ...
@@ -2241,13 +2439,61 @@ class IncludeElement(Element):
     ...
 
 class DefaultsElement(Element):
+    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None) -> MaterialElement:
+        """A linear elastic material, of which sections are made: isotropic by E and nu; else along its axes, L along the fibres, N across the ply, T = N x L, by EL, ET, GLT, nuLT, nuTN, and what differs along N."""
+        ...
+    def layup(self, *, name: Value = None, listed: Value = None) -> LayupElement:
+        """The plies of a wall, one after the other."""
+        ...
+    def ply(self, *, material: Value = None, thickness: Value = None, angle: Value = None) -> PlyElement:
+        """<ply>
+          A ply of a layup.
+          Stands in <layup>, <repeat>, <defaults>.
+
+        Attributes:
+          material           text, required
+                             name of its material
+          thickness          number > 0 [m], required
+                             its thickness
+          angle              number [rad], default 0
+                             theta, of its L from b1: L = cos(theta) b1 + sin(theta) (n
+                             x b1), right-handed about the outward normal n of the wall
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
     def section(self, *, name: Value = None, interpolation: Value = None) -> SectionElement:
         """Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3."""
         ...
     def station(self, *, at: Value = None) -> StationElement:
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
-          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>.
+          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
+          <bar>, <rectangle>, <box>, <I>, <C>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -2475,6 +2721,370 @@ class DefaultsElement(Element):
             <gravity acceleration="0 0 -9.81"/>
             <static/>
             <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def tube(self, *, radius: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> TubeElement:
+        """<tube>
+          A tube: its plies lie round it, their normals point outward.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          radius             number > 0 [m], required
+                             outer radius
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             of its wall, where that is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def bar(self, *, radius: Value = None, material: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> BarElement:
+        """<bar>
+          A solid round bar of one material, whose N is b3.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          radius             number > 0 [m], required
+                             outer radius
+          material           text, required
+                             name of its material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def rectangle(self, *, width: Value = None, height: Value = None, layup: Value = None, material: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> RectangleElement:
+        """<rectangle>
+          A solid rectangle of plies across b3, listed from below; their normal is b3.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], optional
+                             along b3, of one material; with a layup it is the thickness
+                             of that
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def box(self, *, width: Value = None, height: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, corners: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> BoxElement:
+        """<box>
+          A box with walls all round; the normals of its plies point outward.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             of its wall, where that is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          corners            mitred or butt, default mitred
+                             mitred: plies turn round them; butt: walls across b3 go
+                             through, those across b2 stand between them
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def I(self, *, width: Value = None, height: Value = None, flange: Value = None, web: Value = None, material: Value = None, flange_thickness: Value = None, web_thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> IElement:
+        """<I>
+          An I: flanges across b3 at top and bottom go through, normals away from the
+          middle; the web stands between them, its normal b2.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          flange             text, optional
+                             name of the layup of its flanges
+          web                text, optional
+                             name of the layup of its web
+          material           text, optional
+                             name of its material, in place of plies
+          flange_thickness   number > 0 [m], optional
+                             of its flanges, where it is of one material
+          web_thickness      number > 0 [m], optional
+                             of its web, where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def C(self, *, width: Value = None, height: Value = None, flange: Value = None, web: Value = None, material: Value = None, flange_thickness: Value = None, web_thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> CElement:
+        """<C>
+          A C: as an I, with the web at the side of -b2, its outer face at x2 = 0, its
+          normal -b2.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          flange             text, optional
+                             name of the layup of its flanges
+          web                text, optional
+                             name of the layup of its web
+          material           text, optional
+                             name of its material, in place of plies
+          flange_thickness   number > 0 [m], optional
+                             of its flanges, where it is of one material
+          web_thickness      number > 0 [m], optional
+                             of its web, where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
           </mbd>
         """
         ...
@@ -2661,6 +3271,12 @@ class DefaultsElement(Element):
     def input(self, *, name: Value = None, unit: Value = None, value: Value = None) -> InputElement:
         """A value that a program sets while the model runs; the laws of loads, joint torques, flows and drives use it by its name, as they use t. In a run of `mbd run` it keeps its `value`."""
         ...
+    def function(self, content: Value = None, /, *, name: Value = None, value: Value = None, unit: Value = None, interpolation: Value = None) -> FunctionElement:
+        """A function of time that the laws of loads, drives and controllers call by its name, as ref(t) or ref(2*t+1): an expression, or as text a table of t [s] and its value in turn, t rising."""
+        ...
+    def controller(self, *, name: Value = None, period: Value = None) -> ControllerElement:
+        """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
+        ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
         ...
@@ -2695,11 +3311,64 @@ class DefaultsElement(Element):
         """A massless rod with ball joints at its ends."""
         ...
 
+class MaterialElement(Element):
+    ...
+
+class LayupElement(Element):
+    def ply(self, *, material: Value = None, thickness: Value = None, angle: Value = None) -> PlyElement:
+        """<ply>
+          A ply of a layup.
+          Stands in <layup>, <repeat>, <defaults>.
+
+        Attributes:
+          material           text, required
+                             name of its material
+          thickness          number > 0 [m], required
+                             its thickness
+          angle              number [rad], default 0
+                             theta, of its L from b1: L = cos(theta) b1 + sin(theta) (n
+                             x b1), right-handed about the outward normal n of the wall
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
+        """Reads its contents several times."""
+        ...
+
+class PlyElement(Element):
+    ...
+
 class SectionElement(Element):
     def station(self, *, at: Value = None) -> StationElement:
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
-          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>.
+          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
+          <bar>, <rectangle>, <box>, <I>, <C>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -2930,6 +3599,370 @@ class SectionElement(Element):
           </mbd>
         """
         ...
+    def tube(self, *, radius: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> TubeElement:
+        """<tube>
+          A tube: its plies lie round it, their normals point outward.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          radius             number > 0 [m], required
+                             outer radius
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             of its wall, where that is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def bar(self, *, radius: Value = None, material: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> BarElement:
+        """<bar>
+          A solid round bar of one material, whose N is b3.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          radius             number > 0 [m], required
+                             outer radius
+          material           text, required
+                             name of its material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def rectangle(self, *, width: Value = None, height: Value = None, layup: Value = None, material: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> RectangleElement:
+        """<rectangle>
+          A solid rectangle of plies across b3, listed from below; their normal is b3.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], optional
+                             along b3, of one material; with a layup it is the thickness
+                             of that
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def box(self, *, width: Value = None, height: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, corners: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> BoxElement:
+        """<box>
+          A box with walls all round; the normals of its plies point outward.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             of its wall, where that is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          corners            mitred or butt, default mitred
+                             mitred: plies turn round them; butt: walls across b3 go
+                             through, those across b2 stand between them
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def I(self, *, width: Value = None, height: Value = None, flange: Value = None, web: Value = None, material: Value = None, flange_thickness: Value = None, web_thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> IElement:
+        """<I>
+          An I: flanges across b3 at top and bottom go through, normals away from the
+          middle; the web stands between them, its normal b2.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          flange             text, optional
+                             name of the layup of its flanges
+          web                text, optional
+                             name of the layup of its web
+          material           text, optional
+                             name of its material, in place of plies
+          flange_thickness   number > 0 [m], optional
+                             of its flanges, where it is of one material
+          web_thickness      number > 0 [m], optional
+                             of its web, where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def C(self, *, width: Value = None, height: Value = None, flange: Value = None, web: Value = None, material: Value = None, flange_thickness: Value = None, web_thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> CElement:
+        """<C>
+          A C: as an I, with the web at the side of -b2, its outer face at x2 = 0, its
+          normal -b2.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          flange             text, optional
+                             name of the layup of its flanges
+          web                text, optional
+                             name of the layup of its web
+          material           text, optional
+                             name of its material, in place of plies
+          flange_thickness   number > 0 [m], optional
+                             of its flanges, where it is of one material
+          web_thickness      number > 0 [m], optional
+                             of its web, where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
     def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
         """Reads its contents several times."""
         ...
@@ -3052,6 +4085,370 @@ class StationElement(Element):
           </mbd>
         """
         ...
+    def tube(self, *, radius: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> TubeElement:
+        """<tube>
+          A tube: its plies lie round it, their normals point outward.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          radius             number > 0 [m], required
+                             outer radius
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             of its wall, where that is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def bar(self, *, radius: Value = None, material: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> BarElement:
+        """<bar>
+          A solid round bar of one material, whose N is b3.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          radius             number > 0 [m], required
+                             outer radius
+          material           text, required
+                             name of its material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def rectangle(self, *, width: Value = None, height: Value = None, layup: Value = None, material: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> RectangleElement:
+        """<rectangle>
+          A solid rectangle of plies across b3, listed from below; their normal is b3.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], optional
+                             along b3, of one material; with a layup it is the thickness
+                             of that
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def box(self, *, width: Value = None, height: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, corners: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> BoxElement:
+        """<box>
+          A box with walls all round; the normals of its plies point outward.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             of its wall, where that is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          corners            mitred or butt, default mitred
+                             mitred: plies turn round them; butt: walls across b3 go
+                             through, those across b2 stand between them
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def I(self, *, width: Value = None, height: Value = None, flange: Value = None, web: Value = None, material: Value = None, flange_thickness: Value = None, web_thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> IElement:
+        """<I>
+          An I: flanges across b3 at top and bottom go through, normals away from the
+          middle; the web stands between them, its normal b2.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          flange             text, optional
+                             name of the layup of its flanges
+          web                text, optional
+                             name of the layup of its web
+          material           text, optional
+                             name of its material, in place of plies
+          flange_thickness   number > 0 [m], optional
+                             of its flanges, where it is of one material
+          web_thickness      number > 0 [m], optional
+                             of its web, where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
+    def C(self, *, width: Value = None, height: Value = None, flange: Value = None, web: Value = None, material: Value = None, flange_thickness: Value = None, web_thickness: Value = None, angle: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> CElement:
+        """<C>
+          A C: as an I, with the web at the side of -b2, its outer face at x2 = 0, its
+          normal -b2.
+          Stands in <section>, <station>, <defaults>.
+
+        Attributes:
+          width              number > 0 [m], required
+                             outer width, along b2
+          height             number > 0 [m], required
+                             outer height, along b3
+          flange             text, optional
+                             name of the layup of its flanges
+          web                text, optional
+                             name of the layup of its web
+          material           text, optional
+                             name of its material, in place of plies
+          flange_thickness   number > 0 [m], optional
+                             of its flanges, where it is of one material
+          web_thickness      number > 0 [m], optional
+                             of its web, where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-05
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
 
 class StiffnessElement(Element):
     ...
@@ -3060,6 +4457,24 @@ class MassElement(Element):
     ...
 
 class DampingElement(Element):
+    ...
+
+class TubeElement(Element):
+    ...
+
+class BarElement(Element):
+    ...
+
+class RectangleElement(Element):
+    ...
+
+class BoxElement(Element):
+    ...
+
+class IElement(Element):
+    ...
+
+class CElement(Element):
     ...
 
 class BeamElement(Element):
@@ -3423,13 +4838,61 @@ class ExpectElement(Element):
     ...
 
 class RepeatElement(Element):
+    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None) -> MaterialElement:
+        """A linear elastic material, of which sections are made: isotropic by E and nu; else along its axes, L along the fibres, N across the ply, T = N x L, by EL, ET, GLT, nuLT, nuTN, and what differs along N."""
+        ...
+    def layup(self, *, name: Value = None, listed: Value = None) -> LayupElement:
+        """The plies of a wall, one after the other."""
+        ...
+    def ply(self, *, material: Value = None, thickness: Value = None, angle: Value = None) -> PlyElement:
+        """<ply>
+          A ply of a layup.
+          Stands in <layup>, <repeat>, <defaults>.
+
+        Attributes:
+          material           text, required
+                             name of its material
+          thickness          number > 0 [m], required
+                             its thickness
+          angle              number [rad], default 0
+                             theta, of its L from b1: L = cos(theta) b1 + sin(theta) (n
+                             x b1), right-handed about the outward normal n of the wall
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+          </mbd>
+        """
+        ...
     def section(self, *, name: Value = None, interpolation: Value = None) -> SectionElement:
         """Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3."""
         ...
     def station(self, *, at: Value = None) -> StationElement:
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
-          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>.
+          Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
+          <bar>, <rectangle>, <box>, <I>, <C>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -3629,6 +5092,12 @@ class RepeatElement(Element):
     def input(self, *, name: Value = None, unit: Value = None, value: Value = None) -> InputElement:
         """A value that a program sets while the model runs; the laws of loads, joint torques, flows and drives use it by its name, as they use t. In a run of `mbd run` it keeps its `value`."""
         ...
+    def function(self, content: Value = None, /, *, name: Value = None, value: Value = None, unit: Value = None, interpolation: Value = None) -> FunctionElement:
+        """A function of time that the laws of loads, drives and controllers call by its name, as ref(t) or ref(2*t+1): an expression, or as text a table of t [s] and its value in turn, t rising."""
+        ...
+    def controller(self, *, name: Value = None, period: Value = None) -> ControllerElement:
+        """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
+        ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
         ...
@@ -3663,8 +5132,219 @@ class RepeatElement(Element):
         """A massless rod with ball joints at its ends."""
         ...
 
+class StateElement(Element):
+    ...
+
+class OutputElement(Element):
+    ...
+
+class PidElement(Element):
+    ...
+
+class StateSpaceElement(Element):
+    ...
+
 class InputElement(Element):
     ...
+
+class FunctionElement(Element):
+    ...
+
+class ControllerElement(Element):
+    def state(self, *, name: Value = None, start: Value = None, next: Value = None) -> StateElement:
+        """<state>
+          A number that a controller keeps from one instant to the next.
+          Stands in <controller>.
+
+        Attributes:
+          name               text, required
+                             what expressions of its controller call it
+          start              number, default 0
+                             at the first instant
+          next               expression of t [any unit], required
+                             at the next instant, of t, sensors, inputs and the states
+                             as they are now
+
+        For example:
+          <mbd name="two_carts">
+            <!-- A controller brings a cart to its target in two periods; a second cart follows it by a law of sensors. -->
+            <parameter name="m" value="2 kg"/>
+            <parameter name="T" value="0.1"/>
+            <function name="target" unit="mm">0 300  5 300</function>
+            <controller name="servo" period="T">
+              <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
+            </controller>
+            <controller name="trim" period="2*T">
+              <state name="count" next="count+1"/>
+              <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+              <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+              <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+            </controller>
+            <body name="cart" mass="m" inertia="1 1 1"/>
+            <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
+            <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+            <prismatic name="track" between="ground wagon" axis="1 0 0"/>
+            <load at="cart" force="push 0 0"/>
+            <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
+            <transient duration="0.5" step="0.01"/>
+            <record name="cart" joint="rail" quantities="displacement speed"/>
+            <record name="wagon" joint="track" quantities="displacement speed"/>
+            <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
+            <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
+          </mbd>
+        """
+        ...
+    def output(self, *, name: Value = None, start: Value = None, value: Value = None) -> OutputElement:
+        """<output>
+          What a controller gives: laws use it by its name, as an input.
+          Stands in <controller>.
+
+        Attributes:
+          name               text, required
+                             what laws after it call it: letters, digits and _
+          start              number [any unit], default 0
+                             before the first instant, and in a <static>
+          value              expression of t [any unit], required
+                             from the instant on until the next: an expression of t,
+                             sensors, inputs, states and outputs before it, in SI units
+                             or the one behind it
+
+        For example:
+          <mbd name="two_carts">
+            <!-- A controller brings a cart to its target in two periods; a second cart follows it by a law of sensors. -->
+            <parameter name="m" value="2 kg"/>
+            <parameter name="T" value="0.1"/>
+            <function name="target" unit="mm">0 300  5 300</function>
+            <controller name="servo" period="T">
+              <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
+            </controller>
+            <controller name="trim" period="2*T">
+              <state name="count" next="count+1"/>
+              <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+              <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+              <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+            </controller>
+            <body name="cart" mass="m" inertia="1 1 1"/>
+            <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
+            <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+            <prismatic name="track" between="ground wagon" axis="1 0 0"/>
+            <load at="cart" force="push 0 0"/>
+            <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
+            <transient duration="0.5" step="0.01"/>
+            <record name="cart" joint="rail" quantities="displacement speed"/>
+            <record name="wagon" joint="track" quantities="displacement speed"/>
+            <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
+            <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
+          </mbd>
+        """
+        ...
+    def pid(self, *, name: Value = None, error: Value = None, proportional: Value = None, integral: Value = None, derivative: Value = None, filter: Value = None, limits: Value = None, start: Value = None) -> PidElement:
+        """<pid>
+          A PID controller: an output with an integrator and a filtered derivative.
+          Stands in <controller>.
+
+        Attributes:
+          name               text, required
+                             of its output: what laws after it call it: letters, digits
+                             and _
+          error              expression of t [any unit], required
+                             what it is to bring to 0, as ref(t)-elbow.angle: an
+                             expression as of an output
+          proportional       number [any unit], default 0
+                             output per error
+          integral           number [any unit], default 0
+                             rate of the output per error
+          derivative         number [any unit], default 0
+                             output per rate of the error
+          filter             number >= 0 [s], default 0
+                             time constant of the derivative
+          limits             2 numbers [any unit], optional
+                             least and largest output; while it is there, the integrator
+                             does not run further into them
+          start              number [any unit], default 0
+                             of the integrator, and the output before the first instant
+
+        For example:
+          <mbd name="two_carts">
+            <!-- A controller brings a cart to its target in two periods; a second cart follows it by a law of sensors. -->
+            <parameter name="m" value="2 kg"/>
+            <parameter name="T" value="0.1"/>
+            <function name="target" unit="mm">0 300  5 300</function>
+            <controller name="servo" period="T">
+              <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
+            </controller>
+            <controller name="trim" period="2*T">
+              <state name="count" next="count+1"/>
+              <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+              <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+              <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+            </controller>
+            <body name="cart" mass="m" inertia="1 1 1"/>
+            <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
+            <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+            <prismatic name="track" between="ground wagon" axis="1 0 0"/>
+            <load at="cart" force="push 0 0"/>
+            <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
+            <transient duration="0.5" step="0.01"/>
+            <record name="cart" joint="rail" quantities="displacement speed"/>
+            <record name="wagon" joint="track" quantities="displacement speed"/>
+            <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
+            <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
+          </mbd>
+        """
+        ...
+    def state_space(self, *, inputs: Value = None, outputs: Value = None, A: Value = None, B: Value = None, C: Value = None, D: Value = None, start: Value = None) -> StateSpaceElement:
+        """<state_space>
+          Outputs y = C x + D w of states x, which at the next instant are A x + B w, w
+          the values of expressions. Matrices row by row.
+          Stands in <controller>.
+
+        Attributes:
+          inputs             text, required
+                             w: expressions as of an output, separated by blanks, which
+                             they do not contain
+          outputs            words, required
+                             y: what laws after it call them
+          A                  text, optional
+                             of states by states (none: there are no states)
+          B                  text, optional
+                             of states by inputs
+          C                  text, optional
+                             of outputs by states
+          D                  text, optional
+                             of outputs by inputs (default 0)
+          start              text, optional
+                             of the states (default 0)
+
+        For example:
+          <mbd name="two_carts">
+            <!-- A controller brings a cart to its target in two periods; a second cart follows it by a law of sensors. -->
+            <parameter name="m" value="2 kg"/>
+            <parameter name="T" value="0.1"/>
+            <function name="target" unit="mm">0 300  5 300</function>
+            <controller name="servo" period="T">
+              <output name="push" value="m*((target(t)-cart.position.1)/T^2-1.5*cart.velocity.1/T)"/>
+            </controller>
+            <controller name="trim" period="2*T">
+              <state name="count" next="count+1"/>
+              <output name="fade" value="count &lt; 3 ? 1 : max(0, 1-(count-3)/5)"/>
+              <pid name="brake" error="-track.speed" proportional="2" integral="1" limits="-5 5"/>
+              <state_space inputs="track.speed" outputs="smooth" A="0.8" B="0.2" C="1"/>
+            </controller>
+            <body name="cart" mass="m" inertia="1 1 1"/>
+            <body name="wagon" at="-0.5 0 0" mass="1" inertia="1 1 1"/>
+            <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+            <prismatic name="track" between="ground wagon" axis="1 0 0"/>
+            <load at="cart" force="push 0 0"/>
+            <load at="wagon" force="400*(rail.displacement-track.displacement)+40*(rail.speed-track.speed)+fade*brake-0.1*smooth 0 0"/>
+            <transient duration="0.5" step="0.01"/>
+            <record name="cart" joint="rail" quantities="displacement speed"/>
+            <record name="wagon" joint="track" quantities="displacement speed"/>
+            <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
+            <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
+          </mbd>
+        """
+        ...
 
 class FixedElement(Element):
     ...
