@@ -716,6 +716,25 @@ TEST(Controllers, SayWhatIsWrong) {
 // --- hostile ---
 
 // Millimetres and degrees, another order of the file: the controlled joint after its controller. The same motion as in metres.
+// An upright pole that a controller holds is unstable in linear analyses, which say why.
+TEST(Controllers, AreHeldInLinearAnalyses) {
+  const std::string pole = R"x(<body name="rod" mass="2" inertia="1e-4 0.05 0.05" at="0 0 0.5"/>
+    <revolute name="foot" between="ground rod" at="0 0 0" axis="0 1 0"/><gravity acceleration="0 0 -9.81"/>)x";
+  const Linearization held = linearize(
+      read(
+          R"x(<controller name="c" period="1 ms"><output name="u" value="-40*foot.angle"/></controller>)x" +
+          pole + R"x(<joint_torque joint="foot" moment="u"/>)x" + transient),
+      ModesOptions());
+  ASSERT_EQ(held.notes.size(), 1u);
+  EXPECT_SAYS(held.notes.front(), "outputs of controllers are held");
+  EXPECT_GT(held.reduced->A(1, 0), 0.0);
+  const Linearization whole = linearize(
+      read(pole + R"x(<joint_torque joint="foot" moment="-40*foot.angle"/>)x" + transient),
+      ModesOptions());
+  EXPECT_TRUE(whole.notes.empty());
+  EXPECT_LT(whole.reduced->A(1, 0), 0.0);
+}
+
 TEST(HostileControl, OtherUnitsAndOrder) {
   const std::string end = R"x(<transient duration="400 ms" step="2 ms"/>)x";
   Session plain(arm + R"x(<controller name="c" period="0.005">
