@@ -599,7 +599,8 @@ class Reader {
       for (const std::string_view one : chain) circle += std::string(one) + " calls ";
       item.fail("value", "a circle: " + circle + name + "; what is known must not ask for itself");
     }
-    for (const std::string_view word : Item::words_of(item.text_of("value")))
+    const std::string text = item.text_of("value");  // of which words are parts
+    for (const std::string_view word : Item::words_of(text))
       if (calls.contains(word) && !parameters_.functions.contains(word) && word != name)
         item.fail("value",
                   "the function " + in_quotes(word) + " stands after this one; put it before it");
