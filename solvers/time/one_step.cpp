@@ -14,7 +14,10 @@ namespace mbd {
 namespace {
 
 constexpr int most_halvings = 40;
-constexpr int most_contradictions = 30;     // beyond these steps would only creep
+constexpr int most_contradictions = 30;  // beyond these steps would only creep
+// So many steps in a row, each that many times the round-off of times: a run that would never end.
+constexpr int most_short_steps = 300;
+constexpr double short_step = 100.0;
 constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
 
@@ -132,7 +135,7 @@ void OneStep::archive(Archive& a) {
   if (a.reads() && !(started && origin_ == before)) prepare();
   Stepper::archive(a);
   a(norm_, mass_, tolerant_, rank_tolerance_, count_, halvings_, good_, contradictions_,
-    choose_rows_);
+    short_steps_, choose_rows_);
   if (error_norm_) a(*error_norm_);
   if (controller_) a(*controller_);
 }
@@ -330,6 +333,7 @@ StepReport OneStep::adaptive_step(State& state) {
         report.failure = fmt::format("at t = {:.9g} s: {}", state.t, report.failure);
         return report;
       }
+      shortened_by_ = report.failure;
       controller_->failed(h);
       continue;
     }
@@ -337,12 +341,24 @@ StepReport OneStep::adaptive_step(State& state) {
     if (!(report.error <= 1.0)) {
       ++counters_.rejected;
       again = true;
+      shortened_by_ = "the estimated error of longer ones is too large at " +
+                      system_.name_of(error_norm_->worst_row());
       controller_->rejected(h, report.error);
       if (tolerant_) settle();
       continue;
     }
     controller_->accepted(h, report.error);
     if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);
+    if (h > short_step * slack_)
+      short_steps_ = 0;
+    else if (!last && ++short_steps_ > most_short_steps) {
+      report.failure = fmt::format(
+          "at t = {:.9g} s the steps remain shorter than {:.3g} s, where times are nearly "
+          "round-off, "
+          "{} of them in a row: {}",
+          state.t, short_step * slack_, most_short_steps, shortened_by_);
+      return report;
+    }
     record_size(h, last);
     sizes_.worst_error = std::max(sizes_.worst_error, report.error);
     sizes_.position_error += error_norm_->position();

@@ -134,6 +134,8 @@ class OneStep : public Stepper {
   int halvings_ = 0;  // of the fixed steps now tried, and how many in a row have gone well
   int good_ = 0;
   int contradictions_ = 0;    // adaptive steps that idle rows made shorter, less those they did not
+  int short_steps_ = 0;       // in a row, which are nearly round-off of times
+  std::string shortened_by_;  // why the last step that was too long is too long
   bool parted_ = false;       // idle rows have, in the last attempt
   bool choose_rows_ = false;  // at the end of the step under way
 };

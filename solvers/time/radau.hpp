@@ -109,7 +109,8 @@ class Radau final : public OneStep {
   Stages q_, dV_;            // dV = V - V_i
   std::vector<Vec6> carry_;  // what the last V has lost by round-off (Kahan)
   std::array<std::vector<Pose<double>>, stages> reference_;  // H_i exp(c_j h V_i)
-  std::vector<Vec6> Q_;  // of the whole step, H_f = H_i exp(Q); only for an observer
+  std::vector<Vec6>
+      Q_;  // of the whole step, H_f = H_i exp(Q), for an observer; before, scratch of project()
   std::array<VecX, stages> r_, delta_;
   std::vector<std::complex<double>> z_;
   std::vector<Mat6> V_hat_;  // V~ by node, of the last linearisation
