@@ -258,6 +258,8 @@ class ElementBatch : public Base {
     return sum;
   }
 
+  const std::string& name(Index e) const { return names_[static_cast<std::size_t>(e)]; }
+
   static constexpr int max_nodes = E::template Output<double>::Vector::MaxRowsAtCompileTime / 6;
   using NodeStates = std::array<NodeState<double>, static_cast<std::size_t>(max_nodes)>;
 

@@ -47,6 +47,15 @@ class ClassicalBatch final : public ElementBatch<Classical<N>, BeamElasticBatch>
 
   const SpectralTable& table() const override { return table_; }
 
+  MeshError mesh_error(const State& state, Index element,
+                       const MeshErrorRule& rule) const override {
+    typename Base::NodeStates x;
+    this->gather(state, static_cast<std::size_t>(element), x);
+    return mesh_error_of<Kernel>(this->shared(), this->data(element), x.data(), table_, rule);
+  }
+
+  const std::string& name_of(Index element) const override { return this->name(element); }
+
  private:
   SpectralTable table_;
 };

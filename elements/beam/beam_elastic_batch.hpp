@@ -6,7 +6,10 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "elements/beam/mesh_error.hpp"
+#include "elements/element.hpp"
 #include "libmbd/core/batch.hpp"
 #include "libmbd/core/choices.hpp"
 #include "libmbd/core/spectral.hpp"
@@ -33,7 +36,37 @@ class BeamElasticBatch : public Batch {
   virtual Vec6 resultants(const State& state, Index element, double xi) const = 0;
 
   virtual const SpectralTable& table() const = 0;
+
+  // What the mesh leaves out of an element's deformation (mesh_error.hpp); `rule` is of table().
+  virtual beam::MeshError mesh_error(const State& state, Index element,
+                                     const beam::MeshErrorRule& rule) const = 0;
+  virtual const std::string& name_of(Index element) const = 0;
 };
+
+namespace beam {
+
+// BeamElasticBatch::mesh_error of an element of a kernel: its states, as ElementBatch gathers them.
+template <class Kernel, class Shared, class Data>
+MeshError mesh_error_of(const Shared& shared, const Data& data, const NodeState<double>* x,
+                        const SpectralTable& table, const MeshErrorRule& rule) {
+  typename Kernel::template Output<double> out;
+  Kernel::template evaluate<Want::residual>(shared, data, x, Environment{}, RateWeights{}, out);
+  const std::vector<Vec6> still(table.nodes.points.size(), Vec6::Zero());
+  const std::size_t points = table.rule.points.size();
+  std::vector<Vec6> S(points);
+  std::vector<Mat6> compliance(points);
+  Kernel::linearized_resultants(shared, data, x, still.data(), S.data());
+  double length = 0.0;
+  for (std::size_t i = 0; i < points; ++i) {
+    compliance[i] =
+        Mat6(Kernel::D_at(shared, data, static_cast<int>(i))).ldlt().solve(Mat6::Identity());
+    length += data.wJ[i];
+  }
+  const Vec6 begin = -out.r.template head<6>(), end = out.r.template segment<6>(6 * table.order);
+  return rule(length, S, compliance, begin, end);
+}
+
+}  // namespace beam
 
 // Order 1 … 8; throws Error for others. Kernels of fixed size up to order 5, and one of run-time size above: at order 6 it
 // takes 0.8 to 1.1 times as long as a fixed one would, but keeps 3 kB an element where that would keep half. For all orders where the library was built with MBD_RUNTIME_ORDER_ONLY (or

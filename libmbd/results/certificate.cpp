@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "elements/beam/beam_elastic_batch.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/results/report.hpp"
 #include "libmbd/scene/scene.hpp"
@@ -21,6 +22,8 @@ namespace {
 
 constexpr double unit_round_off = std::numeric_limits<double>::epsilon();
 constexpr double small_method_error = 0.01, much_method_error = 0.1;  // errors of a method
+constexpr double unbent = 1e-10;  // strains that are round-off, of scenes near the origin
+constexpr int mesh_samples_at_a_stride = 64;
 constexpr double half_damped = 0.5;  // energy that damps away: it may be meant to, up to there
 constexpr double near_tolerance = 10.0, beyond_tolerance = 1000.0;  // of a tolerance
 constexpr double slow_contraction = 0.5;  // contraction at which a kept tangent is renewed
@@ -68,6 +71,7 @@ std::vector<std::string> Certificate::covers() const {
     result.push_back("that the equations of the model were solved");
   if (has("energy") || has("linear momentum")) result.push_back("balances of energy and momenta");
   if (has("error in time")) result.push_back("the motion's error from steps in time");
+  if (has("mesh")) result.push_back("the mesh of beams");
   if (has("invariance")) result.push_back("invariance");
   return result;
 }
@@ -77,13 +81,15 @@ std::vector<std::string> Certificate::not_covered() const {
   const auto is_known = [](const Check& check) {
     return check.name == "error in time" && std::isfinite(check.fail) && check.fail > 0.0;
   };
+  const bool has_mesh = std::any_of(checks.begin(), checks.end(),
+                                    [](const Check& check) { return check.name == "mesh"; });
   const bool moves = std::any_of(checks.begin(), checks.end(), [](const Check& check) {
     return check.name.starts_with("Newton") || check.name == "error in time";
   });
   if (moves && std::none_of(checks.begin(), checks.end(), is_known))
     result.push_back("the error from steps in time");
   if (moves) result.push_back("errors of reactions and accelerations");
-  result.push_back("the mesh");
+  if (!has_mesh) result.push_back("the mesh");
   result.push_back("the model itself");
   return result;
 }
@@ -131,6 +137,8 @@ Audit::Audit(const Scene& scene, const System& system, bool certify)
   const auto& contributions = system.graph().contributions;
   for (std::size_t b = 0; b < system.batches().size(); ++b) {
     const Batch* const batch = system.batches()[b].get();
+    if (const auto* const beams = dynamic_cast<const BeamElasticBatch*>(batch))
+      flexible_.push_back({beams, std::make_unique<beam::MeshErrorRule>(beams->table())});
     if (batch->type().starts_with("inertia")) continue;
     if (!certify && batch->type().starts_with("beam")) continue;
     const bool on_one =
@@ -343,7 +351,46 @@ void Audit::sample(const State& state) {
       quickest_ = std::max(quickest_, fastest(system_, scratch_));
     }
   }
+  if (samples_ % mesh_stride_ == 0) sample_mesh(state);
   ++samples_;
+}
+
+// At fewer and fewer samples, so that it costs no more than they do.
+void Audit::sample_mesh(const State& state) {
+  if (flexible_.empty()) return;
+  if (++mesh_samples_ % mesh_samples_at_a_stride == 0) mesh_stride_ *= 2;
+  beam::MeshError sum, worst;
+  const std::string* name = nullptr;
+  for (const Flexible& f : flexible_)
+    for (Index e = 0; e < f.batch->size(); ++e) {
+      const beam::MeshError one = f.batch->mesh_error(state, e, *f.rule);
+      sum.error += one.error;
+      sum.energy += one.energy;
+      sum.unit += one.unit;
+      if (one.error > worst.error) {
+        worst = one;
+        name = &f.batch->name_of(e);
+      }
+    }
+  bent_ = std::max(bent_, sum.energy);
+  unit_ = sum.unit;
+  if (sum.error > missed_.value && name != nullptr) missed_most_by_ = *name;
+  missed_.look(sum.error, state.t);
+}
+
+void Audit::add_mesh(Certificate& all) const {
+  const double round_off = unbent * std::max(1.0, farthest_ / system_.length_scale());
+  if (flexible_.empty() || !(bent_ > round_off * round_off * unit_)) return;
+  all.checks.push_back(bounded_check(
+      {.name = "mesh",
+       .value = missed_.value / bent_,
+       .warn = small_method_error,
+       .fail = certify_ ? much_method_error : std::numeric_limits<double>::max(),
+       .where = fmt::format("{}{}", missed_most_by_, where(missed_).empty() ? "" : ", ") +
+                where(missed_),
+       .why = "energy of what the elements of beams leave out of the resultants, estimated, over "
+              "the largest energy of these: about the relative error of deflections; more or "
+              "higher elements lessen it"}));
 }
 
 std::string Audit::where(const Worst& worst) const {
@@ -667,6 +714,7 @@ Certificate Audit::certificate(const RunReport& report) const {
     add_motion(all, report);
   }
   if (!scene_.transient) add_equilibrium(all, report);
+  add_mesh(all);
   add_round_off(all);
   return all;
 }

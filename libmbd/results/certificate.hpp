@@ -1,7 +1,8 @@
 // What a run says for its own correctness: checks, each a number beside its bounds, and the worst of their verdicts.
 //
 // Of every run: balance of energy, constraints at two levels, how Newton's iterations contracted, round-off; momenta
-// against the impulse of all that acts from outside; and the error that steps make, by a second run (time_error.hpp). Of
+// against the impulse of all that acts from outside; what the mesh of flexible beams leaves out of their deformation
+// (elements/beam/mesh_error.hpp); and the error that steps make, by a second run (time_error.hpp). Of
 // a run that is to be certified (RunOptions::certify) also constraints at the level of accelerations, the condition of
 // the iteration matrix and what round-off leaves of velocities and multipliers; and what
 // libmbd/study/trust/certify.hpp finds by other runs of the scene.
@@ -40,7 +41,11 @@ namespace mbd {
 
 struct Scene;
 struct RunReport;
+class BeamElasticBatch;
 class DenseStep;
+namespace beam {
+class MeshErrorRule;
+}
 
 enum class Verdict { pass, warn, fail };
 std::string_view name_of(Verdict verdict);  // "pass", "warn", "fail"
@@ -122,6 +127,8 @@ class Audit {
   void add_motion(Certificate& all, const RunReport& report) const;
   void add_equilibrium(Certificate& all, const RunReport& report) const;
   void add_round_off(Certificate& all) const;
+  void sample_mesh(const State& state);
+  void add_mesh(Certificate& all) const;
 
   const Scene& scene_;
   const System& system_;
@@ -151,6 +158,17 @@ class Audit {
   double outside_at_ =
       0.0;  // when outside_end_ was found [s]; before the first piece: not a number
   State last_, piece_;
+
+  // The mesh of beams, at some samples: sums over all of them, and the element that misses most.
+  struct Flexible {
+    const BeamElasticBatch* batch;
+    std::unique_ptr<beam::MeshErrorRule> rule;
+  };
+  std::vector<Flexible> flexible_;
+  int mesh_stride_ = 1, mesh_samples_ = 0;
+  Worst missed_;  // energy [J]
+  std::string missed_most_by_;
+  double bent_ = 0.0, unit_ = 0.0;  // largest energy, and that of a stretch of 1 [J]
 
   mutable State scratch_;
   mutable std::vector<Vec6> p_;

@@ -293,6 +293,7 @@ StepReport OneStep::adaptive_step(State& state) {
   Landing landing = landing_of(system_, state, end, slack_);
   std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false, contradicted = false;
+  const double creeping = 100.0 * short_step * slack_;  // of longer ones none asks why
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
                                  end < settings_.end ? " (Stepper::stop_at)" : "");
@@ -333,7 +334,7 @@ StepReport OneStep::adaptive_step(State& state) {
         report.failure = fmt::format("at t = {:.9g} s: {}", state.t, report.failure);
         return report;
       }
-      shortened_by_ = report.failure;
+      if (h < creeping) shortened_by_ = report.failure;
       controller_->failed(h);
       continue;
     }
@@ -341,8 +342,9 @@ StepReport OneStep::adaptive_step(State& state) {
     if (!(report.error <= 1.0)) {
       ++counters_.rejected;
       again = true;
-      shortened_by_ = "the estimated error of longer ones is too large at " +
-                      system_.name_of(error_norm_->worst_row());
+      if (h < creeping)
+        shortened_by_ = "the estimated error of longer ones is too large at " +
+                        system_.name_of(error_norm_->worst_row());
       controller_->rejected(h, report.error);
       if (tolerant_) settle();
       continue;

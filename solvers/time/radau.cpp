@@ -530,15 +530,16 @@ void Radau::project() {
     pencil_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
   };
   // Corrects until the violation is round-off, or no longer falls. Where things turn far in a step the kept
-  // gradients are too old for that; near a lock no correction helps, and one that makes it worse is taken back.
+  // gradients are too old for that. Near a lock no correction helps, and one that opens a joint is taken back: no other,
+  // since where links come into line those at the size of round-off still count.
   bool renewed = tolerant_;
-  const auto settle_on = [&](const VecX& violation, double enough, std::vector<Vec6>& increments,
-                             const auto& move_to) {
+  const auto settle_on = [&](const VecX& violation, double enough, double open,
+                             std::vector<Vec6>& increments, const auto& move_to) {
     double last = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < most_passes; ++pass) {
       system_.constraints(end_, g_, gdot_);
       const double size = largest_violation(system_, violation);
-      if (pass > 0 && !(size <= last)) {
+      if (pass > 0 && !(size <= last) && !(size <= open)) {
         std::swap(increments, Q_);
         move_to(increments);
         return;
@@ -561,11 +562,12 @@ void Radau::project() {
       move_to(increments);
     }
   };
-  settle_on(g_, 2.0 * round_off, q_[2], [&](const std::vector<Vec6>& q) {
+  settle_on(g_, 2.0 * round_off, torn, q_[2], [&](const std::vector<Vec6>& q) {
     for (std::size_t n = 1; n < q.size(); ++n)
       end_.pose[n] = reference_[2][n] * exp_se3<double>(q[n]);
   });
-  settle_on(gdot_, 4.0 * eps * fastest(system_, end_), dV_[2], [&](const std::vector<Vec6>& dV) {
+  const double pace = fastest(system_, end_);
+  settle_on(gdot_, 4.0 * eps * pace, locked * pace, dV_[2], [&](const std::vector<Vec6>& dV) {
     for (std::size_t n = 1; n < dV.size(); ++n) end_.V[n] = begin_.V[n] + dV[n];
   });
 }
