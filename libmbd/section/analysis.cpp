@@ -665,8 +665,11 @@ Analysis analyse(const Mesh& mesh, const Vec3& curvature) {
   const double size = (high - low).maxCoeff();
   if (!(size > 0.0) || !std::isfinite(size)) throw Error("a section without area");
   double modulus = 0.0;
-  for (const MeshMaterial& material : mesh.materials)
+  for (const Element& element :
+       mesh.elements) {  // there may be other materials, of which nothing is made
+    const MeshMaterial& material = mesh.materials[static_cast<std::size_t>(element.material)];
     modulus = std::max(modulus, material.stiffness.diagonal().maxCoeff());
+  }
   Mesh scaled = mesh;
   for (Point& x : scaled.nodes) x /= size;
   for (MeshMaterial& material : scaled.materials) material.stiffness /= modulus;

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include "libmbd/core/error.hpp"
@@ -270,21 +271,45 @@ TEST(SectionAnalysis, TurnedSectionWithTwist) {
 }
 
 // Every entry of D is as near to that of a much finer mesh as the estimate says, and the estimate is no empty one.
+// What is left of D's error, against meshes finer by two, and no entry is better than it is said to be.
 TEST(SectionAnalysisSlow, EstimatesAreTrue) {
-  const std::vector<MeshMaterial> materials = one(graphite(7.17e9));
+  std::vector<MeshMaterial> materials = one(graphite(7.17e9));
+  materials.push_back({stiffness_of(isotropic(70e6, 0.3)), 80.0, "foam"});
   const Layup skin{{0, 1e-3, 30 * degree}, {0, 1e-3, -20 * degree}};
-  const Mesher all[] = {
+  std::vector<Mesher> all{
       rectangle(0.01, skin, materials),
+      rectangle(0.05, {{0, 5e-4, 45 * degree}, {1, 0.01, 0.0}, {0, 5e-4, 0.0}}, materials),
+      tube(0.05, {{0, 1e-3, 0.0}, {0, 1e-3, 45 * degree}}, materials),
+      bar(0.02, 0, 35 * degree, materials),
       box(0.016, 0.012, {{0, 1e-3, 25 * degree}}, Corners::mitred, materials),
+      box(0.04, 0.012, skin, Corners::butt, materials),
+      i_section(0.01, 0.02, {{0, 1e-3, 15 * degree}}, {{0, 5e-4, -45 * degree}}, materials),
       c_section(0.01, 0.02, {{0, 1e-3, 30 * degree}}, {{0, 1e-3, 45 * degree}}, materials)};
-  for (const Mesher& mesher : all) {
-    const Converged rough = converge(mesher, Vec3::Zero(), 1e-2);
+  std::minstd_rand random(1);  // its numbers are those of the standard
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 2147483647.0;
+  };
+  for (int i = 0; i < 12;
+       ++i) {  // stacks of ribs and foam: what is singular at their ends is late to show
+    Layup plies;
+    for (int k = 0; k < 1 + i % 3; ++k)
+      plies.push_back({static_cast<int>(random() % 2), between(3e-4, 1.5e-3), between(-1.5, 1.5)});
+    const double width = between(0.01, 0.05);
+    all.push_back(rectangle(width, plies, materials));
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Converged rough = converge(all[i], Vec3::Zero(), 1e-3);
     const Mat6 exact =
-        analyse(mesher({rough.fineness.order + 3, rough.fineness.layers + 3})).stiffness;
+        analyse(all[i]({rough.fineness.order + 2, rough.fineness.layers + 2})).stiffness;
+    const Vec6 root = exact.diagonal().cwiseSqrt();
+    const Mat6 scale = root * root.transpose();
     const Mat6 off = (rough.analysis.stiffness - exact).cwiseAbs();
     EXPECT_TRUE(rough.reached);
-    EXPECT_TRUE((off.array() <= rough.error.array()).all()) << off << "\n\n" << rough.error;
-    for (Index i = 0; i < 6; ++i) EXPECT_LT(rough.error(i, i), 1e-2 * exact(i, i));
+    EXPECT_TRUE((off.array() <= rough.error.array() + 1e-9 * scale.array()).all())
+        << "section " << i << "\n"
+        << off << "\n\n"
+        << rough.error;
+    EXPECT_TRUE((rough.error.array() <= 1.01e-3 * scale.array()).all()) << "section " << i;
   }
 }
 
