@@ -9,6 +9,7 @@
 
 #include "libmbd/language/item.hpp"
 #include "libmbd/language/read_tree.hpp"
+#include "libmbd/language/reading_limits.hpp"
 #include "libmbd/language/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/laws.hpp"
@@ -17,12 +18,6 @@
 namespace mbd {
 namespace {
 
-// Of all <repeat> together, each times the number of its contents.
-#ifdef MBD_FUZZ  // tools/fuzz: under its instruments large models are slow, and find nothing more
-constexpr long most_repetitions = 1'000;
-#else
-constexpr long most_repetitions = 1'000'000;
-#endif
 constexpr int most_includes = 1000;
 
 class Reader {
@@ -909,8 +904,8 @@ class Reader {
     // Contents are looked through where they are repeated 0 times, too.
     for (int i = 0; i < std::max(count, 1); ++i) {
       repetitions_ += std::max(std::ssize(item.xml().children), std::ptrdiff_t{1});
-      if (repetitions_ > most_repetitions)
-        item.fail("more than " + std::to_string(most_repetitions) +
+      if (repetitions_ > reading_limits().repetitions)
+        item.fail("more than " + std::to_string(reading_limits().repetitions) +
                   " elements by repetitions in one model; use fewer or smaller counts");
       if (count == 0) break;
       define(item, index, i);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "libmbd/language/reading_limits.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/text/spelling.hpp"
@@ -19,11 +20,6 @@ namespace {
 
 using section::EngineeringConstants;
 
-#ifdef MBD_FUZZ  // tools/fuzz: large meshes find nothing more
-constexpr int most_unknowns = 3'000;
-#else
-constexpr int most_unknowns = 200'000;
-#endif
 constexpr std::size_t most_plies = 100;  // of a layup, equal neighbours being one
 
 template <class Item>
@@ -290,6 +286,7 @@ void clear_round_off(Mat6& matrix) {
 section::Converged analysed(const SectionShape& shape, Shaped& shaped) {
   static std::mutex mutex;
   static std::map<std::vector<double>, section::Converged> known;
+  const int most_unknowns = reading_limits().section_unknowns;
   constexpr std::size_t most_known = 100;
   const section::Mesher mesher = shaped.mesher();
   const std::vector<double> key = shaped.key();

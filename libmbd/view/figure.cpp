@@ -702,12 +702,13 @@ Figure Stage::figure(double instant) const {
         return side;
       };
       const auto ring = [&](std::size_t k) {
-        const auto [h2, h3, is_round] = sides(k);
+        const std::array<double, 3> side = sides(k);  // and whether it is round
         std::vector<Vec3> points;
         const auto put = [&](double y, double z) {
-          points.emplace_back(line.r[k] + line.q[k] * Vec3(0.0, 0.5 * h2 * y, 0.5 * h3 * z));
+          points.emplace_back(line.r[k] +
+                              line.q[k] * Vec3(0.0, 0.5 * side[0] * y, 0.5 * side[1] * z));
         };
-        if (is_round != 0.0)
+        if (side[2] != 0.0)
           for (int i = 0; i < d.options.round; ++i) {
             const double angle = 2.0 * std::numbers::pi * i / d.options.round;
             put(std::cos(angle), std::sin(angle));

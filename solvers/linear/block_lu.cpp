@@ -236,8 +236,8 @@ void copy_block(const T* source, int ld, double* target, int stride) {
       const T* const from = source + c * ld;
       std::memcpy(&low, from, sizeof low);
       std::memcpy(&high, from + 4, sizeof(T) * (rows > 4 ? 2 : 0));
-      column.re = __builtin_shuffle(low, high, LaneMask{0, 2, 4, 6, 8, 10, 12, 14});
-      column.im = __builtin_shuffle(low, high, LaneMask{1, 3, 5, 7, 9, 11, 13, 15});
+      column.re = __builtin_shufflevector(low, high, 0, 2, 4, 6, 8, 10, 12, 14);
+      column.im = __builtin_shufflevector(low, high, 1, 3, 5, 7, 9, 11, 13, 15);
     }
     x[c].take(there, column);
   }

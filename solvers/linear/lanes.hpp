@@ -117,10 +117,10 @@ struct Lanes<std::complex<double>> {
 #if defined(__AVX512F__)
 namespace lanes {
 inline Lane even(const Lane& a, const Lane& b) {
-  return __builtin_shuffle(a, b, LaneMask{0, 8, 2, 10, 4, 12, 6, 14});
+  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
 }
 inline Lane odd(const Lane& a, const Lane& b) {
-  return __builtin_shuffle(a, b, LaneMask{1, 9, 3, 11, 5, 13, 7, 15});
+  return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
 }
 }  // namespace lanes
 
@@ -134,11 +134,11 @@ Lane sums_of(const Lane* x) {
   }
   for (int k = 0; k < (n + 3) / 4; ++k) {
     const Lane a = pairs[2 * k], b = pairs[2 * k + 1];
-    fours[k] = __builtin_shuffle(a, b, LaneMask{0, 1, 8, 9, 4, 5, 12, 13}) +
-               __builtin_shuffle(a, b, LaneMask{2, 3, 10, 11, 6, 7, 14, 15});
+    fours[k] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) +
+               __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
   }
-  return __builtin_shuffle(fours[0], fours[1], LaneMask{0, 1, 2, 3, 8, 9, 10, 11}) +
-         __builtin_shuffle(fours[0], fours[1], LaneMask{4, 5, 6, 7, 12, 13, 14, 15});
+  return __builtin_shufflevector(fours[0], fours[1], 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(fours[0], fours[1], 4, 5, 6, 7, 12, 13, 14, 15);
 }
 
 // Rows to columns, of six registers with zeros in the last two rows.
@@ -151,11 +151,11 @@ inline void transpose(Lane* x) {
     t[k + 1] = odd(x[k], x[k + 1]);
   }
   for (int k = 0; k < 2; ++k) {
-    const Lane low = __builtin_shuffle(t[k], t[k + 2], LaneMask{0, 1, 8, 9, 2, 3, 10, 11});
-    const Lane high = __builtin_shuffle(t[k], t[k + 2], LaneMask{4, 5, 12, 13, 6, 7, 14, 15});
-    x[k] = __builtin_shuffle(low, t[k + 4], LaneMask{0, 1, 2, 3, 8, 9, 14, 15});
-    x[k + 2] = __builtin_shuffle(low, t[k + 4], LaneMask{4, 5, 6, 7, 10, 11, 14, 15});
-    x[k + 4] = __builtin_shuffle(high, t[k + 4], LaneMask{0, 1, 2, 3, 12, 13, 14, 15});
+    const Lane low = __builtin_shufflevector(t[k], t[k + 2], 0, 1, 8, 9, 2, 3, 10, 11);
+    const Lane high = __builtin_shufflevector(t[k], t[k + 2], 4, 5, 12, 13, 6, 7, 14, 15);
+    x[k] = __builtin_shufflevector(low, t[k + 4], 0, 1, 2, 3, 8, 9, 14, 15);
+    x[k + 2] = __builtin_shufflevector(low, t[k + 4], 4, 5, 6, 7, 10, 11, 14, 15);
+    x[k + 4] = __builtin_shufflevector(high, t[k + 4], 0, 1, 2, 3, 12, 13, 14, 15);
   }
 }
 #endif

@@ -14,6 +14,7 @@
 #include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
 #include "libmbd/language/reader.hpp"
+#include "libmbd/language/reading_limits.hpp"
 #include "tests/fuzz/mutation.hpp"
 
 // Of libFuzzer; size of the result, at most `most`.
@@ -35,6 +36,12 @@ std::string text_of(const std::uint8_t* data, std::size_t size) {
 }
 
 }  // namespace
+
+// Under the fuzzer's instruments large models are slow, and find nothing more.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  mbd::reading_limits() = {.repetitions = 1'000, .section_unknowns = 3'000};
+  return 0;
+}
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t most, unsigned seed) {

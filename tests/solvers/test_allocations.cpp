@@ -8,7 +8,7 @@
 #include "solvers/time/radau.hpp"
 #include "tests/support/scenes.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
+#if MBD_SANITIZED
 #define MBD_COUNTS_ALLOCATIONS 0  // the sanitizer has its own allocator
 #else
 #define MBD_COUNTS_ALLOCATIONS 1

@@ -5,11 +5,7 @@ namespace mbd::test {
 const char* const mbd_program = MBD_PROGRAM;
 
 bool sanitized() {
-#ifdef __SANITIZE_ADDRESS__
-  return true;
-#else
-  return false;
-#endif
+  return MBD_SANITIZED;
 }
 
 bool fixed_orders() {
