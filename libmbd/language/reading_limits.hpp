@@ -4,7 +4,7 @@
 namespace mbd {
 
 struct ReadingLimits {
-  long repetitions = 1'000'000;     // of all <repeat> together, each times the number of its contents
+  long repetitions = 1'000'000;  // of all <repeat> together, each times the number of its contents
   int section_unknowns = 200'000;  // of the finite elements of a section
 };
 

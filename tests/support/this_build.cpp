@@ -4,9 +4,7 @@ namespace mbd::test {
 
 const char* const mbd_program = MBD_PROGRAM;
 
-bool sanitized() {
-  return MBD_SANITIZED;
-}
+bool sanitized() { return MBD_SANITIZED; }
 
 bool fixed_orders() {
 #ifdef MBD_RUNTIME_ORDER_ONLY
