@@ -563,13 +563,14 @@ class Run {
       report_.notes.push_back(
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
           "and may diverge in long runs; 0.9 is safer");
-    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
+    const TransientScene asked = transient;  // say_balance() writes what is chosen into that
+    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, asked);
     say_balance();
     if (options_.estimate_error && every_)
       report_.notes.push_back(
           "the error of steps in time is not estimated: the run has checkpoints");
     if (options_.estimate_error && !every_) {
-      time_error_.emplace(*model_.system, transient);
+      time_error_.emplace(*model_.system, asked);
       time_error_->start(state);
     }
     const long steps = transient.step ? number_of_steps(transient) : 0;
@@ -819,18 +820,19 @@ class Run {
     TransientScene& transient = *report_.transient;
     if (transient.method != TimeMethod::generalized_alpha) return;
     const bool chosen = !transient.balance.has_value();
+    const bool keeps = keeps_momenta(*model_.system, transient);
     transient.balance = balance_of(*model_.system, transient);
     const ConnectedParts parts = find_parts(*model_.system);
-    if (!chosen || transient.balance == Balance::momentum || !parts.any_free()) return;
+    if (!chosen || keeps || transient.balance == Balance::momentum || !parts.any_free()) return;
     const auto part = static_cast<std::size_t>(
         std::find(parts.is_held.begin(), parts.is_held.end(), 0) - parts.is_held.begin());
     report_.notes.push_back(fmt::format(
         "nothing ties the part with {} to the ground, and its momenta drift by an error of the "
         "balance of accelerations, which {}; {}",
         model_.system->node_name(static_cast<Index>(parts.first[part])),
-        transient.inertia != InertiaTerms::full
-            ? "inertia without gyroscopic moments asks for"
-            : "is the default as other parts are held: it damps less what turns",
+        transient.inertia != InertiaTerms::full ? "inertia without gyroscopic moments asks for"
+                                                : "is the default as it has added mass and other "
+                                                  "parts are held: it damps less what turns",
         transient.inertia != InertiaTerms::full ? "its certificate measures it"
                                                 : "balance=\"momentum\" keeps them to round-off"));
   }
