@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libmbd/core/stop.hpp"
+
 namespace mbd {
 namespace {
 
@@ -216,6 +218,17 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   }
 }
 
+// False where it is interrupted, which the next rate will see.
+template <class Work>
+bool goes_on(const Work& work) {
+  try {
+    work();
+    return true;
+  } catch (const Stopped&) {
+    return false;
+  }
+}
+
 CampbellStudy Follower::go() {
   study_.model = scene_.name;
   study_.file = scene_.file;
@@ -255,6 +268,8 @@ CampbellStudy Follower::go() {
     try {
       turn(next);
       found = follow(last);
+    } catch (const Stopped&) {
+      continue;  // to the end of the loop, which says so
     } catch (const Error& error) {
       study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: {}", rate, error.what()));
       break;
@@ -265,20 +280,28 @@ CampbellStudy Follower::go() {
     }
     if (found.least() < sure && step > smallest_step * between) {
       step *= 0.5;
-      turn(rate);
+      goes_on([&] { turn(rate); });
       continue;
     }
     if (found.least() < least) least = found.least(), least_at = next;
     for (std::size_t b = 0; b < last.size(); ++b)
       study_.branches[b].points.push_back(point(next, found.now[b], found.overlaps[b]));
-    for (std::size_t b = 0; b < last.size(); ++b) {
-      try {
-        refine(rate, next, last, found.now, b);
-      } catch (const Error& error) {
-        study_.notes.push_back(error.what());
+    const bool whole = goes_on([&] {
+      for (std::size_t b = 0; b < last.size(); ++b) {
+        try {
+          refine(rate, next, last, found.now, b);
+        } catch (const Stopped&) {
+          throw;
+        } catch (const Error& error) {
+          study_.notes.push_back(error.what());
+        }
       }
+      turn(next);
+    });
+    if (!whole) {
+      for (CampbellBranch& branch : study_.branches) branch.points.pop_back();
+      continue;
     }
-    turn(next);
     study_.rates.push_back(next);
     study_.displacements.push_back(motions_.largest_displacement().first);
     if (next == goal) {
@@ -309,6 +332,7 @@ CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options)
     throw Error("rates: give two that rise and are not negative");
   if (options.points < 2 || options.count < 1)
     throw Error("a Campbell diagram needs two points and one mode at least");
+  const stop::Scope scope(options.interrupted);
   return Follower(scene, options).go();
 }
 
