@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "libmbd/core/stop.hpp"
+
 namespace mbd {
 namespace {
 
@@ -90,6 +92,7 @@ class Follower {
   std::vector<Candidate> begin(double rate);
   void keep(double rate);
   std::optional<Found> found_at(double next, double rate, const std::vector<Candidate>& last);
+  void go_through(std::vector<Candidate> last, double& rate);
   void take(double rate, double next, const std::vector<Candidate>& last, const Found& found);
   Found follow(const std::vector<Candidate>& last);
   CampbellPoint point(double rate, const Candidate& c, double overlap) const;
@@ -101,6 +104,7 @@ class Follower {
   MotionsOfScene motions_;
   SteadyRotation rotation_;
   double expected_ = 0.0;
+  double least_ = 1.0, least_at_ = 0.0;  // overlap, and the rate there
   CampbellStudy study_;
 };
 
@@ -261,49 +265,50 @@ std::optional<Follower::Found> Follower::found_at(double next, double rate,
     Found found = follow(last);
     if (found.ok) return found;
     study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: modes are lost there", rate));
+  } catch (const Stopped&) {
+    throw;
   } catch (const Error& error) {
     study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: {}", rate, error.what()));
   }
   return std::nullopt;
 }
 
+// Whole, or, interrupted, not at all.
 void Follower::take(double rate, double next, const std::vector<Candidate>& last,
                     const Found& found) {
-  for (std::size_t b = 0; b < last.size(); ++b)
-    study_.branches[b].points.push_back(point(next, found.now[b], found.overlaps[b]));
   for (std::size_t b = 0; b < last.size(); ++b) {
     try {
       refine(rate, next, last, found.now, b);
+    } catch (const Stopped&) {
+      throw;
     } catch (const Error& error) {
       study_.notes.push_back(error.what());
     }
   }
   turn(next);
+  for (std::size_t b = 0; b < last.size(); ++b)
+    study_.branches[b].points.push_back(point(next, found.now[b], found.overlaps[b]));
   keep(next);
 }
 
-CampbellStudy Follower::go() {
+// Steps from `rate` to where the points are, halved where modes change quickly; `rate` is the last that was taken.
+void Follower::go_through(std::vector<Candidate> last, double& rate) {
   const double range = options_.to - options_.from;
   const int intervals = std::max(1, options_.points - 1);
   const double between = range / intervals;
-  double rate = std::max(options_.from, first_rate * range);
-  std::vector<Candidate> last = begin(rate);
-  double step = between, least = 1.0, least_at = rate;
+  double step = between;
   for (int k = 1; k < options_.points;) {
-    if (options_.interrupted != nullptr && *options_.interrupted) {
-      study_.notes.push_back(fmt::format("interrupted at {:.6g} rad/s", rate));
-      break;
-    }
+    stop::check();
     const double goal = options_.from + range * k / intervals;
     const double next = rate + step < goal * (1.0 - 1e-12) ? rate + step : goal;
     std::optional<Found> found = found_at(next, rate, last);
-    if (!found) break;
+    if (!found) return;
     if (found->least() < sure && step > smallest_step * between) {
       step *= 0.5;
       turn(rate);
       continue;
     }
-    if (found->least() < least) least = found->least(), least_at = next;
+    if (found->least() < least_) least_ = found->least(), least_at_ = next;
     take(rate, next, last, *found);
     step = next == goal ? between : 2.0 * step;
     if (next == goal) {
@@ -314,11 +319,21 @@ CampbellStudy Follower::go() {
     rate = next;
     last = std::move(found->now);
   }
-  if (least < sure)
+}
+
+CampbellStudy Follower::go() {
+  double rate = std::max(options_.from, first_rate * (options_.to - options_.from));
+  std::vector<Candidate> first = begin(rate);
+  try {
+    go_through(std::move(first), rate);
+  } catch (const Stopped&) {
+    study_.notes.push_back(fmt::format("interrupted at {:.6g} rad/s", rate));
+  }
+  if (least_ < sure)
     study_.notes.push_back(fmt::format(
         "the overlap of a mode with itself a step before falls to {:.2f} at {:.6g} rad/s: which is "
         "which is not sure there",
-        least, least_at));
+        least_, least_at_));
   std::stable_sort(study_.special.begin(), study_.special.end(),
                    [](const SpecialSpeed& a, const SpecialSpeed& b) { return a.rate < b.rate; });
   return std::move(study_);
@@ -331,6 +346,7 @@ CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options)
     throw Error("rates: give two that rise and are not negative");
   if (options.points < 2 || options.count < 1)
     throw Error("a Campbell diagram needs two points and one mode at least");
+  const stop::Scope scope(options.interrupted);
   return Follower(scene, options).go();
 }
 
