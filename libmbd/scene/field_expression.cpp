@@ -1,5 +1,7 @@
 #include "libmbd/scene/field_expression.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string_view>
 #include <utility>
@@ -58,6 +60,15 @@ FieldExpression FieldExpression::sum(std::span<const Term> terms, double stretch
 
 bool FieldExpression::varies() const {
   return std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.varies(); });
+}
+
+std::string FieldExpression::text() const {
+  std::string result;
+  for (const Part& part : parts_) {
+    if (!result.empty()) result += " + ";
+    result += part.factor == 1.0 ? part.text : fmt::format("({})*{}", part.text, part.factor);
+  }
+  return result;
 }
 
 FieldExpression FieldExpression::on_part(double from, double to) const {

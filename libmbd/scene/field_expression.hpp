@@ -33,6 +33,9 @@ class FieldExpression {
   // Whether it mentions s.
   bool varies() const;
 
+  // For messages and drawings: how it is made. Factors and texts; not places and times, if they are another's.
+  std::string text() const;
+
   // The same field with the place as a fraction of the part between two fractions of the beam.
   FieldExpression on_part(double from, double to) const;
 
