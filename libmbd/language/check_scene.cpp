@@ -62,6 +62,9 @@ class Checked {
     fail_if(!std::isfinite(value), std::string(about.attribute.name) + std::string(component) +
                                        " is " + schema::shortest(value) +
                                        " at t = 0, must be a finite number");
+    if (const std::string fault = schema::fault_of_size(value);
+        std::abs(value) > 1.0 && !fault.empty())
+      fail(std::string(about.attribute.name) + std::string(component) + " at t = 0 " + fault);
   }
   void check(const About& about, const LawVector& laws) const {
     for (std::size_t i = 0; i < 3; ++i)

@@ -70,6 +70,8 @@ Loads, drives and motions are expressions of the time `t` [s] too; `<distributed
 | `+` `-`, then `*` `/` | sum, difference, product, quotient |
 | `^` | power: `-2^2` is -4, `2^3^2` is 2^9 |
 
+Numbers are 0 or of a size from 1e-60 to 1e60, so that their products are numbers too.
+
 In XML, `<` and `&` inside an attribute are written `&lt;` and `&amp;`; `1 > t` says the same as
 `t < 1`.
 
@@ -748,6 +750,10 @@ What acts at a place of a beam, or joins or holds it, has a node there, where el
 has none and changes nothing else: within an element it reads the motion that the element interpolates
 between its nodes, of order N + 1 in the length of elements (at their ends 2N), with the velocity and
 acceleration that belong to it, and the resultants of that element.
+
+Every file of a run bears its id, 16 digits that no other run has. `mbd compare`, `plot`, `view` and `export` say when files
+beside each other are of different runs, when the run goes on, was killed (there is no `report.json`) or failed. Equally named
+models of other directories are not given the directory that holds each other's results.
 
 With `<motion_output/>`, or `mbd run --motion`, the run keeps the motion of all nodes too, in
 `motion.bin`; `mbd view` makes a page of it, `view.html`, that shows it in a browser, and

@@ -339,12 +339,22 @@ std::string fault(const Attribute& attribute, double value) {
   if (!std::isfinite(value)) return is + "be a finite number";
   const bool inside = range.open ? value > range.min && value < range.max
                                  : value >= range.min && value <= range.max;
-  if (inside) return {};
+  // Of any quantity: only compared.
+  if (inside) return attribute.unit == any_unit ? std::string() : fault_of_size(value);
   const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
   if (below && above)
     return is + "lie between " + shortest(range.min) + " and " + shortest(range.max);
   if (below && range.min == 0.0) return is + (range.open ? "be positive" : "not be negative");
   return is + (range.open ? "be greater than " : "be at least ") + shortest(range.min);
+}
+
+std::string fault_of_size(double value) {
+  constexpr double smallest = 1e-60, largest = 1e60;
+  const double size = std::abs(value);
+  if (size == 0.0 || (size >= smallest && size <= largest)) return {};
+  return "is " + shortest(value) + ", too " + (size < smallest ? "small" : "large") +
+         " to compute with: it must be of a size from 1e-60 to 1e60" +
+         (size < smallest ? ", or 0" : "") + "; check it and its unit";
 }
 
 std::string missing(const Attribute& attribute) {

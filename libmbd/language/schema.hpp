@@ -50,8 +50,13 @@ std::vector<std::string_view> attribute_names(const Element& element);
 std::vector<std::string_view> words(std::string_view text);  // split at white space
 
 // What a message says of a number that the attribute does not allow: "is 9, must lie between 1 and 8".
-// Empty if it may be: finite and in range.
+// Empty if it may be: finite, of a size that can be computed with, and in range.
 std::string fault(const Attribute& attribute, double value);
+
+// The same of a number whose size only is in question: 0, or from 1e-60 to 1e60, so that products of three or four of them,
+// and their inverses, are numbers. What is beyond is a slip, and would be told as something else: as a structure that nothing
+// holds.
+std::string fault_of_size(double value);
 
 // What a message says when the attribute is not given: its name, meaning and unit.
 std::string missing(const Attribute& attribute);

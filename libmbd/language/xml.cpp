@@ -219,6 +219,43 @@ void check_attributes(std::string_view text, const std::string& file) {
   }
 }
 
+// What <?xml … encoding="…"?> says: the text is read as UTF-8, whatever stands there.
+void check_declared(std::string_view text, const std::string& file) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (!text.starts_with("<?xml")) return;
+  const std::string_view declaration = text.substr(0, text.find("?>"));
+  std::size_t at = declaration.find("encoding");
+  if (at == std::string_view::npos) return;
+  at = declaration.find_first_of("\"'", at);
+  if (at == std::string_view::npos) return;
+  const std::string_view name =
+      declaration.substr(at + 1, declaration.find(declaration[at], at + 1) - at - 1);
+  std::string upper(name);
+  for (char& c : upper)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  if (upper == "UTF-8" || upper == "UTF8" || upper == "US-ASCII" || upper == "ASCII") return;
+  const bool plain = std::all_of(text.begin(), text.end(),
+                                 [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+  const bool wide = upper.starts_with("UTF-16") || upper.starts_with("UTF-32") ||
+                    upper.starts_with("UCS") || upper.starts_with("ISO-10646");
+  if (plain && !wide) return;  // the same in all of them
+  throw Error(Source{file, 1},
+              "it says that it is in " + excerpt(name) + (wide ? ", and is not" : "") +
+                  "; save it in UTF-8, and write encoding=\"UTF-8\" or leave encoding out");
+}
+
+// A letter that is none, by its number (&#xD800;): tinyxml2 writes what is no UTF-8.
+void check_letters(std::string_view value, const std::string& who, const Source& at) {
+  for (std::size_t i = 0; i < value.size();) {
+    const std::size_t size = utf8_size(value, i);
+    if (size == 0)
+      throw Error(at, who +
+                          ": holds a letter by a number (&#…;) that is none; write the letter "
+                          "itself (UTF-8)");
+    i += size;
+  }
+}
+
 // tinyxml2 leaves entities that it does not know as they are.
 void check_entities(std::string_view value, const std::string& who, const Source& at) {
   for (std::size_t i = value.find('&'); i != std::string_view::npos; i = value.find('&', i + 1)) {
@@ -228,8 +265,13 @@ void check_entities(std::string_view value, const std::string& who, const Source
             .find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789#") !=
         std::string_view::npos)
       continue;
+    const std::string_view entity = value.substr(i, end - i + 1);
+    if (entity == "&lt;" || entity == "&gt;" || entity == "&amp;" || entity == "&quot;" ||
+        entity == "&apos;")
+      throw Error(at, who + ": &amp;" + std::string(entity.substr(1)) + " is " +
+                          std::string(entity) + " escaped twice; write " + std::string(entity));
     throw Error(
-        at, who + ": " + excerpt(value.substr(i, end - i + 1)) +
+        at, who + ": " + excerpt(entity) +
                 " is nothing that XML knows; write the character itself (UTF-8), or &amp; for &");
   }
 }
@@ -277,12 +319,14 @@ Element convert(const tinyxml2::XMLElement& from, const std::string& file) {
   element.line = from.GetLineNum();
   for (const tinyxml2::XMLAttribute* a = from.FirstAttribute(); a; a = a->Next()) {
     check_entities(a->Value(), element.name + ": " + a->Name(), {file, a->GetLineNum()});
+    check_letters(a->Value(), element.name + ": " + a->Name(), {file, a->GetLineNum()});
     element.attributes.push_back({a->Name(), a->Value(), a->GetLineNum()});
   }
   for (const tinyxml2::XMLNode* node = from.FirstChild(); node; node = node->NextSibling()) {
     if (const tinyxml2::XMLElement* const child = node->ToElement()) {
       element.children.push_back(convert(*child, file));
     } else if (const tinyxml2::XMLText* const text = node->ToText()) {
+      check_letters(text->Value(), element.name, {file, text->GetLineNum()});
       if (!text->CData()) check_entities(text->Value(), element.name, {file, text->GetLineNum()});
       element.text += text->Value();
       if (element.text_line == 0 && !is_blank(text->Value()))
@@ -299,6 +343,11 @@ Element convert(const tinyxml2::XMLElement& from, const std::string& file) {
 }  // namespace
 
 Element parse(std::string_view text, const std::string& file) {
+  if (text.starts_with(std::string_view("\xFF\xFE\0\0", 4)) ||
+      text.starts_with(std::string_view("\0\0\xFE\xFF", 4)) ||
+      text.starts_with(std::string_view("<\0\0\0", 4)) ||
+      text.starts_with(std::string_view("\0\0\0<", 4)))
+    throw Error(Source{file, 1}, "the file is in UTF-32; save it in UTF-8");
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
     throw Error(Source{file, 1}, "the file is in UTF-16; save it in UTF-8");
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
@@ -306,6 +355,7 @@ Element parse(std::string_view text, const std::string& file) {
                 "not an XML file: it contains zero bytes; save the model as text in UTF-8");
   }
   check_utf8(text, file);
+  check_declared(text, file);
   if (const std::size_t first = text.find_first_not_of(" \t\r\n\f\v\xEF\xBB\xBF");
       first != std::string_view::npos && text[first] != '<')
     throw Error(Source{file, line_of(text, first)},

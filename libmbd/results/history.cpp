@@ -1,25 +1,32 @@
 #include "libmbd/results/history.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <random>
 #include <set>
 #include <unordered_set>
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/scene/label.hpp"
+#include "libmbd/text/files.hpp"
 #include "libmbd/text/spelling.hpp"
+#include "libmbd/text/text.hpp"
 
 namespace mbd {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view units_line = "# units:", written_by_mbd = "# mbd ";
+constexpr std::string_view units_line = "# units:", written_by_mbd = "# mbd ", run_line = "# run: ";
 
 std::string_view unquoted(std::string_view text) {
   return text.size() >= 2 && text.front() == '"' && text.back() == '"'
@@ -156,6 +163,16 @@ Error not_a_table(const History& history, std::string text, std::istream& rest) 
                ": is XML, not a table; name the directory that mbd run wrote, or a CSV file");
 }
 
+// Whether a run writes there now.
+bool is_being_written(const std::filesystem::path& directory) {
+  try {
+    const DirectoryLock lock(directory);
+    return false;
+  } catch (const Error&) {
+    return true;
+  }
+}
+
 }  // namespace
 
 History read_history(const fs::path& file_or_directory) {
@@ -188,6 +205,8 @@ History read_history(const fs::path& file_or_directory) {
     if (line.starts_with('#')) {
       ours = ours || line.starts_with(written_by_mbd);
       if (line.starts_with(units_line)) units = line;
+      if (ours && line.starts_with(run_line))
+        history.run = trimmed(std::string_view(line).substr(run_line.size()));
       continue;
     }
     if (history.columns.empty()) {
@@ -215,6 +234,8 @@ History read_history(const fs::path& file_or_directory) {
   if (history.rows() == 0)
     throw Error(history.file.string() +
                 ": has no rows, its run ended before the first state; run the model again");
+  for (std::string& doubt : doubts_about_run(history.file, history.run))
+    history.notes.push_back(std::move(doubt));
   return history;
 }
 
@@ -262,6 +283,56 @@ std::size_t choose_column(const History& history, const std::string& name) {
   for (std::size_t i = 0; i < history.columns.size(); ++i)
     if (history.columns[i].name == name) return i;
   throw unknown(history, name, true);
+}
+
+std::string new_run_id() {
+  std::random_device random;
+  std::uint64_t bits = 0;
+  for (int i = 0; i < 2; ++i) bits = bits << 32 | (random() & 0xffffffffU);
+  return fmt::format("{:016x}", bits);
+}
+
+std::string run_id_in(std::string_view history) {
+  constexpr std::string_view key = "# run: ";
+  while (history.starts_with('#')) {
+    const std::string_view line = history.substr(0, history.find('\n'));
+    if (line.starts_with(key)) return std::string(trimmed(line.substr(key.size())));
+    history.remove_prefix(std::min(line.size() + 1, history.size()));
+  }
+  return {};
+}
+
+std::vector<std::string> doubts_about_run(const std::filesystem::path& file, std::string_view id) {
+  namespace fs = std::filesystem;
+  if (id.empty()) return {};
+  const fs::path directory = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+  const fs::path report = directory / "report.json";
+  std::error_code code;
+  if (!fs::exists(report, code)) {
+    if (is_being_written(directory))
+      return {
+          fmt::format("{}: its run goes on; this is what it has written so far", file.string())};
+    return {fmt::format(
+        "{}: there is no report.json beside it: its run was killed, or the file has been moved",
+        file.string())};
+  }
+  std::ifstream stream(report, std::ios::binary);
+  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  const auto word = [&json](const char* name) {
+    const auto at = json.is_object() ? json.find(name) : json.end();
+    return at != json.end() && at->is_string() ? at->get<std::string>() : std::string();
+  };
+  if (!json.is_object())
+    return {fmt::format("{}: is not what a run writes, and says nothing of {}", report.string(),
+                        file.filename().string())};
+  if (word("run") != id)
+    return {
+        fmt::format("{} and {} are of different runs; what the one says does not hold for the "
+                    "other",
+                    file.string(), report.filename().string())};
+  if (const std::string failure = word("failure"); !failure.empty())
+    return {fmt::format("{}: its run failed: {}", file.string(), failure)};
+  return {};
 }
 
 }  // namespace mbd

@@ -46,10 +46,11 @@ Index sample_row(const Model& model, const State& state, std::span<double> row) 
 }
 
 HistoryWriter::HistoryWriter(const std::filesystem::path& file, const std::string& model_name,
-                             std::span<const Column> columns)
+                             std::span<const Column> columns, const std::string& run)
     : file_(file), flushed_(std::chrono::steady_clock::now()) {
-  buffer_ =
-      "# model: " + one_line(model_name) + "\n# mbd " + std::string(version()) + "\n# units: ";
+  buffer_ = "# model: " + one_line(model_name) + "\n# mbd " + std::string(version()) + "\n";
+  if (!run.empty()) buffer_ += "# run: " + run + "\n";
+  buffer_ += "# units: ";
   std::string header;
   for (const Column& column : columns) {
     const std::string_view comma = &column == columns.data() ? "" : ",";
@@ -58,6 +59,13 @@ HistoryWriter::HistoryWriter(const std::filesystem::path& file, const std::strin
   }
   buffer_ += "\n" + header + "\n";
   flush();
+}
+
+HistoryWriter::~HistoryWriter() {
+  try {
+    flush();
+  } catch (...) {  // nobody is left who could be told
+  }
 }
 
 void HistoryWriter::accepted(const Sample& sample) { write_row(sample.row); }

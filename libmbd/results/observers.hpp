@@ -44,6 +44,7 @@ Index sample_row(const Model& model, const State& state, std::span<double> row);
 // number with as many digits as it takes to read it back exactly.
 //   # model: four_bar
 //   # mbd 0.1.0
+//   # run: 5d0c3f6a91b2e784      (history.hpp)
 //   # units: s, rad, m, …
 //   time,A.angle,C.displacement.1,…
 //   0,0,0,…
@@ -53,7 +54,8 @@ Index sample_row(const Model& model, const State& state, std::span<double> row);
 class HistoryWriter : public Observer {
  public:
   HistoryWriter(const std::filesystem::path& file, const std::string& model_name,
-                std::span<const Column> columns);
+                std::span<const Column> columns, const std::string& run = {});
+  ~HistoryWriter() override;  // what was accepted is written, also where a run ends by an exception
 
   void accepted(const Sample& sample) override;
   void finished(const RunReport& report) override;

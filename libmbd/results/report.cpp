@@ -180,6 +180,7 @@ std::string to_json(const RunReport& report) {
   Json& build = all["build"] = Json::object();
   for (const auto& [name, value] : to_lines(build_facts())) build[name] = value;
   all["date"] = report.date;
+  all["run"] = report.id;
   all["status"] = !report.complete()     ? "failed"
                   : report.as_expected() ? "complete"
                                          : "complete, not as expected";

@@ -90,6 +90,7 @@ struct ChosenAccuracy {
 
 struct RunReport {
   std::string model, file, date;
+  std::string id;  // of the run (history.hpp)
   std::vector<std::pair<std::string, double>> parameters;
   std::optional<StaticScene> statics;
   std::optional<TransientScene> transient;

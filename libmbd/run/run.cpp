@@ -153,6 +153,7 @@ class Run {
   Run(const Scene& scene, const RunOptions& options) : scene_(scene), options_(options) {
     report_.model = scene.name;
     report_.file = scene.file;
+    report_.id = options.id.empty() ? new_run_id() : options.id;
     report_.date = utc_now("%Y-%m-%dT%H:%M:%SZ");
     report_.parameters = scene.parameters;
     report_.statics = scene.statics;
@@ -220,7 +221,15 @@ class Run {
     }
     report_.t = state.t;
     report_.load_factor = state.load_factor;
-    finish();
+    try {
+      finish();
+    } catch (
+        const std::bad_alloc&) {  // once more: much has been given back, and less is left to do
+      report_.failure = fmt::format(
+          "out of memory at the end of the run, with {} rows; take fewer of them, or more memory",
+          report_.rows);
+      finish();
+    }
     return std::move(report_);
   }
 
@@ -250,6 +259,7 @@ class Run {
       throw Error(fmt::format("{}: checkpoints stand with the results; name a directory", option));
     if (!options_.restart) return;
     from_ = read_checkpoint(*options_.output);
+    if (const std::string id = run_id_in(from_->history); !id.empty()) report_.id = id;
     const auto refuse = [&](const std::string& what) {
       return Error(fmt::format("{}: {}", (*options_.output / checkpoint_file).string(), what));
     };
@@ -352,9 +362,11 @@ class Run {
   void end_early(State& state, const std::string& why) {
     stop::Scope::done();
     if (kept_) state = std::move(*kept_);
-    if (report_.rows == 0)
+    if (report_.rows == 0) {
+      discard_output();
       throw Error(fmt::format("{} at {}, before the first row of results; nothing has been written",
                               why, place_of(state)));
+    }
     report_.failure = fmt::format("{} at {}", why, place_of(state));
     monitor(state);
   }
@@ -393,8 +405,23 @@ class Run {
   // Before the first accepted state: from here on an earlier result is lost.
   void begin() {
     observers_.push_back(expectations_.get());
-    if (options_.output) open_output(*options_.output);
+    try {
+      if (options_.output) open_output(*options_.output);
+    } catch (const Error&) {
+      discard_output();
+      throw;
+    }
     observers_.insert(observers_.end(), options_.observers.begin(), options_.observers.end());
+  }
+
+  // What has been opened and holds no row.
+  void discard_output() {
+    observers_.clear();
+    history_.reset();
+    motion_.reset();
+    std::error_code code;
+    for (const std::filesystem::path& file : report_.results) std::filesystem::remove(file, code);
+    report_.results.clear();
   }
 
   // One run writes into a directory at a time. Where there is none yet, there is nothing to lock.
@@ -427,14 +454,15 @@ class Run {
     for (const char* const old : result_files)
       if (old != name + ".csv" && !(from_ && old == checkpoint_file))
         std::filesystem::remove(directory / old, code);
-    history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_);
+    report_.results = {directory / (name + ".csv"), directory / (name + ".svg")};
+    history_ = std::make_unique<HistoryWriter>(directory / (name + ".csv"), scene_.name, columns_,
+                                               report_.id);
     observers_.push_back(history_.get());
     observers_.push_back(plot_.get());
-    report_.results = {directory / (name + ".csv"), directory / (name + ".svg")};
     if (scene_.motion_output) {
-      motion_ = std::make_unique<MotionWriter>(directory / "motion.bin", drawing(scene_, model_),
-                                               motion_blocks(model_));
       report_.results.push_back(directory / "motion.bin");
+      motion_ = std::make_unique<MotionWriter>(directory / "motion.bin", drawing(scene_, model_),
+                                               motion_blocks(model_), report_.id);
     }
     if (scene_.path) {
       shapes_ =
@@ -563,13 +591,14 @@ class Run {
       report_.notes.push_back(
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
           "and may diverge in long runs; 0.9 is safer");
-    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
+    const TransientScene asked = transient;  // say_balance() writes what is chosen into that
+    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, asked);
     say_balance();
     if (options_.estimate_error && every_)
       report_.notes.push_back(
           "the error of steps in time is not estimated: the run has checkpoints");
     if (options_.estimate_error && !every_) {
-      time_error_.emplace(*model_.system, transient);
+      time_error_.emplace(*model_.system, asked);
       time_error_->start(state);
     }
     const long steps = transient.step ? number_of_steps(transient) : 0;
@@ -819,18 +848,19 @@ class Run {
     TransientScene& transient = *report_.transient;
     if (transient.method != TimeMethod::generalized_alpha) return;
     const bool chosen = !transient.balance.has_value();
+    const bool keeps = keeps_momenta(*model_.system, transient);
     transient.balance = balance_of(*model_.system, transient);
     const ConnectedParts parts = find_parts(*model_.system);
-    if (!chosen || transient.balance == Balance::momentum || !parts.any_free()) return;
+    if (!chosen || keeps || transient.balance == Balance::momentum || !parts.any_free()) return;
     const auto part = static_cast<std::size_t>(
         std::find(parts.is_held.begin(), parts.is_held.end(), 0) - parts.is_held.begin());
     report_.notes.push_back(fmt::format(
         "nothing ties the part with {} to the ground, and its momenta drift by an error of the "
         "balance of accelerations, which {}; {}",
         model_.system->node_name(static_cast<Index>(parts.first[part])),
-        transient.inertia != InertiaTerms::full
-            ? "inertia without gyroscopic moments asks for"
-            : "is the default as other parts are held: it damps less what turns",
+        transient.inertia != InertiaTerms::full ? "inertia without gyroscopic moments asks for"
+                                                : "is the default as it has added mass and other "
+                                                  "parts are held: it damps less what turns",
         transient.inertia != InertiaTerms::full ? "its certificate measures it"
                                                 : "balance=\"momentum\" keeps them to round-off"));
   }

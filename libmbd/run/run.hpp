@@ -23,9 +23,10 @@ struct Progress {
 
 struct RunOptions {
   std::optional<std::filesystem::path> output = {};  // directory of history.csv, .svg, report.json
-  std::vector<Observer*> observers = {};             // more of them; they must outlive the run
-  std::vector<std::string> notes = {};               // that the report begins with
-  std::optional<ChosenAccuracy> accuracy = {};       // for the report
+  std::string id = {};  // that files of this run bear (results/history.hpp); none: a new one
+  std::vector<Observer*> observers = {};        // more of them; they must outlive the run
+  std::vector<std::string> notes = {};          // that the report begins with
+  std::optional<ChosenAccuracy> accuracy = {};  // for the report
   bool certify = false;  // the dear checks of the certificate too (certificate.hpp)
   // Of a transient that comes to its end, a second run in other steps, of 0.5 to 0.8 times its cost, which estimates its
   // error (time_error.hpp).

@@ -17,6 +17,7 @@
 
 #include "libmbd/core/disjoint_sets.hpp"
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/stop.hpp"
 #include "libmbd/section/factors.hpp"
 #include "libmbd/section/shape_functions.hpp"
 
@@ -545,6 +546,7 @@ class CentralSolutions {
                         Columns6<Scalar>::Zero(6, columns)};
     Columns6<Scalar> mu = Columns6<Scalar>::Zero(6, columns);
     for (int i = 0; i <= refinements + 1; ++i) {
+      stop::check();
       const Resultants<Scalar> now =
           operators_.act(Field<Scalar>{level.v, dw_of(level.v), level.g});
       if (i == refinements + 1) {

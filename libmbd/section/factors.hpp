@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "libmbd/core/stop.hpp"
 #include "libmbd/section/mesh.hpp"
 
 namespace mbd::section {
@@ -109,6 +110,7 @@ class Factors {
 
   MatrixX eliminate(const Mesh& mesh, std::size_t f, const ElementMatrix& matrix,
                     std::vector<MatrixX>& updates, std::vector<Index>& place) {
+    stop::check();
     const Front& front = fronts_[f];
     Index next = 0;
     for (const int node : front.own) place[static_cast<std::size_t>(node)] = next++;

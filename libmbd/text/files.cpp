@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <string>
 #include <system_error>
+#include <thread>
 
 #include "libmbd/core/error.hpp"
 
@@ -93,8 +95,12 @@ void write_file(const fs::path& file, std::string_view text) {
 
 DirectoryLock::DirectoryLock(const fs::path& directory)
     : file_(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  // A system of files that knows no locks does without.
-  if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  // A system of files that knows no locks does without. Who only asks whether it is locked has it for a moment.
+  constexpr int tries = 3;
+  for (int i = 0; i < tries; ++i) {
+    if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  }
   ::close(file_);
   throw Error(directory.string() +
               ": another run is writing its results here; wait for it, or choose another directory "
@@ -141,7 +147,10 @@ void AppendedFile::fail(const char* what) {
   if (file_ >= 0) {  // take back a piece that is there in part
     ::close(file_);
     file_ = -1;
-    std::filesystem::resize_file(path_, written_, code);
+    if (written_ > 0)
+      std::filesystem::resize_file(path_, written_, code);
+    else
+      std::filesystem::remove(path_, code);
   }
   throw Error(path_.string() + ": " + what + " (" + why + ")" +
               (written_ > 0 ? "; it holds what was written before" : ""));

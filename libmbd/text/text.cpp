@@ -26,6 +26,11 @@ std::size_t utf8_size(std::string_view text, std::size_t at) {
   if (size == 0 || at + size > text.size()) return 0;
   for (std::size_t k = 1; k < size; ++k)
     if ((static_cast<unsigned char>(text[at + k]) & 0xC0U) != 0x80U) return 0;
+  // Longer than need be, halves of letters of UTF-16, and beyond the last letter.
+  const unsigned second = size > 1 ? static_cast<unsigned char>(text[at + 1]) : 0;
+  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
+      (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
+    return 0;
   return size;
 }
 

@@ -58,7 +58,7 @@ void motion_row(const Model& model, const State& state, std::span<double> row) {
 }
 
 MotionWriter::MotionWriter(const std::filesystem::path& file, std::string_view drawing,
-                           const MotionBlocks& blocks)
+                           const MotionBlocks& blocks, const std::string& run)
     : file_(file), flushed_(std::chrono::steady_clock::now()) {
   Json head = {{"format", format},
                {"row", blocks.size()},
@@ -68,10 +68,18 @@ MotionWriter::MotionWriter(const std::filesystem::path& file, std::string_view d
                  {"twist", blocks.twist},
                  {"resultant", blocks.resultant},
                  {"joint", blocks.joint}}}};
+  if (!run.empty()) head["run"] = run;
   head["drawing"] = Json::parse(drawing);
   std::string line = head.dump(-1, ' ', false, Json::error_handler_t::replace);
   line.append((8 - (line.size() + 1) % 8) % 8, ' ');
   file_.append(line + "\n");
+}
+
+MotionWriter::~MotionWriter() {
+  try {
+    flush();
+  } catch (...) {  // nobody is left who could be told
+  }
 }
 
 void MotionWriter::write(std::span<const double> row) {
@@ -114,6 +122,7 @@ Motion read_motion(const std::filesystem::path& file) {
                      count("joint")};
     if (head.at("row") != motion.blocks.size() || !head.at("drawing").is_object())
       fail("contradicts itself");
+    motion.run = head.value("run", "");
   } catch (const Json::exception&) {
     fail("is not the motion of a run");
   }

@@ -2,7 +2,7 @@
 //
 // The first line is JSON, filled with blanks to a multiple of 8 bytes; then come rows of equal length, of double
 // precision, the least byte first. The JSON says what a row holds ("blocks", in their order; n numbers each) and what is
-// drawn of it (drawing.hpp):
+// drawn of it (drawing.hpp), and which run it is of ("run", results/history.hpp):
 //   key        1       time [s], or load_factor
 //   pose       7 n     of each node but the ground: position [m], unit quaternion (x, y, z, w), to inertial axes
 //   twist      6 n     of each node but the ground: velocity [m/s], angular velocity [rad/s], node axes; with a
@@ -51,7 +51,10 @@ class MotionWriter {
  public:
   // `drawing`: JSON (drawing.hpp). Throws Error if the file cannot be written.
   MotionWriter(const std::filesystem::path& file, std::string_view drawing,
-               const MotionBlocks& blocks);
+               const MotionBlocks& blocks, const std::string& run = {});
+  ~MotionWriter();  // writes what it was given, also where a run ends by an exception
+  MotionWriter(const MotionWriter&) = delete;
+  MotionWriter& operator=(const MotionWriter&) = delete;
 
   // A motion_row(). Throws Error if the disk is full; the file then holds the rows before.
   void write(std::span<const double> row);
@@ -69,6 +72,7 @@ class MotionWriter {
 struct Motion {
   std::filesystem::path file;
   std::string head;  // the JSON of its first line
+  std::string run;   // which run it is of (results/history.hpp)
   MotionBlocks blocks;
   std::size_t rows = 0;
 };

@@ -42,7 +42,7 @@ struct RunFile::Content {
   };
 
   Content(const std::filesystem::path& path, const Scene& scene, const Model& model,
-          std::span<const Column> columns, std::string_view drawing)
+          const std::string& run, std::span<const Column> columns, std::string_view drawing)
       : file(path) {
     file.add_attributes({{"format", std::string(format)},
                          {"model", scene.name},
@@ -50,7 +50,8 @@ struct RunFile::Content {
                          {"mbd", std::string(version())},
                          {"commit", std::string(build_facts().commit) +
                                         (build_facts().modified ? ", modified" : "")},
-                         {"date", utc_now("%Y-%m-%dT%H:%M:%SZ")}});
+                         {"date", utc_now("%Y-%m-%dT%H:%M:%SZ")},
+                         {"run", run}});
     Hdf5Attributes parameters;
     for (const auto& [name, value] : scene.parameters) parameters.emplace_back(name, value);
     file.add_group("parameters", parameters);
@@ -169,14 +170,14 @@ struct RunFile::Content {
   std::chrono::steady_clock::time_point flushed = std::chrono::steady_clock::now();
 };
 
-RunFile::RunFile(const std::filesystem::path& file, const Scene& scene)
-    : file_(file), scene_(scene) {}
+RunFile::RunFile(const std::filesystem::path& file, const Scene& scene, std::string run)
+    : file_(file), scene_(scene), run_(std::move(run)) {}
 
 RunFile::~RunFile() = default;
 
 void RunFile::accepted(const Sample& sample) {
   if (!content_)
-    content_ = std::make_unique<Content>(file_, scene_, sample.model, columns(sample.model),
+    content_ = std::make_unique<Content>(file_, scene_, sample.model, run_, columns(sample.model),
                                          drawing(scene_, sample.model));
   content_->rows.insert(content_->rows.end(), sample.row.begin(), sample.row.end());
   if (content_->rows.size() >= most_rows * sample.row.size()) content_->hand_over();

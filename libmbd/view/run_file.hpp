@@ -1,6 +1,6 @@
 // run.h5: all of a run in one HDF5 file, which h5py, pandas, MATLAB, Julia and h5dump read.
 //
-//   /                     attributes: format, model, file, mbd (its version), commit, date
+//   /                     attributes: format, model, file, mbd (its version), commit, date, run (results/history.hpp)
 //   /history/COLUMN       [rows] the columns of history.csv (path.csv of a path) by their names and in their order;
 //                         attributes: unit ("1" of pure numbers), label, and frame of what has axes
 //   /motion/time          [frames] s, or /motion/load_factor
@@ -42,7 +42,7 @@ void require_run_file();
 class RunFile : public MotionObserver {
  public:
   // Both must outlive it.
-  RunFile(const std::filesystem::path& file, const Scene& scene);
+  RunFile(const std::filesystem::path& file, const Scene& scene, std::string run = {});
   ~RunFile() override;
 
   void accepted(const Sample& sample) override;
@@ -56,6 +56,7 @@ class RunFile : public MotionObserver {
   struct Content;
   std::filesystem::path file_;
   const Scene& scene_;
+  std::string run_;
   std::unique_ptr<Content> content_;
 };
 

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "libmbd/core/stop.hpp"
 #include "solvers/statics/stability.hpp"
 
 namespace mbd {
@@ -45,6 +46,7 @@ class ShiftInvert {
   }
 
   VecX operator()(const VecX& x) const {
+    stop::check();
     if (is_doubled()) {
       const Index half = x.size() / 2;
       VecXc z(half);
@@ -341,6 +343,7 @@ double Mode::damping_ratio() const {
 }
 
 ModesFound find_modes_near(MotionPencil& motions, Complex shift, double expected, int count) {
+  stop::check();
   const bool ok = shift.imag() == 0.0 ? motions.factor(shift.real()) : motions.factor(shift);
   if (ok) return modes_at(motions, shift, expected, count);
   ModesFound none;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "libmbd/core/se3.hpp"
+#include "libmbd/core/stop.hpp"
 #include "solvers/linear/block_columns.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/statics/equilibrium.hpp"
@@ -264,6 +265,7 @@ PeriodicReport PeriodicMotion::solve(const NewtonOptions& options, std::vector<S
   double previous = 0.0;
   VecX r;
   for (report.iterations = 1; report.iterations <= options.max_iterations; ++report.iterations) {
+    stop::check();
     differentiate(states);
     if (!linearize(states, r)) {
       for (const State& state : states)

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "libmbd/core/se3.hpp"
+#include "libmbd/core/stop.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/statics/equilibrium.hpp"
 
@@ -52,6 +53,7 @@ bool solve_at(SmallMotions& motions, const SteadyRotation& rotation, const Newto
   IncrementNorm norm(system, options);
   double previous = 0.0;
   for (int k = 0; k < options.max_iterations; ++k) {
+    stop::check();
     turn_steadily(rotation, state);
     if (!motions.about(state)) {
       failure = range_failure(system.out_of_range(state));

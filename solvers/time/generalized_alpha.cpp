@@ -35,6 +35,9 @@ constexpr double creeping = 0.5, converged_motion = 0.1;
 constexpr double without_multipliers = 1e300;  // a slack with which they do not count
 // Of a node in a step [rad]: angles of joints, between two nodes, are unwrapped to the nearest value, up to pi.
 constexpr double most_turn = 1.5;
+// Of a node in a step, beside what its velocity foretells [rad]: more is not resolved, and may be another solution of the
+// step, of many times the energy, to which iterations have gone astray. Shorter steps are tried first.
+constexpr double most_surprise = 0.5;
 
 }  // namespace
 
@@ -57,6 +60,7 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   const auto n = static_cast<std::size_t>(system.nodes());
   if (options.balance == Balance::momentum) momentum_.resize(n);
+  if (options.keep_momenta && momentum_.empty()) free_ = FreeMomenta(system);
   damps_little_ = options.rho_infinity > damps_little;
   p_.resize(n);
   solver_->analyze(own_graph(false));
@@ -82,7 +86,8 @@ BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
 }
 
 std::string GeneralizedAlpha::signature() const {
-  return signature_of("generalized-alpha", {a_.alpha_m, a_.alpha_f, momentum_.empty() ? 0.0 : 1.0});
+  const double balance = !momentum_.empty() ? 1.0 : free_.empty() ? 0.0 : 2.0;
+  return signature_of("generalized-alpha", {a_.alpha_m, a_.alpha_f, balance});
 }
 
 void GeneralizedAlpha::archive(Archive& a) {
@@ -91,6 +96,7 @@ void GeneralizedAlpha::archive(Archive& a) {
     lambda_older_, power_, gdot_old_, alternations_, steps_since_start_, projects_, damps_little_,
     calm_next_);
   for (Momentum& m : momentum_) a(m.mu, m.f, m.a, m.past, m.at_start);
+  free_.archive(a);
 }
 
 // Pivots too are chosen anew.
@@ -118,6 +124,7 @@ void GeneralizedAlpha::begin_at(State& state) {
       m.f = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
     }
   }
+  free_.begin(state);
   A_ = state.Vdot;
   Vdot_old_ = state.Vdot;
   lambda_old_ = state.lambda;
@@ -185,6 +192,7 @@ void GeneralizedAlpha::set_step(double h) {
     for (std::size_t n = 1; n < A_.size(); ++n)
       A_[n] = begin_.Vdot[n] + ratio * (A_[n] - begin_.Vdot[n]);
     for (Momentum& m : momentum_) m.a = m.f + ratio * (m.a - m.f);
+    free_.scale(ratio);
     if (std::abs(ratio - 1.0) > same_step) refactor_next_ = true;
   }
   h_ = h;
@@ -384,7 +392,22 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
     converged = iterate(report);
   }
   converged = converged || (system_.multipliers() > 0 && solve_tolerantly(t, report));
-  return converged && !turns_far([&](std::size_t n) { return Vec3(Q_[n].tail<3>()); });
+  return converged && !turns_far([&](std::size_t n) { return Vec3(Q_[n].tail<3>()); }) &&
+         !surprises(report);
+}
+
+// Whether a fixed step that may still be halved does what the motion at its beginning does not foretell.
+bool GeneralizedAlpha::surprises(StepReport& report) {
+  if (settings_.adaptive() || h_ < 1.5 * std::ldexp(settings_.step, -settings_.max_halvings))
+    return false;
+  for (std::size_t n = 1; n < Q_.size(); ++n)
+    if (!((Q_[n] - h_ * begin_.V[n]).tail<3>().norm() < most_surprise)) {
+      report.failure = fmt::format(
+          "{} turns by {} rad more than its angular velocity foretells; take smaller steps",
+          system_.node_name(static_cast<Index>(n)), most_surprise);
+      return true;
+    }
+  return false;
 }
 
 void GeneralizedAlpha::settle() {
@@ -551,6 +574,7 @@ void GeneralizedAlpha::accept() {
     end_.momentum_rate = 0.0;
   }
   calm_velocities();
+  free_.keep({a_.alpha_m, a_.alpha_f, a_.gamma, a_.beta}, h_, end_, Q_);
   system_.follow_angles(end_);
   const Work power = system_.power(end_);
   end_.work += 0.5 * h_ * (power_ + power);

@@ -104,6 +104,7 @@ if killed:
 else:
     expect("report", report == (directory / "report.json").read_bytes())
     said = json.loads(report)
+    expect("run", run.attrs["run"] == said["run"])
     expect("parameters", dict(run["parameters"].attrs) == {k: float(v) for k, v in said["settings"]["parameters"].items()})
     expect("version", run.attrs["mbd"] in json.dumps(said) and len(run.attrs["commit"]) > 6)
 if len(sys.argv) > 2 and not killed:

@@ -19,6 +19,7 @@
 #include "libmbd/results/history.hpp"
 #include "libmbd/run/run.hpp"
 #include "libmbd/view/motion.hpp"
+#include "tests/support/history_text.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"
 
@@ -307,8 +308,8 @@ TEST_F(MotionOutput, FramesAreRowsAtTheirTimes) {
       for (std::size_t k = 1; k < 8; ++k)
         EXPECT_NEAR(rows.rows[i][k], frames.rows[i][k], 1e-13) << i << " " << k;
     }
-    EXPECT_EQ(read_text(directory_ / "frames/history.csv"),
-              read_text(directory_ / "none/history.csv"));
+    EXPECT_EQ(history_text(directory_ / "frames/history.csv"),
+              history_text(directory_ / "none/history.csv"));
     EXPECT_FALSE(fs::exists(file("none")));
   }
 }

@@ -432,6 +432,61 @@ TEST(Reader, GuardsAgainstAbsurdSizes) {
   EXPECT_SAYS(message(deep), "nested too deeply");
 }
 
+// Seen before: UTF-32 was said to be UTF-16 or "zero bytes", another encoding than is declared was read as UTF-8, &amp;lt; was
+// "nothing that XML knows", and halves of letters (&#xD800;, bytes ED A0 80) went into the results.
+TEST(Reader, SaysWhatIsWrongWithAnEncoding) {
+  const std::string model = "<mbd name=\"m\"/>";
+  const auto wide = [&](int bytes, bool least_first) {
+    std::string text;
+    for (const char c : model) {
+      std::string letter(static_cast<std::size_t>(bytes), '\0');
+      (least_first ? letter.front() : letter.back()) = c;
+      text += letter;
+    }
+    return text;
+  };
+  using namespace std::string_literals;
+  EXPECT_SAYS(message_of_text("\xFF\xFE\0\0"s + wide(4, true)), "UTF-32; save it in UTF-8");
+  EXPECT_SAYS(message_of_text("\0\0\xFE\xFF"s + wide(4, false)), "UTF-32");
+  EXPECT_SAYS(message_of_text(wide(4, true)), "UTF-32");
+  EXPECT_SAYS(message_of_text(wide(4, false)), "UTF-32");
+  EXPECT_SAYS(message_of_text("\xFF\xFE"s + wide(2, true)), "UTF-16");
+  const auto declared = [](const std::string& encoding, const std::string& name) {
+    return message_of_text("<?xml version=\"1.0\" encoding=\"" + encoding +
+                           "\"?>\n<mbd name=\"m\"><plot title=\"" + name + "\"/></mbd>");
+  };
+  EXPECT_SAYS(declared("ISO-8859-1", "Schwingung Nr. \xC3\xA4"),
+              "it says that it is in ISO-8859-1; save it in UTF-8");
+  EXPECT_SAYS(declared("utf-16", "a"), "it says that it is in utf-16, and is not");
+  for (const char* const fine : {"UTF-8", "utf-8", "US-ASCII"})
+    EXPECT_SAYS(declared(fine, "\xC3\xA4"), "plot");
+  EXPECT_SAYS(declared("ISO-8859-1", "a"), "plot");
+  EXPECT_SAYS(message("<load at=\"b\" force=\"t &amp;lt; 1 ? 1 : 0 0 0\"/>"),
+              "&amp;lt; is &lt; escaped twice; write &lt;");
+  EXPECT_SAYS(message("<plot title=\"&#xD800;\"/>"), "holds a letter by a number");
+  for (const char* const half :
+       {"\xED\xA0\x80", "\xE0\x80\xAF", "\xF4\x90\x80\x80", "\xF0\x80\x80\xAF"})
+    EXPECT_SAYS(message("<plot title=\""s + half + "\"/>"), "is not in UTF-8");
+  for (const char* const whole :
+       {"\xED\x9F\xBF", "\xEE\x80\x80", "\xE0\xA0\x80", "\xF4\x8F\xBF\xBF", "\xF0\x90\x80\x80"})
+    EXPECT_SAYS(message("<plot title=\""s + whole + "\"/>"), "plot: attribute \"y\"");
+}
+
+// Beyond what can be computed with, numbers are refused for their size: a spring of 1e-300 was "free to move" before.
+TEST(Reader, RefusesNumbersForTheirSize) {
+  EXPECT_SAYS(
+      message("<spring name=\"s\" between=\"ground b\" at_a=\"1 0 0\" stiffness=\"1e-300\"/>"),
+      "stiffness");
+  EXPECT_SAYS(
+      message("<spring name=\"s\" between=\"ground b\" at_a=\"1 0 0\" stiffness=\"1e-300\"/>"),
+      "is 1e-300, too small to compute with: it must be of a size from 1e-60 to 1e60, or 0");
+  EXPECT_SAYS(message("<body name=\"c\" mass=\"1e308\" inertia=\"1 1 1\"/>"), "mass");
+  EXPECT_SAYS(message("<body name=\"c\" mass=\"1e308\" inertia=\"1 1 1\"/>"),
+              "too large to compute with");
+  EXPECT_SAYS(message("<body name=\"c\" at=\"0 -1e200 0\" mass=\"1\" inertia=\"1 1 1\"/>"),
+              "-1e+200, too large");
+}
+
 // ---- schema and spelling ----------------------------------------------------------------------
 
 // Every attribute says what it is; every default and choice can be read.

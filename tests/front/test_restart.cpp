@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "libmbd/run/run.hpp"
+#include "tests/support/history_text.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -79,22 +80,24 @@ TEST(Restart, IsTheSameToTheLastBit) {
       const RunReport first = run_in(whole.path(), scene, every, false);
       ASSERT_TRUE(first.complete()) << first.failure;
       EXPECT_FALSE(fs::exists(whole.path() / checkpoint_file));
-      const std::string wanted = text_of(whole.path() / "history.csv");
+      const std::string wanted = history_text(whole.path() / "history.csv");
       ASSERT_GT(first.rows, 30);
       if (std::string_view(every) !=
           "9rows") {  // whether they are due, and written, changes no digit
         ASSERT_TRUE(run_in(killed.path(), scene, "1h", false).complete());
-        EXPECT_TRUE(text_of(killed.path() / "history.csv") == wanted);
+        EXPECT_TRUE(history_text(killed.path() / "history.csv") == wanted);
       }
       // Killed twice, the second time in the part that went on.
-      EXPECT_FALSE(run_in(killed.path(), scene, every, false, 14).complete());
+      const std::string id = run_in(killed.path(), scene, every, false, 14).id;
       ASSERT_TRUE(fs::exists(killed.path() / checkpoint_file));
       EXPECT_FALSE(run_in(killed.path(), scene, "", true, 25).complete());
       ASSERT_TRUE(fs::exists(killed.path() / checkpoint_file));
       const RunReport last = run_in(killed.path(), scene, "", true);
       ASSERT_TRUE(last.complete()) << last.failure;
+      EXPECT_EQ(last.id, id) << "it is the same run";
       EXPECT_EQ(last.rows, first.rows);
-      EXPECT_TRUE(text_of(killed.path() / "history.csv") == wanted);
+      EXPECT_TRUE(history_text(killed.path() / "history.csv") == wanted);
+      EXPECT_NE(last.id, first.id);
       EXPECT_TRUE(text_of(killed.path() / "history.svg") == text_of(whole.path() / "history.svg"));
       EXPECT_EQ(last.energy_end.total(), first.energy_end.total());
       EXPECT_EQ(last.kinetic_most, first.kinetic_most);
@@ -117,7 +120,8 @@ TEST(Restart, SaysWhatIsWrong) {
   };
   EXPECT_SAYS(said(scene), "there is no checkpoint to go on from");
   EXPECT_FALSE(run_in(path, scene, "5rows", false, 23).complete());
-  const std::string kept = text_of(path / checkpoint_file), history = text_of(path / "history.csv");
+  const std::string kept = text_of(path / checkpoint_file),
+                    history = history_text(path / "history.csv");
   const auto put = [&](const std::string& bytes) {
     std::ofstream(path / checkpoint_file, std::ios::binary) << bytes;
   };
@@ -140,7 +144,7 @@ TEST(Restart, SaysWhatIsWrong) {
   EXPECT_SAYS(said(scene), "is damaged");
   put("");
   EXPECT_SAYS(said(scene), "is damaged");
-  EXPECT_EQ(text_of(path / "history.csv"), history);  // nothing has been written over
+  EXPECT_EQ(history_text(path / "history.csv"), history);  // nothing has been written over
   put(kept);
   EXPECT_EQ(said(scene), "no error");
 

@@ -1,6 +1,9 @@
 // libFuzzer on reader and compile: any bytes are a model, or are refused by an Error. Everything else is a
 // finding: a crash, another exception, undefined behaviour, a leak, more time or memory than tools/fuzz allows.
 //
+// No model begins with a letter. What does is, by that letter, something else that mbd reads (seeds/): e an expression, u a number
+// with its unit, c a table, r a report.json beside one, m a motion.bin, s what --set says. They share the time.
+//
 // The text is what LLVMFuzzerMutate makes of it or, half of the time, a Mutation of a model: random bytes alone
 // hardly ever come past the XML parser. <include> finds nothing: its files are looked up in a directory that does
 // not exist; a file elsewhere could only be read.
@@ -8,14 +11,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <string>
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/expression.hpp"
 #include "libmbd/language/reader.hpp"
 #include "libmbd/language/reading_limits.hpp"
+#include "libmbd/language/units.hpp"
+#include "libmbd/results/history.hpp"
+#include "libmbd/view/motion.hpp"
 #include "tests/fuzz/mutation.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 // Of libFuzzer; size of the result, at most `most`.
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
@@ -35,6 +45,81 @@ std::string text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
+// What is thrown here is a finding, but for Errors.
+void read_model_and_compile(const std::string& text, const mbd::Overrides& overrides = {}) {
+  const mbd::Scene scene = mbd::read_model_text(text, "no_such_directory/model.xml", overrides);
+  if (nodes(scene) > most_nodes) return;
+  const mbd::Model model = mbd::compile(scene);
+  mbd::VecX residual;
+  model.system->residual(model.initial, residual);
+}
+
+void evaluate(const std::string& text) {
+  mbd::Parameters parameters;
+  parameters["L"] = 2.0;
+  parameters.inputs["torque"] = {};
+  parameters.functions["ref"] = {std::make_shared<const std::string>("sin(t)"),
+                                 std::make_shared<const mbd::Parameters>()};
+  for (const mbd::Variables allowed :
+       {mbd::Variables::none, mbd::Variables::time, mbd::Variables::x, mbd::Variables::sampled})
+    try {
+      const mbd::Expression law = mbd::Expression::parse(text, parameters, allowed);
+      const std::vector<double> sensors(law.sensors().size(), 0.5);
+      const std::vector<mbd::InputValue> inputs(1);
+      for (const double t : {0.0, 0.3, -1e9}) law(t, mbd::Side::left, inputs, sensors);
+      std::array<mbd::Interval, mbd::Expression::most_coefficients> cells;
+      if (law.breakpoints().empty() && allowed == mbd::Variables::time)
+        law.enclose(0.1, 0.2, cells);
+    } catch (const mbd::Error&) {
+    }
+}
+
+void convert(const std::string& text) {
+  const mbd::NumberAndUnit parts = mbd::split_unit(text);
+  for (const std::string_view wanted : {"m", "rad/s", "N.m", ""}) try {
+      mbd::unit_factor(parts.unit, wanted);
+    } catch (const mbd::Error&) {
+    }
+}
+
+// A file of this name, in a directory of its own, with the text.
+std::filesystem::path file_with(const char* name, const std::string& text) {
+  static const mbd::test::TemporaryDirectory directory;
+  std::ofstream(directory.path() / name, std::ios::binary) << text;
+  return directory.path() / name;
+}
+
+void read_other(char what, const std::string& text) {
+  switch (what) {
+    case 'e':
+      return evaluate(text);
+    case 'u':
+      return convert(text);
+    case 'c':
+      mbd::read_history(file_with("table.csv", text));
+      return;
+    case 'r':
+      mbd::doubts_about_run(file_with("report.json", text), "0123456789abcdef");
+      return;
+    case 'm': {
+      const mbd::Motion motion = mbd::read_motion(file_with("motion.bin", text));
+      mbd::read_motion_keys(motion);
+      return;
+    }
+    case 's': {
+      const std::size_t equals = std::min(text.find('='), text.size());
+      read_model_and_compile(
+          R"(<mbd name="m"><parameter name="L" value="2 m"/><parameter name="N" value="2"/>
+             <parameter name="M" value="N*2"/><body name="b" at="L 0 0" mass="M" inertia="1 1 1"/>
+             <repeat count="N"><point_mass at="b" mass="i"/></repeat><transient duration="1" step="1/N"/></mbd>)",
+          {{text.substr(0, equals), text.substr(std::min(equals + 1, text.size()))}});
+      return;
+    }
+    default:
+      return read_model_and_compile(what + text);
+  }
+}
+
 }  // namespace
 
 // Under the fuzzer's instruments large models are slow, and find nothing more.
@@ -45,6 +130,11 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t most, unsigned seed) {
+  const bool is_model = size == 0 || std::strchr("eucrms", data[0]) == nullptr || data[0] == 0;
+  if (!is_model) {  // it stays what it is
+    const std::size_t rest = LLVMFuzzerMutate(data + 1, size - 1, most - 1);
+    return rest + 1;
+  }
   if (seed % 2 == 0) return LLVMFuzzerMutate(data, size, most);
   const std::string text = mbd::test::Mutation(seed)(text_of(data, size));
   if (text.size() > most) return size;
@@ -54,12 +144,11 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    const mbd::Scene scene =
-        mbd::read_model_text(text_of(data, size), "no_such_directory/model.xml");
-    if (nodes(scene) > most_nodes) return 0;
-    const mbd::Model model = mbd::compile(scene);
-    mbd::VecX residual;
-    model.system->residual(model.initial, residual);
+    const std::string text = text_of(data, size);
+    if (text.empty())
+      read_model_and_compile(text);
+    else
+      read_other(text[0], text.substr(1));
   } catch (const mbd::Error&) {  // refused
   }
   return 0;

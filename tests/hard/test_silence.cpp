@@ -20,6 +20,7 @@
 #include "libmbd/run/run.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/faults.hpp"
+#include "tests/support/history_text.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/support/this_build.hpp"
@@ -191,8 +192,8 @@ TEST_F(Silence, SignalsThatEndAreNamedWithTheirTime) {
       arguments.insert(arguments.end(), {"--set", "T=2"});
       const Ended whole = mbd(arguments, "undisturbed");
       EXPECT_EQ(whole.status, 0) << whole.err;
-      const std::string part_text = read_text(file(out, "history.csv"));
-      const std::string whole_text = read_text(file("undisturbed", "history.csv"));
+      const std::string part_text = history_text(file(out, "history.csv"));
+      const std::string whole_text = history_text(file("undisturbed", "history.csv"));
       if (method.fixed()) {
         EXPECT_EQ(wrong_prefix(part_text, whole_text), "");
       } else {  // the last steps before it are others
@@ -388,11 +389,11 @@ TEST_F(Silence, ADiskThatFillsUpLeavesAPrefix) {
   expect_says(
       limited.text,
       {"part/history.csv: cannot be written (File too large); it holds what was written before"});
-  const std::string rows = read_text(part / "history.csv");
-  EXPECT_EQ(wrong_prefix(rows, read_text(whole / "history.csv")), "");
+  const std::string rows = history_text(part / "history.csv");
+  EXPECT_EQ(wrong_prefix(rows, history_text(whole / "history.csv")), "");
   EXPECT_LE(rows.size(), 262144u);
   EXPECT_GT(rows_of(rows), 200);
-  EXPECT_GT(rows_of(read_text(whole / "history.csv")), 2000);
+  EXPECT_GT(rows_of(history_text(whole / "history.csv")), 2000);
   expect_says(
       nlohmann::json::parse(read_text(part / "report.json")).at("failure").get<std::string>(),
       {"history.csv"});
@@ -413,7 +414,7 @@ TEST_F(Silence, AFileThatCannotBeFinishedIsAbsentAndToldOf) {
     SCOPED_TRACE(name);
     const std::string out = std::string("no_") + name;
     EXPECT_EQ(mbd({"run", model("many_rows"), "--set", "steps=300"}, out).status, 0);
-    const std::string rows = read_text(file(out, "history.csv"));
+    const std::string rows = history_text(file(out, "history.csv"));
     ASSERT_TRUE(fs::exists(file(out, name)));
     Ended ended;
     {
@@ -425,7 +426,7 @@ TEST_F(Silence, AFileThatCannotBeFinishedIsAbsentAndToldOf) {
     EXPECT_FALSE(fs::exists(file(out, name))) << "that of the earlier run would mislead";
     for (const auto& entry : fs::directory_iterator(directory_.path() / out))
       EXPECT_NE(entry.path().extension(), ".part") << entry.path();
-    EXPECT_EQ(read_text(file(out, "history.csv")), rows);
+    EXPECT_EQ(history_text(file(out, "history.csv")), rows);
     if (std::string_view(name) != "report.json")
       expect_says(report(out).at("failure").get<std::string>(), {name});
   }
@@ -456,15 +457,16 @@ class StoppedRun : public Silence {
     return program.wait();
   }
   void expect_prefix(bool cut) {
-    part_ = read_text(file("stopped", "history.csv"));
+    part_ = history_text(file("stopped", "history.csv"));
     rows_ = rows_of(part_);
     EXPECT_GT(rows_, 200);
     EXPECT_EQ(mbd({"run", model("many_rows"), "--set", "steps=3000"}, "whole").status, 0);
-    EXPECT_EQ(wrong_prefix(part_, read_text(file("whole", "history.csv")), cut), "");
+    EXPECT_EQ(wrong_prefix(part_, history_text(file("whole", "history.csv")), cut), "");
     // Read back as its whole rows; a last row without end is told of.
     const History history = read_history(file("stopped", "history.csv"));
     EXPECT_EQ(static_cast<long>(history.rows()), rows_);
-    EXPECT_EQ(history.notes.size(), part_.ends_with('\n') ? 0u : 1u);
+    // That the run was killed, or failed, is told of too.
+    EXPECT_EQ(history.notes.size(), part_.ends_with('\n') ? 1u : 2u);
   }
   std::string part_;
   long rows_ = 0;

@@ -179,6 +179,30 @@ TEST(StaticStability, IsSaid) {
   EXPECT_FALSE(follower.negative_eigenvalues);
 }
 
+// A column at 1.2 times Euler's load with a force across of q times that: it bends, or it is said that it would not stay where it
+// is found. A thousandth of a millionth is no way out: the straight equilibrium is as unstable as without. Mutation: judged for
+// q = 0 only.
+TEST(StaticStability, AnImperfectionOfABillionthHidesNothing) {
+  const double P = 1.2 * 100.0 * pi * pi / 4.0;
+  for (const double q : {0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3})
+    for (const int steps : {1, 3, 10}) {
+      SCOPED_TRACE(fmt::format("q = {}, {} steps", q, steps));
+      Scene scene = cantilever_with(
+          fmt::format("<load at=\"b.end\" force=\"{} 0 {}\"/>"
+                      "<record name=\"end\" at=\"b.end\" quantities=\"displacement\"/>",
+                      -P, q * P),
+          "");
+      scene.statics->steps = steps;
+      const History history = run_to_table(scene);
+      ASSERT_TRUE(history.report.complete()) << history.report.failure;
+      const bool bent = std::abs(history.table["end.displacement.3"].back()) > 0.5;
+      EXPECT_TRUE(bent || q < 1e-6) << history.table["end.displacement.3"].back();
+      if (bent) continue;
+      EXPECT_GT(history.report.negative_eigenvalues.value_or(0), 0);
+      EXPECT_NE(history.report.notes.back().find("the equilibrium is unstable"), std::string::npos);
+    }
+}
+
 // The deep arch carries no more than P1 (models/arch.xml): load steps end there, and say why.
 TEST(UnreachableLoadSlow, KeepsTheLastEquilibriumAndNamesTheReason) {
   Scene scene = model_scene("arch", {{"elements", "6"}});

@@ -7,8 +7,10 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <memory>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -169,6 +171,28 @@ void set_up(CLI::App& app) {
   app.require_subcommand(1);
 }
 
+namespace {
+
+// Equally named models of other directories have the same directory for results.
+void refuse_results_of_another(const std::filesystem::path& results, const std::string& model) {
+  std::ifstream stream(results / "report.json", std::ios::binary);
+  const auto report = nlohmann::json::parse(stream, nullptr, false);
+  if (!report.is_object()) return;
+  const auto file = report.find("file");
+  if (file == report.end() || !file->is_string()) return;
+  const std::string other = file->get<std::string>();
+  std::error_code code;
+  if (!std::filesystem::exists(other, code) || !std::filesystem::exists(model, code) ||
+      std::filesystem::equivalent(other, model, code))
+    return;
+  throw Error(fmt::format(
+      "{}: holds results of {}, another model of the same name; name a directory with --out, or "
+      "remove those results",
+      results.string(), other));
+}
+
+}  // namespace
+
 std::filesystem::path results_directory(const std::string& given, const std::string& model,
                                         std::string_view study) {
   if (!given.empty()) return given;
@@ -178,6 +202,7 @@ std::filesystem::path results_directory(const std::string& given, const std::str
                 ": its name without .xml is no name of a directory for results; name one "
                 "with --out");
   const std::filesystem::path own = std::filesystem::path("results") / stem;
+  refuse_results_of_another(own, model);
   return study.empty() ? own : own / study;
 }
 

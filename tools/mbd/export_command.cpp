@@ -9,6 +9,7 @@
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/language/reader.hpp"
+#include "libmbd/results/history.hpp"
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/vtk.hpp"
 #include "tools/mbd/command_line.hpp"
@@ -34,6 +35,8 @@ VtkFiles export_results(const ExportArguments& arguments) {
   const fs::path given(arguments.what);
   const fs::path directory = fs::is_directory(given) ? given : given.parent_path();
   const Motion motion = read_motion(directory / "motion.bin");
+  for (const std::string& doubt : doubts_about_run(motion.file, motion.run))
+    fmt::print("note: {}\n", doubt);
   const std::size_t most = arguments.frames.empty()
                                ? usual_frames
                                : static_cast<std::size_t>(frames_option(arguments.frames));

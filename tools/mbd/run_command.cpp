@@ -16,6 +16,7 @@
 
 #include "libmbd/language/reader.hpp"
 #include "libmbd/results/expect.hpp"
+#include "libmbd/results/history.hpp"
 #include "libmbd/results/summary.hpp"
 #include "libmbd/run/run.hpp"
 #include "libmbd/study/accuracy/choose.hpp"
@@ -200,9 +201,10 @@ int run_model(const RunArguments& arguments) {
   options.restart = arguments.restart;
   if (!arguments.checkpoint_every.empty())
     options.checkpoint_every = checkpoint_every(arguments.checkpoint_every);
+  options.id = new_run_id();
   std::optional<RunFile> run_file;
   if (arguments.hdf5)
-    options.observers.push_back(&run_file.emplace(*options.output / "run.h5", scene));
+    options.observers.push_back(&run_file.emplace(*options.output / "run.h5", scene, options.id));
   RunReport report;
   {
     ProgressLine line;

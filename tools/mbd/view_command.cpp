@@ -17,6 +17,7 @@
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/language/reader.hpp"
+#include "libmbd/results/history.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/picture.hpp"
@@ -92,6 +93,15 @@ void check_page(const fs::path& file) {
   if (file.extension() != ".html")
     throw Error(fmt::format("--out {}: the page is HTML; give it a name that ends in .html",
                             file.string()));
+}
+
+// What gives reason to doubt that these are results of one run that came to its end.
+void say_doubts(const Motion& motion, const std::optional<History>& history = {}) {
+  for (const std::string& doubt : doubts_about_run(motion.file, motion.run))
+    fmt::print("note: {}\n", doubt);
+  if (history && !history->run.empty() && !motion.run.empty() && history->run != motion.run)
+    fmt::print("note: {} and {} are of different runs: what is shown does not belong together\n",
+               motion.file.string(), history->file.filename().string());
 }
 
 // ---- pictures -----------------------------------------------------------------------------------
@@ -262,6 +272,7 @@ int view_results(const ViewArguments& arguments) {
     FigureOptions options = figure_options(arguments);
     if (fs::path(arguments.image).extension() == ".svg") options.round = 12, options.pieces = 2;
     const Motion motion = read_motion(directory / "motion.bin");
+    say_doubts(motion);
     draw(arguments, of_option("", [&] { return Stage(motion, options); }));
     return 0;
   }
@@ -341,6 +352,7 @@ Loaded load(const std::string& what, const ViewArguments& arguments) {
     made.place = fs::is_directory(given) ? given : given.parent_path();
     made.motion = read_motion(made.place / "motion.bin");
     made.history = history_beside(made.place);
+    say_doubts(*made.motion, made.history);
     made.name = fs::weakly_canonical(made.place).filename().string();
   } else {
     const Scene scene = read_model(what, to_overrides(arguments.set));
@@ -407,6 +419,7 @@ int frames_option(const std::string& text) {
 Page write_view(const fs::path& results, const fs::path& page, const PageOptions& options) {
   const Motion motion = read_motion(results / "motion.bin");
   const std::optional<History> history = history_beside(results);
+  say_doubts(motion, history);
   Page made = motion_page(view_assets(), motion, history ? &*history : nullptr, options);
   write_file(page, made.html);
   return made;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "libmbd/compile/model.hpp"
+#include "libmbd/core/stop.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/text/tables.hpp"
@@ -76,6 +77,7 @@ FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
                            const std::filesystem::path& motion_file) {
   if (!(options.period > 0.0) || !std::isfinite(options.period))
     throw Error(given.source, "floquet: the period must be a positive number of seconds");
+  const stop::Scope scope(options.interrupted);
   FloquetStudy study;
   study.model = given.name;
   study.file = given.file;
