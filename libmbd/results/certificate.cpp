@@ -620,10 +620,8 @@ void Audit::add_round_off(Certificate& all) const {
          .why = "that of positions over the mean step and the fastest motion"});
   const double force = std::max(largest_force_, largest_outside_);
   if (h > 0.0 && largest_force_ > 0.0) {
-    const std::unique_ptr<LinearSolver> solver = make_klu_solver();
-    solver->analyze(system_.graph());
-    system_.linearize(last_, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, r_, *solver);
-    const double mass = largest_stiffness(system_, *solver);
+    const double mass =
+        largest_stiffness(system_, last_, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}});
     add({.name = "round-off, multipliers",
          .value = mass * unit / (h * h) / force,
          .warn = weak_round_off,
@@ -677,12 +675,9 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
   }
   const double left = largest(r_, &row);
   const double scale = std::max(largest(load, nullptr), largest_force_);
-  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
-  solver->analyze(system_.graph());
-  system_.linearize(last_, {}, unloaded_, *solver);
   // What positions that are known to round-off leave of forces.
   const double rounding =
-      floor_units * unit_round_off * std::max(farthest_, L) * largest_stiffness(system_, *solver);
+      floor_units * unit_round_off * std::max(farthest_, L) * largest_stiffness(system_, last_);
   if (scale > 0.0)
     all.checks.push_back(bounded_check(
         {.name = "balance of forces",

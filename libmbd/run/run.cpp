@@ -505,19 +505,19 @@ class Run {
                                      : fmt::format("{} motions", result.neutral.size()),
           fmt::join(result.neutral, "; ")));
     report_.notes.insert(report_.notes.end(), result.passed.begin(), result.passed.end());
-    if (result.converged) judge_stability(state, !result.neutral.empty());
+    if (result.converged) judge_stability(state, !result.neutral.empty(), result.negative);
     in_statics_ = false;
   }
 
-  // Of the equilibrium of a <static>.
-  void judge_stability(const State& state, bool neutral) {
+  // Of the equilibrium of a <static>, whose negative eigenvalues may have been counted.
+  void judge_stability(const State& state, bool neutral, const std::optional<Index>& counted) {
     if (!has_potential(scene_)) {
       report_.notes.push_back("the stability of the equilibrium is not judged: " +
                               without_potential(scene_));
       return;
     }
-    StabilityCount count(*model_.system);
-    report_.negative_eigenvalues = count(state, neutral);
+    report_.negative_eigenvalues =
+        counted ? counted : StabilityCount(*model_.system)(state, neutral);
     report_.equilibrium += watch_.lap();
     if (report_.negative_eigenvalues.value_or(0) > 0)
       report_.notes.push_back(fmt::format(
