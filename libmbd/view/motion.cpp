@@ -69,8 +69,9 @@ MotionWriter::MotionWriter(const std::filesystem::path& file, std::string_view d
                  {"resultant", blocks.resultant},
                  {"joint", blocks.joint}}}};
   if (!run.empty()) head["run"] = run;
-  head["drawing"] = Json::parse(drawing);
   std::string line = head.dump(-1, ' ', false, Json::error_handler_t::replace);
+  line.back() = ',';
+  line.append("\"drawing\":").append(drawing).append("}");
   line.append((8 - (line.size() + 1) % 8) % 8, ' ');
   file_.append(line + "\n");
 }

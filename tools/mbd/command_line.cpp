@@ -216,6 +216,11 @@ void set_examples(CLI::App& command, std::string_view examples, std::string_view
   command.footer(text + "\n" + std::string(exit_status));
 }
 
+int say_no_memory() {
+  std::fputs("mbd: out of memory; take a smaller model, fewer rows, or more memory\n", stderr);
+  return 1;
+}
+
 int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {
   int result = 0;
   try {
@@ -224,8 +229,7 @@ int run_command_line(CLI::App& app, int argc, char** argv, const int& status) {
   } catch (const CLI::ParseError& error) {
     result = answer(app, error);
   } catch (const std::bad_alloc&) {
-    complain("mbd: out of memory; take a smaller model, fewer rows, or more memory\n");
-    result = 1;
+    result = say_no_memory();
   } catch (const std::exception& error) {
     complain(fmt::format("mbd: {}\n", error.what()));
     result = 1;

@@ -34,6 +34,9 @@ void set_examples(CLI::App& command, std::string_view examples,
 std::filesystem::path results_directory(const std::string& given, const std::string& model,
                                         std::string_view study = {});
 
+// "Out of memory", said without asking for any; returns the exit status.
+int say_no_memory();
+
 // Parses the arguments and so runs the command they name. Returns the exit status: that of the command
 // (`status`); 1 if it threw, or if what it printed could not be written; 100 and more for wrong use, which is
 // answered with the nearest command or option.

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <new>
+
 #include "tools/mbd/accuracy_command.hpp"
 #include "tools/mbd/campbell_command.hpp"
 #include "tools/mbd/check_command.hpp"
@@ -24,8 +26,9 @@
 #include "tools/mbd/torture_command.hpp"
 #include "tools/mbd/view_command.hpp"
 
-int main(int argc, char** argv) {
-  mbd::secure_streams();
+namespace {
+
+int run_commands(int argc, char** argv) {
   CLI::App app("Flexible multibody dynamics: an XML model becomes a trajectory.", "mbd");
   mbd::set_up(app);
   int status = 0;
@@ -58,4 +61,15 @@ int main(int argc, char** argv) {
                     "mbd schema beam\n"
                     "mbd run --help");
   return mbd::run_command_line(app, argc, argv, status);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  mbd::secure_streams();
+  try {
+    return run_commands(argc, argv);
+  } catch (const std::bad_alloc&) {  // before there is a command that could say so
+    return mbd::say_no_memory();
+  }
 }
