@@ -4,7 +4,7 @@
 //
 // Tried, and killed: the balance of momenta of every node as the default (a ball spins by 0.45 rad/s, the chain on the
 // carriage ends at its second step); no correction (momenta drift); moments of momentum about the origin in place of the
-// centre; no halving of what surprises (three of the four chains end with 1e3 to 1e5 J put in).
+// centre; no halving of what surprises (the chains end with 1e3 to 1e5 J put in).
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -128,8 +128,7 @@ TEST(LargeSteps, ChainsDoNotRunToAnotherSolution) {
     int rods;
     double step, rho;
   };
-  for (const Case& c :
-       {Case{10, 0.01, 0.98}, Case{10, 0.01, 1.0}, Case{11, 0.01, 1.0}, Case{20, 0.02, 0.9}}) {
+  for (const Case& c : {Case{10, 0.01, 0.98}, Case{11, 0.01, 1.0}, Case{20, 0.02, 0.9}}) {
     SCOPED_TRACE(fmt::format("N = {}, {} s, rho {}", c.rods, c.step, c.rho));
     Scene scene = model_scene(
         "chain", {{"N", fmt::format("{}", c.rods)}, {"step", fmt::format("{}", c.step)}});
@@ -138,7 +137,7 @@ TEST(LargeSteps, ChainsDoNotRunToAnotherSolution) {
     const RunReport report = run(scene, {.estimate_error = false});
     EXPECT_TRUE(report.complete()) << report.failure;
     const double falls = 0.5 * 9.81 * 0.1 * 0.1 * c.rods * c.rods;  // until it hangs straight [J]
-    EXPECT_LT(-report.dissipated(), 10.0 * falls);  // with rho = 1 much is put in where it whips
+    EXPECT_LT(-report.dissipated(), 10.0 * falls);  // it whips, and with rho = 1 nothing is damped
   }
 }
 
