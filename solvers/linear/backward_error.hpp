@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "libmbd/core/types.hpp"
 #include "solvers/linear/block_columns.hpp"
 
 namespace mbd {
@@ -87,6 +88,17 @@ class BackwardError {
   template <int fixed>
   static void add(const T* block, Index ld, int rows, int columns, const T* x,
                   const double* absolute, T* r, double* size) {
+    if constexpr (fixed == 6 && std::is_same_v<T, double>) {
+      Vec6 sum = Eigen::Map<const Vec6>(r), sizes = Eigen::Map<const Vec6>(size);
+      for (int j = 0; j < columns; ++j) {
+        const Eigen::Map<const Vec6> column(block + j * ld);
+        sum -= column * x[j];
+        sizes += column.cwiseAbs() * absolute[j];
+      }
+      Eigen::Map<Vec6>(r).noalias() = sum;
+      Eigen::Map<Vec6>(size).noalias() = sizes;
+      return;
+    }
     const int n = fixed > 0 ? fixed : rows;
     T sum[6];
     double sizes[6];

@@ -83,34 +83,55 @@ inline std::complex<double> inverse_of(std::complex<double> x) {
   return {x.real() / square, -x.imag() / square};
 }
 
-// Triangles of D: x := L^-1 x and so on, x of n numbers.
+// L and U of a diagonal block become their inverses, so that a solution is products: in a row of substitutions each would
+// wait for the one before it.
+template <class T>
+void invert_triangles(double* D, int stride, int n, const double* inverse) {
+  constexpr int parts = parts_of<T>;
+  const auto at = [&](int i, int j) { return number(D + j * stride * parts + i, stride, T()); };
+  const auto one_over = [&](int i) { return number(inverse + i, stride, T()); };
+  for (int c = 0; c + 1 < n; ++c)
+    for (int i = c + 1; i < n; ++i) {
+      T sum = -at(i, c);
+      for (int k = c + 1; k < i; ++k) sum -= product(at(i, k), at(k, c));
+      put(D + c * stride * parts + i, stride, sum);
+    }
+  for (int c = n - 1; c >= 0; --c) {
+    put(D + c * stride * parts + c, stride, one_over(c));
+    for (int i = c - 1; i >= 0; --i) {
+      T sum = T(0.0);
+      for (int k = i + 1; k <= c; ++k) sum -= product(at(i, k), at(k, c));
+      put(D + c * stride * parts + i, stride, product(sum, one_over(i)));
+    }
+  }
+}
+
+// The triangles of D, which are L^-1 and U^-1: x := L^-1 x and so on, x of n numbers.
 template <class T>
 struct Triangles {
   const double* D;
-  const double* inverse;
   int stride, size;
 
   T at(int i, int j) const { return number(D + j * stride * parts_of<T> + i, stride, T()); }
-  T one_over(int i) const { return number(inverse + i, stride, T()); }
   void lower(T* x) const {
-    for (int k = 0; k < size; ++k)
-      for (int i = k + 1; i < size; ++i) x[i] -= product(at(i, k), x[k]);
+    for (int i = size - 1; i > 0; --i)
+      for (int k = 0; k < i; ++k) x[i] += product(at(i, k), x[k]);
   }
   void upper(T* x) const {
-    for (int k = size - 1; k >= 0; --k) {
-      x[k] = product(x[k], one_over(k));
-      for (int i = 0; i < k; ++i) x[i] -= product(at(i, k), x[k]);
+    for (int i = 0; i < size; ++i) {
+      x[i] = product(at(i, i), x[i]);
+      for (int k = i + 1; k < size; ++k) x[i] += product(at(i, k), x[k]);
     }
   }
   void upper_transposed(T* x) const {
-    for (int k = 0; k < size; ++k) {
-      for (int i = 0; i < k; ++i) x[k] -= product(at(i, k), x[i]);
-      x[k] = product(x[k], one_over(k));
+    for (int i = size - 1; i >= 0; --i) {
+      x[i] = product(at(i, i), x[i]);
+      for (int k = 0; k < i; ++k) x[i] += product(at(k, i), x[k]);
     }
   }
   void lower_transposed(T* x) const {
-    for (int k = size - 1; k >= 0; --k)
-      for (int i = k + 1; i < size; ++i) x[k] -= product(at(i, k), x[i]);
+    for (int i = 0; i < size; ++i)
+      for (int k = i + 1; k < size; ++k) x[i] += product(at(k, i), x[k]);
   }
 };
 

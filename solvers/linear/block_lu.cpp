@@ -553,6 +553,7 @@ bool BlockLu<T>::factor(const T* A, const double* scales, PivotInertia* inertia)
       }
       divide_block<T, false>(U, other.size, other.stride, pivot.size, D, pivot.stride, inverse);
     }
+    invert_triangles<T>(D, pivot.stride, pivot.size, inverse);
   }
   return true;
 }
@@ -635,29 +636,27 @@ void forward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, con
                    const double* below, double* vector) {
   constexpr int parts = parts_of<T>, registers = registers_of(n);
   double* const X = vector + pivot.first_row * parts;
-  Lanes<T> x[registers], l;
+  Lanes<T> x[registers];
   for (int r = 0; r < registers; ++r) x[r].load(X + r * lane_count, pivot.stride);
 #pragma GCC unroll 6
-  for (int k = 0; k + 1 < n; ++k) {
-    const T s = x[k / lane_count].at(k % lane_count);
+  for (int k = 0; k + 1 < n; ++k)
     for (int r = 0; r < registers; ++r) {
-      Lanes<T> column;
+      Lanes<T> column, l;
       column.load(D + k * pivot.stride * parts + r * lane_count, pivot.stride);
       l.clear();
       l.take(LanesBetween(k + 1, n, r * lane_count).mask, column);
-      x[r].subtract(l, s);
+      x[r].add(l, X + k, pivot.stride);
     }
-  }
   for (int r = 0; r < registers; ++r) x[r].store(X + r * lane_count, pivot.stride);
   subtract_below<T, n>(plan, pivot, below, X, vector);
 }
 
 template <class T, int n>
 void backward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, const double* D,
-                    const double* inverse, const double* below, double* vector) {
+                    const double* below, double* vector) {
   constexpr int parts = parts_of<T>, registers = registers_of(n);
   double* const X = vector + pivot.first_row * parts;
-  Lanes<T> x[registers], u;
+  Lanes<T> x[registers];
   for (int r = 0; r < registers; ++r) x[r].load(X + r * lane_count, pivot.stride);
   if (pivot.first < pivot.last) {
     Lanes<T> sums[n];
@@ -674,45 +673,37 @@ void backward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, co
     double sum[parts * registers * lane_count] = {};
     for (int c = 0; c < n; ++c) put(sum + c, registers * lane_count, sums[c].sum());
     for (int r = 0; r < registers; ++r) {
-      u.load(sum + r * lane_count, registers * lane_count);
-      x[r].subtract(u, T(1.0));
+      Lanes<T> part;
+      part.load(sum + r * lane_count, registers * lane_count);
+      x[r].subtract(part, T(1.0));
     }
 #endif
   }
-  // x_k is known when those after it have been taken out: it is divided by its pivot at the end.
-  Lanes<T> divided[registers];
-  for (int r = 0; r < registers; ++r) divided[r].clear();
+  for (int r = 0; r < registers; ++r) x[r].store(X + r * lane_count, pivot.stride);
+  for (int r = 0; r < registers; ++r) x[r].clear();
 #pragma GCC unroll 6
-  for (int k = n - 1; k >= 0; --k) {
-    const T s =
-        product(x[k / lane_count].at(k % lane_count), number(inverse + k, pivot.stride, T()));
+  for (int k = 0; k < n; ++k)
     for (int r = 0; r < registers; ++r) {
-      Lanes<T> column;
+      Lanes<T> column, u;
       column.load(D + k * pivot.stride * parts + r * lane_count, pivot.stride);
       u.clear();
-      u.take(LanesBetween(0, k, r * lane_count).mask, column);
-      x[r].subtract(u, s);
-      column.fill(s);
-      divided[r].take(LanesBetween(k, k + 1, r * lane_count).mask, column);
+      u.take(LanesBetween(0, k + 1, r * lane_count).mask, column);
+      x[r].add(u, X + k, pivot.stride);
     }
-  }
-  for (int r = 0; r < registers; ++r) divided[r].store(X + r * lane_count, pivot.stride);
+  for (int r = 0; r < registers; ++r) x[r].store(X + r * lane_count, pivot.stride);
 }
 
 template <class T>
-using ForwardPivot = void (*)(const BlockLuPlan&, const BlockLuPlan::Pivot&, const double*,
-                              const double*, double*);
+using OnePivot = void (*)(const BlockLuPlan&, const BlockLuPlan::Pivot&, const double*,
+                          const double*, double*);
 template <class T>
-using BackwardPivot = void (*)(const BlockLuPlan&, const BlockLuPlan::Pivot&, const double*,
-                               const double*, const double*, double*);
+constexpr std::array<OnePivot<T>, 6> forward_pivots{forward_pivot<T, 1>, forward_pivot<T, 2>,
+                                                    forward_pivot<T, 3>, forward_pivot<T, 4>,
+                                                    forward_pivot<T, 5>, forward_pivot<T, 6>};
 template <class T>
-constexpr std::array<ForwardPivot<T>, 6> forward_pivots{forward_pivot<T, 1>, forward_pivot<T, 2>,
-                                                        forward_pivot<T, 3>, forward_pivot<T, 4>,
-                                                        forward_pivot<T, 5>, forward_pivot<T, 6>};
-template <class T>
-constexpr std::array<BackwardPivot<T>, 6> backward_pivots{
-    backward_pivot<T, 1>, backward_pivot<T, 2>, backward_pivot<T, 3>,
-    backward_pivot<T, 4>, backward_pivot<T, 5>, backward_pivot<T, 6>};
+constexpr std::array<OnePivot<T>, 6> backward_pivots{backward_pivot<T, 1>, backward_pivot<T, 2>,
+                                                     backward_pivot<T, 3>, backward_pivot<T, 4>,
+                                                     backward_pivot<T, 5>, backward_pivot<T, 6>};
 
 }  // namespace
 
@@ -741,7 +732,7 @@ void BlockLu<T>::forward() const {
     for (int i = 0; i < n; ++i)
       x[static_cast<std::size_t>(i)] =
           number(X + (!transposed && exchanged_[j] != 0 ? exchanges[i] : i), stride, T());
-    const Triangles<T> triangles{D, inverse_.data() + scalars(pivot.first_row), stride, n};
+    const Triangles<T> triangles{D, stride, n};
     if constexpr (transposed)
       triangles.upper_transposed(x.data());
     else
@@ -765,11 +756,9 @@ void BlockLu<T>::backward() const {
     }
     const auto& pivot = plan_.pivots[j];
     const double* const D = diagonal_.data() + scalars(pivot.diagonal);
-    const double* const inverse = inverse_.data() + scalars(pivot.first_row);
     const int n = pivot.size, stride = pivot.stride;
     if (!transposed && n <= 6) {
-      backward_pivots<T>[static_cast<std::size_t>(n - 1)](plan_, pivot, D, inverse, below,
-                                                          x_.data());
+      backward_pivots<T>[static_cast<std::size_t>(n - 1)](plan_, pivot, D, below, x_.data());
       continue;
     }
     double* const X = x_.data() + scalars(pivot.first_row);
@@ -778,7 +767,7 @@ void BlockLu<T>::backward() const {
     add_below<T, 0>(plan_, pivot, below, x_.data(), sums);
     for (int i = 0; i < n; ++i)
       x[static_cast<std::size_t>(i)] = number(X + i, stride, T()) - sums[i].sum();
-    const Triangles<T> triangles{D, inverse, stride, n};
+    const Triangles<T> triangles{D, stride, n};
     if constexpr (transposed)
       triangles.lower_transposed(x.data());
     else

@@ -237,7 +237,6 @@ bool BlockLu<T>::factor_in_front(std::size_t f, std::size_t group, std::size_t m
   if (inertia != nullptr) add_least(j, before + row, *inertia);
   const double* const inverse = inverse_.data() + scalars(pivot.first_row);
   const int rows = static_cast<int>(front.rows - next), ld = static_cast<int>(front.ld);
-  if (rows == 0) return true;
   divide_block<T, true>(L.at(next, row), rows, ld, member.size, D, pivot.stride, inverse);
   if (exchanged_[j] != 0) {
     const std::int8_t* const exchanges = exchanges_.data() + pivot.first_row;
@@ -248,6 +247,7 @@ bool BlockLu<T>::factor_in_front(std::size_t f, std::size_t group, std::size_t m
     }
   }
   divide_block<T, false>(U.at(next, row), rows, ld, member.size, D, pivot.stride, inverse);
+  invert_triangles<T>(D, pivot.stride, member.size, inverse);
   return true;
 }
 
@@ -338,8 +338,7 @@ void BlockLu<T>::forward_front(std::size_t f, bool transposed) const {
     for (int i = 0; i < member.size; ++i)
       own[i] =
           number(x + member.row + (!transposed && exchanged_[j] != 0 ? exchanges[i] : i), ld, T());
-    const Triangles<T> triangles{diagonal_.data() + scalars(pivot.diagonal),
-                                 inverse_.data() + scalars(pivot.first_row), pivot.stride,
+    const Triangles<T> triangles{diagonal_.data() + scalars(pivot.diagonal), pivot.stride,
                                  member.size};
     if (transposed)
       triangles.upper_transposed(own);
@@ -383,8 +382,7 @@ void BlockLu<T>::backward_front(std::size_t f, bool transposed) const {
     T own[most_rows];
     for (int i = 0; i < member.size; ++i)
       own[i] = number(x + member.row + i, ld, T()) - sums[i].sum();
-    const Triangles<T> triangles{diagonal_.data() + scalars(pivot.diagonal),
-                                 inverse_.data() + scalars(pivot.first_row), pivot.stride,
+    const Triangles<T> triangles{diagonal_.data() + scalars(pivot.diagonal), pivot.stride,
                                  member.size};
     if (transposed)
       triangles.lower_transposed(own);

@@ -15,7 +15,7 @@ namespace {
 // With a floor of 1e-3 a stale contraction let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per
 // cent of the iterations.
 constexpr KeptTangent::Policy tangent_policy{
-    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3};
+    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3, .cost = 2};
 // Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 3;
@@ -234,8 +234,28 @@ void GeneralizedAlpha::predict(double t, bool extrapolate) {
   update_poses();
 }
 
-void GeneralizedAlpha::update_poses() {
-  for (std::size_t n = 1; n < Q_.size(); ++n) end_.pose[n] = begin_.pose[n] * exp_se3(Q_[n]);
+[[gnu::flatten]] void GeneralizedAlpha::update_poses() {
+  each_pack(1, Q_.size(), [&](const PackOf& pack) {
+    unpack(packed(begin_.pose, pack) * exp_se3<Pack>(packed(Q_, pack)), pack, end_.pose);
+  });
+}
+
+// The iterate after an increment x of (2).
+[[gnu::flatten]] void GeneralizedAlpha::take_increment(double s) {
+  const double gamma_ = a_.gamma / (h_ * a_.beta);
+  const double beta_ = (1.0 - a_.alpha_m) / (h_ * h_ * a_.beta * (1.0 - a_.alpha_f));
+  each_pack(1, Q_.size(), [&](const PackOf& pack) {
+    Vector6<Pack> x, Q = packed(Q_, pack);
+    pack_into(x, [&](int k) { return x_.data() + 6 * (pack[k] - 1); });
+    const Vector6<Pack> dQ = T_inverse_times<Pack>(Q, x);
+    Q += dQ;
+    unpack(Q, pack, Q_);
+    unpack(packed(end_.V, pack) + Pack(gamma_) * dQ, pack, end_.V);
+    unpack(packed(end_.Vdot, pack) + Pack(beta_) * dQ, pack, end_.Vdot);
+    unpack(packed(begin_.pose, pack) * exp_se3<Pack>(Q), pack, end_.pose);
+  });
+  const Index motions = 6 * (system_.nodes() - 1);
+  end_.lambda += x_.tail(x_.size() - motions) / s;
 }
 
 // r of (1), or of (3), at the present iterate. False if an element is out of its range.
@@ -280,8 +300,6 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
 
 bool GeneralizedAlpha::iterate(StepReport& report) {
   const double h = h_, s = a_.beta * h * h;
-  const double gamma_ = a_.gamma / (h * a_.beta);
-  const double beta_ = (1.0 - a_.alpha_m) / (h * h * a_.beta * (1.0 - a_.alpha_f));
   const Index motions = 6 * (system_.nodes() - 1);
   const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
   double previous = 0.0, last = 0.0;  // increments: with the same tangent, with any
@@ -329,15 +347,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     const double before = last;
     previous = last = e;
 
-    for (Index n = 1; n < system_.nodes(); ++n) {
-      const auto N = static_cast<std::size_t>(n);
-      const Vec6 dQ = T_inverse_times<double>(Q_[N], x_.segment<6>(6 * (n - 1)));
-      Q_[N] += dQ;
-      end_.V[N] += gamma_ * dQ;
-      end_.Vdot[N] += beta_ * dQ;
-    }
-    end_.lambda += x_.tail(x_.size() - motions) / s;
-    update_poses();
+    take_increment(s);
 
     double left = always ? e : e * kept_.share_left();
     // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion

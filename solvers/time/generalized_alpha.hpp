@@ -118,6 +118,7 @@ class GeneralizedAlpha final : public OneStep {
   void restart_calmly(State& state);
   void predict(double t, bool extrapolate);
   void update_poses();
+  void take_increment(double s);
   bool residual();
   bool is_round_off(double e);
   bool factorize(StepReport& report, bool& in_range);
