@@ -29,10 +29,7 @@ void tile(double* C, Index ldc, const double* A, Index a_step, const double* B, 
 #pragma GCC unroll 3
     for (int r = 0; r < registers; ++r) {
       std::memcpy(&a[r], A + r * lane_count, sizeof a[r]);
-      asm(""
-          : "+v"(
-              a
-              [r]));  // loaded once: read again for each column, it would wait for memory, not for the arithmetic
+      hold(a[r]);  // else its products wait for memory, not for the arithmetic
     }
 #pragma GCC unroll 8
     for (int j = 0; j < columns; ++j)

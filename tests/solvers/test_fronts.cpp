@@ -117,10 +117,10 @@ struct Filled {
 template <class T>
 void expect_solutions(PivotOrder order, const EliminationChoices& choices) {
   Rng rng(5);
-  const BlockGraph graph = frame(5, 4, 3, 1, true);
+  const BlockGraph graph = frame(4, 3, 3, 0, true);
   Filled<T> A(graph, rng);
   const Elimination e = eliminate(graph, order, choices);
-  ASSERT_GE(e.fronts.size(), 3u);
+  ASSERT_GE(e.fronts.size(), 2u);
   const BlockLuPlan plan(A.columns, e);
   BlockLu<T> lu(plan);
   using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
@@ -152,10 +152,10 @@ TEST(Fronts, SolveWhatDenseMatricesDo) {
 TEST(Fronts, CountNegativeEigenvalues) {
   Rng rng(6);
   for (const double shift : {-1.0, 0.1, 0.3, 1.0}) {
-    const BlockGraph graph = frame(4, 4, 3, 1, true);
+    const BlockGraph graph = frame(4, 3, 3, 0, true);
     Filled<double> A(graph, rng, true, shift);
     const BlockLuPlan plan(A.columns, eliminate(graph, PivotOrder::merged, with_fronts));
-    ASSERT_GE(plan.fronts.all.size(), 3u);
+    ASSERT_GE(plan.fronts.all.size(), 2u);
     BlockLu<double> lu(plan);
     PivotInertia inertia;
     ASSERT_TRUE(lu.factor(A.values.data(), nullptr, &inertia));

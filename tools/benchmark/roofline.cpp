@@ -32,13 +32,15 @@ void peak(benchmark::State& bench) {
   Lane a = Lane{} + 1.0, b = a, c = a, d = a, e = a, f = a, g = a, h = a, i = a, j = a;
   const auto step = [&](Lane & x) __attribute__((always_inline)) {
     x = x * factor + term;
-    asm volatile("" : "+v"(x));
+    hold(x);
   };
   for (auto _ : bench)
     for (int k = 0; k < length; ++k) {
       step(a), step(b), step(c), step(d), step(e);
       step(f), step(g), step(h), step(i), step(j);
     }
+  Lane sum = a + b + c + d + e + f + g + h + i + j;
+  benchmark::DoNotOptimize(sum);
   bench.counters["Gflop/s"] = rate(2.0 * lane_count * chains * length);
 }
 
