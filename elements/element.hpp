@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "libmbd/core/se3.hpp"
 #include "libmbd/core/signal.hpp"
@@ -77,6 +78,21 @@ concept Element = requires(const typename E::Shared& shared, const typename E::D
     E::template evaluate<Want::tangent>(shared, data, x, env, w, out)
     } -> std::convertible_to<double>;
 };
+
+// Constants of a list of elements, a pack at a time, the last one filled up. An element type that has them says has_packs,
+// and has besides
+//   Packed                  an element type on packs, of the same residual
+//   packed(shared, data)    the constants
+template <class E>
+struct PackedElements {
+  typename E::Packed::Shared shared;
+  std::vector<typename E::Packed::Data> data;
+};
+template <class E>
+inline constexpr bool has_packs = false;
+template <class E>
+requires requires { E::has_packs; }
+inline constexpr bool has_packs<E> = E::has_packs;
 
 // An element whose resultants may be iterates of Newton's method (Batch::linearized_resultants); it has besides
 //   point_count(shared)     quadrature points

@@ -21,6 +21,7 @@ class ElementBatch : public Base {
     data_.push_back(data);
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     names_.push_back(std::move(name));
+    if constexpr (has_packs<E>) packs_.data.clear();
   }
 
   // Of an element type that says may_be_offset: its nodes are not those of the batch but fixed in them, at the poses
@@ -42,7 +43,7 @@ class ElementBatch : public Base {
   Index size() const override { return static_cast<Index>(data_.size()); }
   std::size_t bytes() const override {
     return data_.size() * sizeof(typename E::Data) + nodes_.size() * sizeof(int) +
-           offsets_.size() * sizeof(Offset) + offsets_of_.size() * sizeof(int);
+           offsets_.size() * sizeof(Offset) + offsets_of_.size() * sizeof(int) + bytes_of_packs();
   }
 
   const typename E::Shared& shared() const { return shared_; }
@@ -50,6 +51,7 @@ class ElementBatch : public Base {
   const typename E::Data& data(Index e) const { return data_[static_cast<std::size_t>(e)]; }
 
   void connect(BlockGraph& graph) override {
+    if constexpr (has_packs<E>) packs_ = E::packed(shared_, data_);
     first_slot_ = graph.contributions.size();
     for (std::size_t e = 0; e < data_.size(); ++e) {
       const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
@@ -108,9 +110,10 @@ class ElementBatch : public Base {
         const double m = E::evaluate_mixed(shared_, data_[e], x.data(), &S[e * points], out);
         margin = m < margin ? m : margin;
         carry<Want::tangent>(e, out);
-        add_residual(out, e, r);
+        if constexpr (!has_packs<E>) add_residual(out, e, r);
         hand_over(out, e, 1.0, {}, slots);
       }
+      if constexpr (has_packs<E>) run_packs(state, r);
       return margin > 0.0;
     } else {
       return linearize(state, {}, r, slots);
@@ -149,12 +152,13 @@ class ElementBatch : public Base {
         margin = m < margin ? m : margin;
         carry<Want::tangent>(e, by_V);
         carry<Want::tangent>(e, by_A);
-        add_residual(by_V, e, r);
+        if constexpr (!has_packs<E>) add_residual(by_V, e, r);
         hand_over(by_V, e, 1.0, V_hat, P[0]);
         hand_over<false>(by_V, e, 0.0, {}, P[1]);
         hand_over<false>(by_A, e, 0.0, V_hat, P[1]);
         hand_over<false>(by_A, e, 0.0, {}, P[2]);
       }
+      if constexpr (has_packs<E>) run_packs(state, r);
       return margin > 0.0;
     } else {
       return linearize(state, {}, r, P[0]);
@@ -356,9 +360,86 @@ class ElementBatch : public Base {
     return {state.t, state.load_factor, state.signals, state.momentum_rate, state.angles};
   }
 
+  // Where there are packs, all residuals are theirs: the same with and without the tangent.
+  bool run_packs(const State& state, VecX& r) const requires has_packs<E> {
+    if (packs_.data.empty() && !data_.empty())  // not yet connected
+      return run_packs(state, r, E::packed(shared_, data_));
+    return run_packs(state, r, packs_);
+  }
+  template <class Packs>
+  bool run_packs(const State& state, VecX& r, const Packs& packs) const {
+    const Environment env = environment(state);
+    typename E::Packed::template Output<Pack> out;
+    std::array<NodeState<Pack>, static_cast<std::size_t>(max_nodes)> x;
+    double margin = 1.0;
+    each_pack(0, data_.size(), [&](const PackOf& pack) {
+      gather(state, pack, x);
+      const double m = smallest_of(E::Packed::template evaluate<Want::residual>(
+          packs.shared, packs.data[pack.first / lane_count], x.data(), env, {}, out));
+      margin = m < margin ? m : margin;
+      for (int k = 0; k < pack.count(); ++k) {
+        typename E::template Output<double> one;
+        one.r.resize(out.r.size());
+        for (Index i = 0; i < out.r.size(); ++i) one.r(i) = out.r(i)[k];
+        carry<Want::residual>(pack[k], one);
+        add_residual(one, pack[k], r);
+      }
+    });
+    return margin > 0.0;
+  }
+
+  void gather(const State& state, const PackOf& pack,
+              std::array<NodeState<Pack>, static_cast<std::size_t>(max_nodes)>& x) const {
+    if constexpr (E::needs_rates) {
+      for (int a = 0; a < count(); ++a) {
+        const auto A = static_cast<std::size_t>(a);
+        const auto node = [&](int k) {
+          return static_cast<std::size_t>(nodes_[pack[k] * static_cast<std::size_t>(n_) + A]);
+        };
+        if (state.V.empty()) {
+          x[A].V.setZero();
+          x[A].Vdot.setZero();
+        } else {
+          pack_into(x[A].V, [&](int k) { return state.V[node(k)].data(); });
+          pack_into(x[A].Vdot, [&](int k) { return state.Vdot[node(k)].data(); });
+        }
+      }
+      static_assert(!may_be_offset);
+    }
+    std::array<const Pose<double>*, lane_count> H;
+    std::array<NodeStates, lane_count> own;  // of elements with offsets
+    for (int a = 0; a < count(); ++a) {
+      const auto A = static_cast<std::size_t>(a);
+      for (int k = 0; k < lane_count; ++k) {
+        const auto K = static_cast<std::size_t>(k);
+        const std::size_t e = pack[k];
+        H[K] = &state.pose[static_cast<std::size_t>(nodes_[e * static_cast<std::size_t>(n_) + A])];
+        if constexpr (may_be_offset)
+          if (offsets_of(e) != nullptr) {
+            if (a == 0) gather(state, e, own[K]);
+            H[K] = &own[K][A].H;
+          }
+      }
+      x[A].H = pack_of_poses(
+          [&](int k) -> const Pose<double>& { return *H[static_cast<std::size_t>(k)]; });
+    }
+  }
+
+  std::size_t bytes_of_packs() const {
+    if constexpr (has_packs<E>)
+      return packs_.data.size() * sizeof(packs_.data[0]);
+    else
+      return 0;
+  }
+
   template <Want want>
   bool run(const State& state, const TangentWeights& weights, VecX& r,
            std::span<const Slot> slots) const {
+    bool in_range = true;
+    if constexpr (has_packs<E>) {
+      in_range = run_packs(state, r);
+      if constexpr (want == Want::residual) return in_range;
+    }
     const Environment env = environment(state);
     const RateWeights rates{weights.V, weights.A};
     typename E::template Output<double> out;
@@ -369,10 +450,10 @@ class ElementBatch : public Base {
       const double m = E::template evaluate<want>(shared_, data_[e], x.data(), env, rates, out);
       margin = m < margin ? m : margin;
       carry<want>(e, out);
-      add_residual(out, e, r);
+      if constexpr (!has_packs<E>) add_residual(out, e, r);
       if constexpr (want == Want::tangent) hand_over(out, e, weights.U, weights.T_inv, slots);
     }
-    return margin > 0.0;
+    return in_range && margin > 0.0;
   }
 
   void add_residual(const typename E::template Output<double>& out, std::size_t e, VecX& r) const {
@@ -407,6 +488,17 @@ class ElementBatch : public Base {
   typename E::Shared shared_;
   int n_;
   std::vector<typename E::Data> data_;
+  struct NoPacks {};
+  template <class Of>
+  struct PacksOf {
+    using type = NoPacks;
+  };
+  template <class Of>
+  requires has_packs<Of>
+  struct PacksOf<Of> {
+    using type = PackedElements<Of>;
+  };
+  [[no_unique_address]] typename PacksOf<E>::type packs_;
   std::vector<int> nodes_;       // n_ an element
   std::vector<int> offsets_of_;  // by element: the first of its offsets, or -1; as long as needed
   std::vector<Offset> offsets_;  // n_ an element that has any

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "elements/element_batch.hpp"
+#include "elements/element_list.hpp"
 #include "joints/joint_damper.hpp"
 #include "joints/joint_spring.hpp"
 #include "joints/joint_torque.hpp"
@@ -14,5 +15,10 @@ extern template class ElementBatch<joint::JointDamper<joint::Turning>>;
 extern template class ElementBatch<joint::JointDamper<joint::Sliding>>;
 extern template class ElementBatch<joint::JointTorque<joint::Turning>>;
 extern template class ElementBatch<joint::JointTorque<joint::Sliding>>;
+
+using JointElements =
+    ElementList<joint::JointSpring<joint::Turning>, joint::JointSpring<joint::Sliding>,
+                joint::JointDamper<joint::Turning>, joint::JointDamper<joint::Sliding>,
+                joint::JointTorque<joint::Turning>, joint::JointTorque<joint::Sliding>>;
 
 }  // namespace mbd

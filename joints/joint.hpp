@@ -108,6 +108,22 @@ Vector6<S> wrench(const Pose<S>& g, const Given<S>& given, const Matrix<S, rows_
   return six<S>(f.force, f.moment);
 }
 
+// The second derivative of g along a motion with gdot = G z, as far as it comes from z alone: z^T L_n z of each row n (8).
+template <Joint J, class S>
+Matrix<S, rows_of<J>, 1> curvature_along(const Pose<S>& g, const Given<S>& given,
+                                         const Vector6<S>& z) {
+  Matrix<S, rows_of<J>, 1> value;
+  const RowPlace<S> at(g, given);
+  const Vector3<S> u = linear(z), psi = angular(z), moved = u + at.x_b.cross(psi);
+  each_row<J>([&](const auto& row, Index n) {
+    StiffnessSum<S> sum;
+    row.add_stiffness(at, S(1.0), sum);
+    value(n) = psi.dot(Vector3<S>(sum.force.cross(moved) + sum.turning * psi));
+    if constexpr (has_tension<J>()) value(n) += sum.tension * u.dot(moved);
+  });
+  return value;
+}
+
 // L of (8).
 template <Joint J, class S>
 Matrix6<S> geometric_stiffness(const Pose<S>& g, const Given<S>& given,
@@ -137,19 +153,19 @@ inline PairTangent<double> joint_tangent(const Pose<double>& g, const Vec6& f, c
 // Direction and angle rows vanish half a turn from where they mean to hold as well: a step too large could end
 // there. With rows on both of b1 and b2, a3.b3 > 0; with an angle, cos(theta - phi) > 0. Three directions vanish
 // where axes change places too (a third of a turn about (1, 1, 1), tr R = 0): less than a quarter turn, tr R > 1.
-template <Joint J>
-bool on_branch(const Pose<double>& g, [[maybe_unused]] const Given<double>& given) {
+template <Joint J, class S>
+bool on_branch(const Pose<S>& g, [[maybe_unused]] const Given<S>& given) {
   constexpr int directions = count_of<J, row::Direction>();
   constexpr bool has_angle = count_of<J, row::Angle>() > 0;
   if constexpr (directions < 2 && !has_angle) {
     return true;
   } else {
-    const Mat3 R = g.R();
+    const Matrix3<S> R = g.R();
     if constexpr (has_angle) {
       if (!(std::cos(given.s) * R(0, 0) + std::sin(given.s) * R(1, 0) > 0.0)) return false;
     }
-    if constexpr (directions == 2) return R(2, 2) > 0.0;
-    if constexpr (directions == 3) return R.trace() > 1.0;
+    if constexpr (directions == 2) return smallest_of(R(2, 2)) > 0.0;
+    if constexpr (directions == 3) return smallest_of(S(R.trace())) > 1.0;
     return true;
   }
 }

@@ -32,9 +32,12 @@ class JointBatch final : public AnyJointBatch {
   static constexpr bool moves_a = law == Law::translation || law == Law::rotation;
   using Rows = Matrix<double, m, 1>;
 
-  struct Data : Definition {
-    Mat6 Ad_a, Ad_b;  // adjoints of the inverses of a and b: node increments seen in the frames
-  };
+  // Whether joints are evaluated a pack at a time: those with parameters of their own or laws of time are few.
+  static constexpr bool packed = law == Law::none && !has_tension<J>() &&
+                                 count_of<J, row::Advance>() == 0 &&
+                                 count_of<J, row::Distance>() == 0;
+
+  using Data = Definition;
 
   std::vector<RowFacts> rows() const override {
     std::vector<RowFacts> facts;
@@ -45,13 +48,24 @@ class JointBatch final : public AnyJointBatch {
 
   Index add(const Definition& joint, std::string name) override {
     names_.push_back(std::move(name));
-    data_.push_back({joint, adjoint_inverse(joint.a).matrix(), adjoint_inverse(joint.b).matrix()});
+    data_.push_back(joint);
+    if constexpr (packed) {
+      const std::size_t lane = (data_.size() - 1) % lane_count;
+      if (lane == 0) frames_.emplace_back();
+      const PackOf pack{data_.size() - 1 - lane, data_.size()};
+      const auto of = [&](Pose<double> Definition::*frame) {
+        return pack_of_poses([&](int k) -> const Pose<double>& { return data_[pack[k]].*frame; });
+      };
+      frames_.back() = {of(&Definition::a), of(&Definition::b)};
+    }
     return size() - 1;
   }
 
   std::string_view type() const override { return J::name; }
   Index size() const override { return static_cast<Index>(data_.size()); }
-  std::size_t bytes() const override { return data_.size() * sizeof(Data); }
+  std::size_t bytes() const override {
+    return data_.size() * sizeof(Data) + frames_.size() * sizeof(Frames);
+  }
   const Data& data(Index i) const { return data_[static_cast<std::size_t>(i)]; }
 
   void connect(BlockGraph& graph) override {
@@ -69,12 +83,23 @@ class JointBatch final : public AnyJointBatch {
   bool residual(const State& state, VecX& r) const override {
     const Index first = r.size() - state.lambda.size();
     bool in_range = true;
-    for (const Data& d : data_) {
-      const Pose<double> g = relative_pose(state, d);
-      const Rows lambda = state.lambda.segment<m>(d.multiplier);
-      const Given<double> given = given_of(state, d);
-      in_range &= on_branch<J>(g, given);
-      add_residual(d, Ad_a(state, d), g, given, wrench<J, double>(g, given, lambda), first, r);
+    if constexpr (packed) {
+      each_pack(0, data_.size(), [&](const PackOf& pack) {
+        Place<Pack> place;
+        Forces<Pack> f;
+        in_range &= evaluate_pack(state, pack, place, f);
+        add_residual(pack, f, first, r);
+      });
+    } else {
+      for (const Data& d : data_) {
+        const Given<double> given = given_of(state, d);
+        const Pose<double> a = frame_a(state, d);
+        Place<double> place;
+        Forces<double> f;
+        in_range &= evaluate<double>(pose(state, d.P), pose(state, d.Q), a, d.b, given,
+                                     state.lambda.segment<m>(d.multiplier), place, f);
+        add_residual(d, f, first, r);
+      }
     }
     return in_range;
   }
@@ -84,22 +109,35 @@ class JointBatch final : public AnyJointBatch {
     const Index first = r.size() - state.lambda.size();
     bool in_range = true;
     const Slot* slot = slots.data() + first_slot_;
+    if constexpr (packed) {
+      each_pack(0, data_.size(), [&](const PackOf& pack) {
+        Place<Pack> place;
+        Forces<Pack> f;
+        in_range &= evaluate_pack(state, pack, place, f);
+        add_residual(pack, f, first, r);
+        add_tangent(pack, place, f, w.U, slot + 8 * pack.first);
+      });
+      return in_range;
+    }
     for (const Data& d : data_) {
-      const Pose<double> g = relative_pose(state, d);
-      const Rows lambda = state.lambda.segment<m>(d.multiplier);
       const Given<double> given = given_of(state, d);
-      in_range &= on_branch<J>(g, given);
-      decltype(auto) A = Ad_a(state, d);
-      const Vec6 f = wrench<J, double>(g, given, lambda);
-      add_residual(d, A, g, given, f, first, r);
+      const Pose<double> a = frame_a(state, d);
+      Place<double> place;
+      Forces<double> f;
+      const Rows lambda = state.lambda.segment<m>(d.multiplier);
+      in_range &=
+          evaluate<double>(pose(state, d.P), pose(state, d.Q), a, d.b, given, lambda, place, f);
+      add_residual(d, f, first, r);
 
+      const Pose<double>& g = place.g;
+      const Mat6 A = adjoint_inverse(a).matrix(), Ad_b = adjoint_inverse(d.b).matrix();
       const Matrix<double, m, 6> G = gradient<J, double>(g, given);
       const PairTangent<double> t =
-          joint_tangent(g, f, geometric_stiffness<J, double>(g, given, lambda), has_tension<J>());
+          joint_tangent(g, f.f, geometric_stiffness<J, double>(g, given, lambda), has_tension<J>());
       const Mat6 Ad_g = adjoint_inverse(g).matrix();
-      const Matrix<double, m, 6> BQ = G * d.Ad_b;
+      const Matrix<double, m, 6> BQ = G * Ad_b;
       const Matrix<double, m, 6> BP = -G * Ad_g * A;
-      add_nodes(slot, w.U, t, A, d.Ad_b);
+      add_nodes(slot, w.U, t, A, Ad_b);
       add_block<6, m>(slot[4], BP.transpose());
       add_block<6, m>(slot[5], BQ.transpose());
       add_block<m, 6>(slot[6], BP);
@@ -145,14 +183,28 @@ class JointBatch final : public AnyJointBatch {
 
   std::string out_of_range(const State& state) const override {
     for (std::size_t i = 0; i < data_.size(); ++i)
-      if (!on_branch<J>(relative_pose(state, data_[i]), given_of(state, data_[i])))
+      if (!on_branch<J, double>(relative_pose(state, data_[i]), given_of(state, data_[i])))
         return names_[i];
     return {};
   }
 
   // g along H exp(tau V) and t + tau: its value, first and second derivative in tau at 0 are g, gdot and
-  // the part of gddot without Vdot.
+  // the part of gddot without Vdot. Without laws of time they are sums over rows (evaluate_rates).
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const override {
+    if constexpr (packed) {
+      each_pack(0, data_.size(), [&](const PackOf& pack) {
+        Rates<Pack> rates;
+        evaluate_rates(state, pack, true, rates);
+        for (int k = 0; k < pack.count(); ++k) {
+          const Index row = data_[pack[k]].multiplier;
+          for (Index i = 0; i < m; ++i) {
+            gdot(row + i) = rates.gdot(i)[k];
+            gddot_rest(row + i) = rates.gddot_rest(i)[k];
+          }
+        }
+      });
+      return;
+    }
     using D2 = Dual<Dual<double>>;
     const D2 tau{Dual<double>{0.0, 1.0}, Dual<double>{1.0, 0.0}};
     for (const Data& d : data_) {
@@ -167,7 +219,39 @@ class JointBatch final : public AnyJointBatch {
   }
 
   void constraints(const State& state, VecX& g, VecX& gdot) const override {
+    if constexpr (packed) {
+      each_pack(0, data_.size(), [&](const PackOf& pack) {
+        Rates<Pack> rates;
+        evaluate_rates(state, pack, false, rates);
+        for (int k = 0; k < pack.count(); ++k) {
+          const Index row = data_[pack[k]].multiplier;
+          for (Index i = 0; i < m; ++i) {
+            g(row + i) = rates.g(i)[k];
+            gdot(row + i) = rates.gdot(i)[k];
+          }
+        }
+      });
+      return;
+    }
     using D1 = Dual<double>;
+    if constexpr (!moves_a) {
+      for (const Data& d : data_) {
+        const Given<double> given = given_of(state, d);
+        Rates<double> rates;
+        set_rates<double>(pose(state, d.P), pose(state, d.Q), d.a, d.b,
+                          state.V[static_cast<std::size_t>(d.P)],
+                          state.V[static_cast<std::size_t>(d.Q)], given, false, rates);
+        if constexpr (law == Law::coordinate) {  // g_t
+          const SignalValue s = signal(state, d, 0);
+          const Given<D1> moving{D1{s.f, s.fdot}, d.parameter, given.near};
+          const auto by_s = constraint<J, D1>(rates.place.template cast<D1>(), moving);
+          for (Index i = 0; i < m; ++i) rates.gdot(i) += by_s(i).d;
+        }
+        g.segment<m>(d.multiplier) = rates.g;
+        gdot.segment<m>(d.multiplier) = rates.gdot;
+      }
+      return;
+    }
     for (const Data& d : data_) {
       const auto both = constraint_along(state, d, D1{0.0, 1.0}, [](const SignalValue& x) {
         return D1{x.f, x.fdot};
@@ -217,9 +301,9 @@ class JointBatch final : public AnyJointBatch {
   }
   Vec6 relative_velocity(const State& state, Index i) const override {
     const Data& d = data(i);
-    const Vec6 Va = Ad_a(state, d) * state.V[static_cast<std::size_t>(d.P)];
-    return d.Ad_b * state.V[static_cast<std::size_t>(d.Q)] -
-           adjoint_inverse(relative_pose(state, d)) * Va;
+    const Vec6 Va = body_twist<double>(frame_a(state, d), state.V[static_cast<std::size_t>(d.P)]);
+    return body_twist<double>(d.b, state.V[static_cast<std::size_t>(d.Q)]) -
+           body_twist<double>(relative_pose(state, d), Va);
   }
   Vec6 reaction(const State& state, Index i) const override {
     const Data& d = data(i);
@@ -255,17 +339,18 @@ class JointBatch final : public AnyJointBatch {
     return motion<double>([&](std::size_t i) { return signal(state, d, i).f; });
   }
 
-  static Pose<double> relative_pose(const State& state, const Data& d) {
-    Pose<double> a = state.pose[static_cast<std::size_t>(d.P)] * d.a;
-    if constexpr (moves_a) a = a * motion(state, d);
-    return relative(a, state.pose[static_cast<std::size_t>(d.Q)] * d.b);
+  static const Pose<double>& pose(const State& state, int node) {
+    return state.pose[static_cast<std::size_t>(node)];
   }
-  // Node increments of P seen in frame a, where it is now.
-  static decltype(auto) Ad_a(const State& state, const Data& d) {
+  // Frame a in its node, where it is now.
+  static Pose<double> frame_a(const State& state, const Data& d) {
     if constexpr (moves_a)
-      return Mat6(adjoint_inverse(motion(state, d)).matrix() * d.Ad_a);
+      return d.a * motion(state, d);
     else
-      return static_cast<const Mat6&>(d.Ad_a);
+      return d.a;
+  }
+  static Pose<double> relative_pose(const State& state, const Data& d) {
+    return relative(pose(state, d.P) * frame_a(state, d), pose(state, d.Q) * d.b);
   }
   template <class S, class F>
   static Matrix<S, m, 1> constraint_at(const State& state, const Data& d, const Pose<S>& P,
@@ -290,14 +375,197 @@ class JointBatch final : public AnyJointBatch {
                             [&](std::size_t i) { return value(signal(state, d, i)); });
   }
 
-  static void add_residual(const Data& d, const Mat6& A, const Pose<double>& g,
-                           const Given<double>& given, const Vec6& f, Index first, VecX& r) {
-    r.segment<m>(first + d.multiplier) = constraint<J, double>(g, given);
-    r.segment<6>(6 * d.Q).noalias() += d.Ad_b.transpose() * f;
-    r.segment<6>(6 * d.P).noalias() -= A.transpose() * adjoint_inverse(g).transpose_times(f);
+  // A joint, or a pack of them, between nodes at P and Q with frames at a and b in them.
+  template <class S>
+  struct Place {
+    Pose<S> g;  // of b in a
+    Pose<S>
+        b_in_P;  // a g, from positions themselves: forces on P and Q are in balance to round-off
+    Pose<S> b;
+    Given<S> given;
+  };
+  template <class S>
+  struct Forces {
+    Matrix<S, m, 1> rows;   // the constraint
+    Vector6<S> f;           // on b
+    Vector6<S> on_P, on_Q;  // in the residual
+    StiffnessSum<S> stiffness;
+  };
+
+  // Not inlined: the same to the last bit with and without the tangent.
+  template <class S>
+  [[gnu::noinline, gnu::flatten]] static bool evaluate(const Pose<S>& P, const Pose<S>& Q,
+                                                       const Pose<S>& a, const Pose<S>& b,
+                                                       const Given<S>& given,
+                                                       const Matrix<S, m, 1>& lambda,
+                                                       Place<S>& place, Forces<S>& f) {
+    const Pose<S> at_b = Q * b;
+    place.g = relative<S>(P * a, at_b);
+    place.b_in_P = relative<S>(P, at_b);
+    place.b = b;
+    place.given = given;
+    f.rows = constraint<J, S>(place.g, given);
+    f.f = wrench<J, S>(place.g, given, lambda);
+    f.on_Q = inertial_wrench<S>(b, f.f);
+    if constexpr (moves_a)  // what is prescribed may be far: first to the frame that moves with it
+      f.on_P = -inertial_wrench<S>(a, inertial_wrench<S>(place.g, f.f));
+    else
+      f.on_P = -inertial_wrench<S>(place.b_in_P, f.f);
+    if constexpr (packed) {
+      const RowPlace<S> at(place.g, given);
+      f.stiffness = {};
+      each_row<J>([&](const auto& row, Index n) { row.add_stiffness(at, lambda(n), f.stiffness); });
+    }
+    return on_branch<J, S>(place.g, given);
   }
 
+  void gather(const State& state, const PackOf& pack, Pose<Pack>& P, Pose<Pack>& Q) const {
+    const auto at = [&](int Definition::*node) {
+      return pack_of_poses(
+          [&](int k) -> const Pose<double>& { return pose(state, data_[pack[k]].*node); });
+    };
+    P = at(&Definition::P);
+    Q = at(&Definition::Q);
+  }
+
+  bool evaluate_pack(const State& state, const PackOf& pack, Place<Pack>& place,
+                     Forces<Pack>& f) const {
+    Pose<Pack> P, Q;
+    gather(state, pack, P, Q);
+    Matrix<Pack, m, 1> lambda;
+    pack_into(lambda, [&](int k) { return state.lambda.data() + data_[pack[k]].multiplier; });
+    const Frames& frames = frames_[pack.first / lane_count];
+    return evaluate<Pack>(P, Q, frames.a, frames.b, {}, lambda, place, f);
+  }
+
+  static void add_residual(const Data& d, const Forces<double>& f, Index first, VecX& r) {
+    r.segment<m>(first + d.multiplier) = f.rows;
+    r.segment<6>(6 * d.Q) += f.on_Q;
+    r.segment<6>(6 * d.P) += f.on_P;
+  }
+  void add_residual(const PackOf& pack, const Forces<Pack>& f, Index first, VecX& r) const {
+    for (int k = 0; k < pack.count(); ++k) {
+      const Data& d = data_[pack[k]];
+      for (Index i = 0; i < m; ++i) r(first + d.multiplier + i) = f.rows(i)[k];
+      for (Index i = 0; i < 6; ++i) r(6 * d.Q + i) += f.on_Q(i)[k];
+      for (Index i = 0; i < 6; ++i) r(6 * d.P + i) += f.on_P(i)[k];
+    }
+  }
+
+  // Of rows without tension, with C = Ad((a g)^-1) = [R X; 0 R], B = Ad(b^-1), L = [0 0; n~ c] and f^U = [0 n~; n~ m~]:
+  //   QQ: B^T L B,   QP: -B^T L C,   PQ: -C^T (L - f^U) B,   PP: C^T (L - f^U) C,   of which the upper left quarters are 0.
+  template <class S>
+  struct NodeTangent {
+    Matrix3<S> PP_right, PP, PQ_right, PQ, QP_left, QP, QQ_left,
+        QQ;                  // upper right, lower right; lower left
+    Matrix<S, 6, m> BP, BQ;  // transposed gradients
+  };
+  template <class S>
+  [[gnu::noinline, gnu::flatten]] static void set_tangent(const Place<S>& place, const Forces<S>& f,
+                                                          const S& U, NodeTangent<S>& t) {
+    const RowPlace<S> at(place.g, place.given);
+    const DualMatrix<S> B = adjoint_inverse<S>(place.b), C = adjoint_inverse<S>(place.b_in_P);
+    const Matrix3<S> n = U * hat(linear(f.f)), L = U * f.stiffness.turning + n * hat(at.x_b),
+                     M = L - U * hat(angular(f.f));
+    const auto by_L = [&](const DualMatrix<S>& right, Matrix3<S>& lower_left, Matrix3<S>& lower) {
+      lower_left = B.A.transpose() * Matrix3<S>(n * right.A);
+      lower = B.A.transpose() * Matrix3<S>(n * right.B + L * right.A);
+    };
+    const auto by_M = [&](const DualMatrix<S>& right, Matrix3<S>& upper, Matrix3<S>& lower) {
+      const Matrix3<S> nR = n * right.A;
+      upper = C.A.transpose() * nR;
+      lower = C.B.transpose() * nR - C.A.transpose() * Matrix3<S>(M * right.A);
+    };
+    by_L(B, t.QQ_left, t.QQ);
+    by_L(C, t.QP_left, t.QP);
+    by_M(B, t.PQ_right, t.PQ);
+    by_M(C, t.PP_right, t.PP);
+    each_row<J>([&](const auto& row, Index i) {
+      Vector3<S> u, psi;
+      row.gradient(at, u, psi);
+      const Vector6<S> G = six<S>(u, psi);
+      t.BQ.col(i) = inertial_wrench<S>(place.b, G);
+      t.BP.col(i) = -inertial_wrench<S>(place.b_in_P, G);
+    });
+  }
+
+  static void add_part(const Slot& slot, Index row, Index column, const Matrix3<Pack>& part, int k,
+                       double sign) {
+    for (Index c = 0; c < 3; ++c)
+      for (Index i = 0; i < 3; ++i)
+        slot.data[row + i + (column + c) * slot.ld] += sign * part(i, c)[k];
+  }
+  void add_tangent(const PackOf& pack, const Place<Pack>& place, const Forces<Pack>& f, double U,
+                   const Slot* slot) const {
+    NodeTangent<Pack> t;
+    set_tangent<Pack>(place, f, U, t);
+    for (int k = 0; k < pack.count(); ++k, slot += 8) {
+      add_part(slot[0], 0, 3, t.PP_right, k, -1.0);
+      add_part(slot[0], 3, 3, t.PP, k, -1.0);
+      add_part(slot[1], 0, 3, t.PQ_right, k, 1.0);
+      add_part(slot[1], 3, 3, t.PQ, k, 1.0);
+      add_part(slot[2], 3, 0, t.QP_left, k, -1.0);
+      add_part(slot[2], 3, 3, t.QP, k, -1.0);
+      add_part(slot[3], 3, 0, t.QQ_left, k, 1.0);
+      add_part(slot[3], 3, 3, t.QQ, k, 1.0);
+      for (Index i = 0; i < m; ++i)
+        for (Index c = 0; c < 6; ++c) {
+          const double P = t.BP(c, i)[k], Q = t.BQ(c, i)[k];
+          slot[4].data[c + i * slot[4].ld] += P;
+          slot[5].data[c + i * slot[5].ld] += Q;
+          slot[6].data[i + c * slot[6].ld] += P;
+          slot[7].data[i + c * slot[7].ld] += Q;
+        }
+    }
+  }
+
+  template <class S>
+  struct Rates {
+    Pose<S> place;
+    Matrix<S, m, 1> g, gdot, gddot_rest;
+  };
+  // With w = Ad((a g)^-1) V_P, the velocity of P at b, and z = Ad(b^-1) V_Q - w, g changes by z, and w by -z~ w while V
+  // stays: gdot = G z, and without Vdot gddot = z^T L z + G z~ w.
+  template <class S>
+  [[gnu::noinline, gnu::flatten]] static void set_rates(
+      const Pose<S>& P, const Pose<S>& Q, const Pose<S>& a, const Pose<S>& b, const Vector6<S>& V_P,
+      const Vector6<S>& V_Q, const Given<S>& given, bool second, Rates<S>& rates) {
+    const Pose<S> at_b = Q * b, g = relative<S>(P * a, at_b);
+    rates.place = g;
+    const Vector6<S> w = body_twist<S>(relative<S>(P, at_b), V_P), z = body_twist<S>(b, V_Q) - w;
+    rates.g = constraint<J, S>(g, given);
+    const Matrix<S, m, 6> G = gradient<J, S>(g, given);
+    const auto along = [&](const Vector6<S>& x, Matrix<S, m, 1>& to) {
+      for (Index i = 0; i < m; ++i) {
+        S sum = S(0.0);
+        for (Index c = 0; c < 6; ++c) sum += G(i, c) * x(c);
+        to(i) = sum;
+      }
+    };
+    along(z, rates.gdot);
+    if (!second) return;
+    const Vector3<S> zu = linear(z), zp = angular(z), wu = linear(w), wp = angular(w);
+    along(six<S>(zp.cross(wu) + zu.cross(wp), zp.cross(wp)), rates.gddot_rest);
+    rates.gddot_rest += curvature_along<J, S>(g, given, z);
+  }
+  void evaluate_rates(const State& state, const PackOf& pack, bool second,
+                      Rates<Pack>& rates) const {
+    Pose<Pack> P, Q;
+    gather(state, pack, P, Q);
+    Vector6<Pack> V_P, V_Q;
+    const auto V = [&](int node) { return state.V[static_cast<std::size_t>(node)].data(); };
+    pack_into(V_P, [&](int k) { return V(data_[pack[k]].P); });
+    pack_into(V_Q, [&](int k) { return V(data_[pack[k]].Q); });
+    const Frames& frames = frames_[pack.first / lane_count];
+    set_rates<Pack>(P, Q, frames.a, frames.b, V_P, V_Q, {}, second, rates);
+  }
+
+  struct Frames {
+    Pose<Pack> a, b;
+  };
+
   std::vector<Data> data_;
+  std::vector<Frames> frames_;  // of packs; empty where there are none
   std::vector<std::string> names_;
   std::size_t first_slot_ = 0;
 };

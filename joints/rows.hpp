@@ -30,7 +30,7 @@ struct RowPlace {
   Vector3<S> x_b;
   const Given<S>& given;
 
-  RowPlace(const Pose<S>& g, const Given<S>& with)
+  MBD_INLINE RowPlace(const Pose<S>& g, const Given<S>& with)
       : R(g.R()), x_b(R.transpose() * g.r), given(with) {}
 };
 

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 #include "elements/beam/beam_strips.hpp"
@@ -22,6 +23,10 @@
 #include "libmbd/core/batch.hpp"
 
 namespace mbd::beam {
+
+// Orders above have kernels for single elements only: an element of theirs fills the registers by itself, and they take
+// long to compile.
+inline constexpr int most_packed = 4;
 
 struct EnergyForm {
   static constexpr const char* name = "energy form";
@@ -49,6 +54,10 @@ struct Elastic {
   using Data = beam::Data<N, Real>;
   template <class S>
   using Output = ElementOutput<S, nodes, max_nodes>;
+  // Real = Pack: constants of as many elements side by side as a pack has lanes.
+  static constexpr bool has_packs =
+      N >= 1 && N <= most_packed && is_energy && std::is_same_v<Real, double>;
+  using Packed = std::conditional_t<has_packs, Elastic<Metric, Form, N, Pack>, void>;
 
   static int node_count(const Shared& shared) { return shared.table.order() + 1; }
 
@@ -72,6 +81,39 @@ struct Elastic {
     residual(shared, data, x, work, out);
     if constexpr (want == Want::tangent) tangent(shared, data, work, out);
     return work.motion.margin;
+  }
+
+  // Constants of all packs of a list of elements, of which lanes of one pack differ, packs seldom.
+  static PackedElements<Elastic> packed(const Shared& shared,
+                                        const std::vector<Data>& elements) requires has_packs {
+    PackedElements<Elastic> result;
+    result.shared.table = shared.table.template cast<Pack>();
+    std::map<std::array<int, lane_count>, int> known;  // first and further D of lanes
+    each_pack(0, elements.size(), [&](const PackOf& pack) {
+      const auto of = [&](int k) -> const Data& { return elements[pack[k]]; };
+      typename Packed::Data data;
+      pack_into(data.c, [&](int k) { return of(k).c.data(); });
+      pack_into(data.wJ, [&](int k) { return of(k).wJ.data(); });
+      for (std::size_t i = 0; i < data.K0.size(); ++i)
+        pack_into(data.K0[i], [&](int k) { return of(k).K0[i].data(); });
+      bool varies = false;
+      std::array<int, lane_count> first{};
+      for (int k = 0; k < lane_count; ++k) {
+        varies = varies || of(k).stiffness_stride != 0;
+        first[static_cast<std::size_t>(k)] = of(k).stiffness;
+      }
+      const auto next = static_cast<int>(result.shared.stiffness.size());
+      const bool is_new = varies || known.emplace(first, next).second;
+      data.stiffness = is_new ? next : known.at(first);
+      data.stiffness_stride = varies ? 1 : 0;
+      for (int i = 0; is_new && i < (varies ? shared.table.points : 1); ++i) {
+        Matrix6<Pack> D;
+        pack_into(D, [&](int k) { return D_at(shared, of(k), i).data(); });
+        result.shared.stiffness.push_back(D);
+      }
+      result.data.push_back(data);
+    });
+    return result;
   }
 
   // --- resultants as iterates (NOTATION.md 5) ---
@@ -249,7 +291,10 @@ struct Elastic {
         }
       }
     }
-    All::product_sum(X, Bbar, points, rows, S(1), out.K);
+    if constexpr (is_energy)
+      All::symmetric_sum(X, Bbar, points, rows, out.K);
+    else
+      All::product_sum(X, Bbar, points, rows, S(1), out.K);
     if constexpr (is_energy) add_geometric_stiffness<N, S>(order, motion, T, W, out.K);
   }
 };

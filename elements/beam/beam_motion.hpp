@@ -14,6 +14,7 @@
 // Not used: the interpolated field between nodes (HB 16-18), which the residual never needs.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <type_traits>
@@ -46,6 +47,17 @@ struct Table {
   std::array<Real, Z::max_points * Z::max_nodes> dl{};  // l'_a(xi_i)
 
   int order() const { return N > 0 ? N : order_; }
+
+  template <class To>
+  Table<N, To> cast() const {
+    Table<N, To> to;
+    to.order_ = order_;
+    to.points = points;
+    std::copy(w.begin(), w.end(), to.w.begin());
+    std::copy(l.begin(), l.end(), to.l.begin());
+    std::copy(dl.begin(), dl.end(), to.dl.begin());
+    return to;
+  }
 };
 
 template <int N, class Real>
@@ -134,7 +146,7 @@ struct Motion {
         g[i].r.noalias() = Rj.transpose() * chord;
         pair[i] = Pair(g[i]);
         q[i] = pair[i].q();
-        smallest = pair[i].e0 < smallest ? pair[i].e0 : smallest;
+        smallest = smaller_of<S>(smallest, pair[i].e0);
       }
     }
     margin = smallest - S(limit());

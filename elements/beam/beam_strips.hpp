@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <type_traits>
 
 #include "elements/beam/beam_motion.hpp"
 #include "elements/element.hpp"
@@ -58,6 +60,57 @@ struct Strips {
   MBD_INLINE static void multiply(const Strip& strip, const Matrix6<S>& C, int last, Strip& to) {
     for (int r = 0; r < last; r += lanes)
       for (int q = 0; q < 6; ++q) block_at<lanes, 1>(to, r, q) = combined(strip, r, C.col(q));
+  }
+
+  // sum = sum_i X_i B_i, symmetric, of strips B_i that add() has filled: a node's first three columns have no angular
+  // part. By parts of three columns, in registers, of the lower triangle.
+  static constexpr bool by_parts =
+      std::is_same_v<S, double> && N > 0 && most % lane_count == 0 && !is_pack<S>;
+  template <class Square>
+  MBD_INLINE static void symmetric_sum(const All& X, const All& B, int points, int rows,
+                                       Square& sum) {
+    if constexpr (by_parts) {
+      sum.resize(rows, rows);
+      for (int c = 0; c < most; c += 3) {
+        const int first = c / 6 * 6 / lane_count * lane_count;
+        for (int r = first; r < most;) {
+          const auto part = [&]<int registers>() {
+            if (c % 6 == 0)
+              add_part<registers, 3>(X, B, points, r, c, sum.data());
+            else
+              add_part<registers, 6>(X, B, points, r, c, sum.data());
+            r += registers * lane_count;
+          };
+          if (r + 3 * lane_count <= most)
+            part.template operator()<3>();
+          else
+            part.template operator()<1>();
+        }
+      }
+      for (int c = 6; c < most; ++c)
+        for (int r = 0; r < c / 6 * 6; ++r) sum(r, c) = sum(c, r);
+    } else {
+      product_sum(X, B, points, rows, S(1), sum);
+    }
+  }
+
+  // Three columns of it from c, of some rows from r; terms: of B.
+  template <int registers, int terms>
+  [[gnu::noinline]] static void add_part(const All& X, const All& B, int points, int r, int c,
+                                         double* sum) {
+    Lane part[3][registers] = {};
+    for (int i = 0; i < points; ++i) {
+      const double* const x = X[static_cast<std::size_t>(i)].data() + r;
+      const double* const b = B[static_cast<std::size_t>(i)].data() + c;
+#pragma GCC unroll 6
+      for (int q = 0; q < terms; ++q) {
+        Lane column[registers];
+        std::memcpy(column, x + q * most, sizeof column);
+        for (int k = 0; k < 3; ++k)
+          for (int n = 0; n < registers; ++n) part[k][n] += column[n] * b[q * most + k];
+      }
+    }
+    for (int k = 0; k < 3; ++k) std::memcpy(sum + r + (c + k) * most, part[k], sizeof part[k]);
   }
 
   // sum = factor sum_i X_i B_i, (rows x rows), with the sum in registers.

@@ -30,6 +30,34 @@ struct NodalGravity {
 
   static int node_count(const Shared&) { return 1; }
 
+  static constexpr bool has_packs = true;
+  struct Packed {
+    using Shared = NodalGravity::Shared;
+    struct Data {
+      Pack m;
+      Vector3<Pack> mc;
+    };
+    template <class S>
+    using Output = NodalGravity::Output<S>;
+    template <Want>
+    static Pack evaluate(const Shared& shared, const Data& data, const NodeState<Pack>* x,
+                         const Environment& env, RateWeights, Output<Pack>& out) {
+      Vector3<Pack> b;
+      residual(shared, data, x[0], env, b, out);
+      return Pack(1.0);
+    }
+  };
+  static PackedElements<NodalGravity> packed(const Shared& shared,
+                                             const std::vector<Data>& elements) {
+    PackedElements<NodalGravity> result{shared, {}};
+    each_pack(0, elements.size(), [&](const PackOf& pack) {
+      Packed::Data data{pack_of([&](int k) { return elements[pack[k]].m; }), {}};
+      pack_into(data.mc, [&](int k) { return elements[pack[k]].mc.data(); });
+      result.data.push_back(data);
+    });
+    return result;
+  }
+
   template <Want want, class S>
   static S evaluate(const Shared& shared, const Data& data, const NodeState<S>* x,
                     const Environment& env, RateWeights, Output<S>& out) {
@@ -51,13 +79,13 @@ struct NodalGravity {
 
  private:
   // Not inlined: the same to the last bit with and without the tangent.
-  template <class S>
-  [[gnu::noinline]] static void residual(const Shared& shared, const Data& data,
+  template <class Constants, class S>
+  [[gnu::noinline]] static void residual(const Shared& shared, const Constants& data,
                                          const NodeState<S>& x, const Environment& env,
                                          Vector3<S>& b, Output<S>& out) {
     const Vector3<S> g = (env.load_factor * shared.g).template cast<S>();
-    b = x.H.p.conjugate() * g;
-    out.r = six<S>(S(-data.m) * b, b.cross(Vector3<S>(data.mc.template cast<S>())));
+    b = rotated_back<S>(x.H.p, g);
+    out.r = six<S>(-S(data.m) * b, b.cross(Vector3<S>(data.mc.template cast<S>())));
   }
 };
 

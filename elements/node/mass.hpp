@@ -34,13 +34,17 @@ namespace mbd {
 
 namespace inertia {
 
-struct Full {
-  Mat6 M;  // [kg, kg.m, kg.m2], node frame
+template <class Real>
+struct FullOf {
+  Matrix6<Real> M;  // [kg, kg.m, kg.m2], node frame
 };
-struct NoGyroscopic {
-  Mat6 M;  // as of Full
-  Mat3 J;  // of all masses of the node, about their centre, node axes  [kg.m2]
+template <class Real>
+struct NoGyroscopicOf {
+  Matrix6<Real> M;  // as of FullOf
+  Matrix3<Real> J;  // of all masses of the node, about their centre, node axes  [kg.m2]
 };
+using Full = FullOf<double>;
+using NoGyroscopic = NoGyroscopicOf<double>;
 
 }  // namespace inertia
 
@@ -58,6 +62,33 @@ struct Inertia {
   using Output = ElementOutput<S, 1>;
 
   static int node_count(const Shared&) { return 1; }
+
+  static constexpr bool has_packs = true;
+  struct Packed {
+    using Shared = Inertia::Shared;
+    using Data =
+        std::conditional_t<gyroscopic, inertia::FullOf<Pack>, inertia::NoGyroscopicOf<Pack>>;
+    template <class S>
+    using Output = Inertia::Output<S>;
+    template <Want>
+    static Pack evaluate(const Shared&, const Data& data, const NodeState<Pack>* x,
+                         const Environment& env, RateWeights, Output<Pack>& out) {
+      Vector6<Pack> p;
+      residual(data, x[0], env.momentum_rate, p, out);
+      return Pack(1.0);
+    }
+  };
+  static PackedElements<Inertia> packed(const Shared&, const std::vector<Data>& elements) {
+    PackedElements<Inertia> result;
+    each_pack(0, elements.size(), [&](const PackOf& pack) {
+      typename Packed::Data data;
+      pack_into(data.M, [&](int k) { return elements[pack[k]].M.data(); });
+      if constexpr (!gyroscopic)
+        pack_into(data.J, [&](int k) { return elements[pack[k]].J.data(); });
+      result.data.push_back(data);
+    });
+    return result;
+  }
 
   template <Want want, class S>
   static S evaluate(const Shared&, const Data& data, const NodeState<S>* x, const Environment& env,
@@ -96,8 +127,8 @@ struct Inertia {
  private:
   // Not inlined: the same to the last bit with and without the tangent. All it calls is, which a compiler
   // does not promise by itself (tools/instructions saw it stop when a variant of this kernel was added).
-  template <class S>
-  [[gnu::noinline, gnu::flatten]] static void residual(const Data& data, const NodeState<S>& x,
+  template <class Constants, class S>
+  [[gnu::noinline, gnu::flatten]] static void residual(const Constants& data, const NodeState<S>& x,
                                                        double rate, Vector6<S>& p, Output<S>& out) {
     const Matrix6<S> M = data.M.template cast<S>();
     p = times<S>(M, x.V);

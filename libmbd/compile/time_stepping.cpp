@@ -5,6 +5,7 @@
 #include "libmbd/core/parts.hpp"
 #include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/free_momenta.hpp"
 #include "solvers/time/generalized_alpha.hpp"
 #include "solvers/time/ida.hpp"
 #include "solvers/time/radau.hpp"
@@ -63,10 +64,30 @@ TransientScene transient_of(const Scene& scene) {
   return transient;
 }
 
+namespace {
+
+// What the balance is where a scene does not say it.
+struct DefaultBalance {
+  Balance balance = Balance::acceleration;
+  bool keep_momenta = false;
+};
+DefaultBalance default_balance(const System& system, const TransientScene& transient) {
+  const ConnectedParts parts = find_parts(system);
+  if (transient.inertia != InertiaTerms::full || !parts.any_free()) return {};
+  const auto free = std::count(parts.is_held.begin(), parts.is_held.end(), 0);
+  if (FreeMomenta(system).count() == free) return {.keep_momenta = true};
+  return {.balance = parts.all_free() ? Balance::momentum : Balance::acceleration};
+}
+
+}  // namespace
+
 Balance balance_of(const System& system, const TransientScene& transient) {
-  if (transient.balance) return *transient.balance;
-  const bool free = transient.inertia == InertiaTerms::full && find_parts(system).all_free();
-  return free ? Balance::momentum : Balance::acceleration;
+  return transient.balance ? *transient.balance : default_balance(system, transient).balance;
+}
+
+bool keeps_momenta(const System& system, const TransientScene& transient) {
+  return transient.method == TimeMethod::generalized_alpha && !transient.balance &&
+         default_balance(system, transient).keep_momenta;
 }
 
 std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient) {
@@ -84,7 +105,8 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
                                   .max_step = max_step,
                                   .rho_infinity = rho_infinity_of(transient),
                                   .balance = balance_of(system, transient),
-                                  .newton = newton_options(transient)});
+                                  .newton = newton_options(transient),
+                                  .keep_momenta = keeps_momenta(system, transient)});
     case TimeMethod::radau:
       return std::make_unique<Radau>(system, solver(), make_pencil_solver(transient.linear_solver),
                                      RadauOptions{.step = step,

@@ -25,9 +25,11 @@ TransientScene transient_of(const Scene& scene);
 // energies of stiff strains in it.
 bool follows_from_motion(const schema::Quantity& quantity);
 
-// Of generalized_alpha. Where the scene gives none: of momenta where nothing ties any part to the ground (and inertia is
-// full), so that a system in free flight keeps its momenta; else of accelerations, which damps less what turns.
+// Of generalized_alpha. Where the scene gives none: of accelerations, and parts that nothing ties to the ground keep their
+// momenta as a whole (keeps_momenta), if inertia is full. Where some of these have added mass, which that does not know: of
+// momenta of every node if no part is tied, else of accelerations alone.
 Balance balance_of(const System& system, const TransientScene& transient);
+bool keeps_momenta(const System& system, const TransientScene& transient);
 
 // What integrates `system`, compiled from a scene with this transient, from t = 0. Throws Error for a method
 // that is not there, and as the stepper's constructor does.

@@ -19,7 +19,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
+#include "libmbd/core/pack.hpp"
 #include "libmbd/core/types.hpp"
 
 namespace mbd {
@@ -84,21 +86,34 @@ struct Pose {
   }
 };
 
-// The sign of x with sign(0) = 1, as a number: branch-free where S can be a pack.
+// p x p^-1 of a unit quaternion, by components and inlined: Eigen's is a call.
 template <class S>
-S sign_of(const S& x) {
-  return x < S(0) ? S(-1) : S(1);
+MBD_INLINE Vector3<S> rotated(const Quaternion<S>& p, const Vector3<S>& x) {
+  const S w = p.w(), a = p.x(), b = p.y(), c = p.z();
+  const S u0 = b * x(2) - c * x(1), u1 = c * x(0) - a * x(2), u2 = a * x(1) - b * x(0);
+  const S d0 = u0 + u0, d1 = u1 + u1, d2 = u2 + u2;
+  return Vector3<S>(x(0) + w * d0 + (b * d2 - c * d1), x(1) + w * d1 + (c * d0 - a * d2),
+                    x(2) + w * d2 + (a * d1 - b * d0));
+}
+template <class S>
+MBD_INLINE Vector3<S> rotated_back(const Quaternion<S>& p, const Vector3<S>& x) {
+  return rotated<S>(Quaternion<S>(p.w(), -p.x(), -p.y(), -p.z()), x);
 }
 
 template <class S>
-Pose<S> operator*(const Pose<S>& a, const Pose<S>& b) {
-  return {a.p * b.p, a.r + a.p * b.r};
+MBD_INLINE Pose<S> operator*(const Pose<S>& a, const Pose<S>& b) {
+  const S aw = a.p.w(), ax = a.p.x(), ay = a.p.y(), az = a.p.z();
+  const S bw = b.p.w(), bx = b.p.x(), by = b.p.y(), bz = b.p.z();
+  return {
+      Quaternion<S>(aw * bw - ax * bx - ay * by - az * bz, aw * bx + ax * bw + ay * bz - az * by,
+                    aw * by + ay * bw + az * bx - ax * bz, aw * bz + az * bw + ax * by - ay * bx),
+      a.r + rotated<S>(a.p, b.r)};
 }
 
 // A point given in the frame of H, in the base frame.
 template <class S>
-Vector3<S> operator*(const Pose<S>& H, const Vector3<S>& x) {
-  return H.r + H.p * x;
+MBD_INLINE Vector3<S> operator*(const Pose<S>& H, const Vector3<S>& x) {
+  return H.r + rotated<S>(H.p, x);
 }
 
 template <class S>
@@ -122,10 +137,10 @@ MBD_INLINE void set_relative_rotation(const Quaternion<S>& a, const Quaternion<S
 
 // H_j^-1 H_k, with the difference of positions taken first: no loss far from the origin.
 template <class S>
-Pose<S> relative(const Pose<S>& Hj, const Pose<S>& Hk) {
+MBD_INLINE Pose<S> relative(const Pose<S>& Hj, const Pose<S>& Hk) {
   Pose<S> g;
   set_relative_rotation(Hj.p, Hk.p, g.p);
-  g.r = Hj.p.conjugate() * (Hk.r - Hj.r);
+  g.r = rotated_back<S>(Hj.p, Vector3<S>(Hk.r - Hj.r));
   return g;
 }
 
@@ -162,7 +177,7 @@ DualMatrix<S> adjoint(const Pose<S>& g) {
 }
 // The adjoint of g^-1: R^T - eps R^T r~.
 template <class S>
-DualMatrix<S> adjoint_inverse(const Pose<S>& g) {
+MBD_INLINE DualMatrix<S> adjoint_inverse(const Pose<S>& g) {
   const Matrix3<S> Rt = g.R().transpose();
   return {Rt, -Rt * hat(g.r)};
 }
@@ -170,14 +185,21 @@ DualMatrix<S> adjoint_inverse(const Pose<S>& g) {
 // A wrench at the origin of H in its axes, as one at the base frame's origin in the base's axes, and back.
 template <class S>
 MBD_INLINE Vector6<S> inertial_wrench(const Pose<S>& H, const Vector6<S>& W) {
-  const Vector3<S> n = H.p * linear(W), m = H.p * angular(W);
+  const Vector3<S> n = rotated<S>(H.p, linear(W)), m = rotated<S>(H.p, angular(W));
   return six<S>(n, m + H.r.cross(n));
 }
 template <class S>
 MBD_INLINE Vector6<S> body_wrench(const Pose<S>& H, const Vector6<S>& W) {
   const Vector3<S> n = linear(W), m = angular(W) - H.r.cross(n);
-  const Quaternion<S> back = H.p.conjugate();
-  return six<S>(back * n, back * m);
+  return six<S>(rotated_back<S>(H.p, n), rotated_back<S>(H.p, m));
+}
+
+// A twist of the base frame, which H moves with, as one at the origin of H in its axes: Ad(H^-1) V.
+template <class S>
+MBD_INLINE Vector6<S> body_twist(const Pose<S>& H, const Vector6<S>& V) {
+  const Vector3<S> w = angular(V);
+  return six<S>(rotated_back<S>(H.p, Vector3<S>(linear(V) + w.cross(H.r))),
+                rotated_back<S>(H.p, w));
 }
 
 // M x as a sum of columns: inlined, in vector registers.
@@ -213,7 +235,7 @@ MBD_INLINE Vector6<S> twist_hat_transpose_times(const Vector6<S>& V, const Vecto
 namespace detail {
 
 template <class S, std::size_t n>
-S horner(const std::array<double, n>& coefficients, const S& x) {
+MBD_INLINE S horner(const std::array<double, n>& coefficients, const S& x) {
   S y = S(coefficients[n - 1]);
   for (std::size_t i = n - 1; i-- > 0;) y = y * x + S(coefficients[i]);
   return y;
@@ -278,36 +300,70 @@ constexpr std::array<double, m> truncate(const std::array<double, n>& c) {
   return d;
 }
 
+// The series below, long and short.
+inline constexpr auto half_sine = factorial_series<9>(1);
+inline constexpr auto half_cosine = factorial_series<9>(0);
+inline constexpr auto remainder = factorial_series<13>(3);
+inline constexpr auto short_remainder = truncate<6>(remainder);
+inline constexpr auto a2 = a2_series();
+inline constexpr auto da2 = differentiate(a2);
+inline constexpr auto dda2 = differentiate(da2);
+inline constexpr auto short_a2 = truncate<8>(a2);
+inline constexpr auto short_da2 = truncate<8>(da2);
+inline constexpr auto short_dda2 = truncate<8>(dda2);
+inline constexpr auto cosine_remainder = factorial_series<13>(2);
+inline constexpr auto d_cosine_remainder = differentiate(cosine_remainder);
+inline constexpr auto d_remainder = differentiate(remainder);
+inline constexpr auto short_cosine_remainder = truncate<6>(cosine_remainder);
+inline constexpr auto short_d_cosine_remainder = truncate<6>(d_cosine_remainder);
+inline constexpr auto short_d_remainder = truncate<6>(d_remainder);
+// 2 asin(s)/s = 2 sum (2n)!/(4^n n!^2 (2n+1)) s^2n, for |e| < 0.24 (28 degrees)
+inline constexpr auto arcsine = [] {
+  std::array<double, 13> c{};
+  long double f = 2.0L;
+  for (std::size_t n = 0; n < c.size(); ++n) {
+    c[n] = static_cast<double>(f / static_cast<long double>(2 * n + 1));
+    f *= static_cast<long double>(2 * n + 1) / static_cast<long double>(2 * n + 2);
+  }
+  return c;
+}();
+inline constexpr auto short_arcsine = truncate<8>(arcsine);
+
 }  // namespace detail
 
 // cos(theta/2) and s = sin(theta/2)/theta.
 template <class S>
-void half_angle(const S& x, S& cosine, S& s) {
-  using std::cos, std::sin, std::sqrt;
+MBD_INLINE void half_angle(const S& x, S& cosine, S& s) {
   // sin(y)/y and cos(y) with y = theta/2: series in y^2 = x/4.
-  static constexpr auto sine_series = detail::factorial_series<9>(1);
-  static constexpr auto cosine_series = detail::factorial_series<9>(0);
-  if (x < S(1.0)) {
-    const S y2 = S(0.25) * x;
-    s = S(0.5) * detail::horner(sine_series, y2);
-    cosine = detail::horner(cosine_series, y2);
-  } else {
-    const S theta = sqrt(x);
-    s = sin(S(0.5) * theta) / theta;
-    cosine = cos(S(0.5) * theta);
-  }
+  const auto series = [](const auto& square) {
+    using N = std::decay_t<decltype(square)>;
+    const N y2 = N(0.25) * square;
+    return std::array<N, 2>{detail::horner(detail::half_cosine, y2),
+                            N(0.5) * detail::horner(detail::half_sine, y2)};
+  };
+  const auto closed = [](const auto& square) {
+    using std::cos, std::sin, std::sqrt;
+    using N = std::decay_t<decltype(square)>;
+    const N theta = sqrt(square);
+    return std::array<N, 2>{cos(N(0.5) * theta), sin(N(0.5) * theta) / theta};
+  };
+  const auto both = by_size<2>(x, 1.0, series, 0.0, series, closed);
+  cosine = both[0];
+  s = both[1];
 }
 
 // c(x) = (theta - sin theta)/theta^3.
 template <class S>
-S sine_remainder(const S& x) {
-  using std::sin, std::sqrt;
-  static constexpr auto series = detail::factorial_series<13>(3);
-  static constexpr auto short_series = detail::truncate<6>(series);
-  if (x < S(0.05)) return detail::horner(short_series, x);
-  if (x < S(4.0)) return detail::horner(series, x);
-  const S theta = sqrt(x);
-  return (theta - sin(theta)) / (x * theta);
+MBD_INLINE S sine_remainder(const S& x) {
+  return by_size<1>(
+      x, 0.05, [](const auto& y) { return std::array{detail::horner(detail::short_remainder, y)}; },
+      4.0, [](const auto& y) { return std::array{detail::horner(detail::remainder, y)}; },
+      [](const auto& y) {
+        using std::sin, std::sqrt;
+        using N = std::decay_t<decltype(y)>;
+        const N theta = sqrt(y);
+        return std::array<N, 1>{(theta - sin(theta)) / (y * theta)};
+      })[0];
 }
 
 // a2(x) and its first two derivatives in x.
@@ -315,24 +371,11 @@ template <class S>
 struct A2 {
   S a, da, dda;
 };
+namespace detail {
+// h = y cot y, y = theta/2:  a2 = (1 - h)/x,  h' = (4h/x - 1/sin^2 y)/8.
 template <class S>
-A2<S> a2_coefficients(const S& x, bool derivatives = true) {
+std::array<S, 3> a2_closed(const S& x) {
   using std::cos, std::sin, std::sqrt;
-  static constexpr auto f = detail::a2_series();
-  static constexpr auto df = detail::differentiate(f);
-  static constexpr auto ddf = detail::differentiate(df);
-  static constexpr auto f_short = detail::truncate<8>(f);
-  static constexpr auto df_short = detail::truncate<8>(df);
-  static constexpr auto ddf_short = detail::truncate<8>(ddf);
-  if (x < S(0.3)) {
-    if (!derivatives) return {detail::horner(f_short, x), S(0), S(0)};
-    return {detail::horner(f_short, x), detail::horner(df_short, x), detail::horner(ddf_short, x)};
-  }
-  if (x < S(6.0)) {
-    if (!derivatives) return {detail::horner(f, x), S(0), S(0)};
-    return {detail::horner(f, x), detail::horner(df, x), detail::horner(ddf, x)};
-  }
-  // h = y cot y, y = theta/2:  a2 = (1 - h)/x,  h' = (4h/x - 1/sin^2 y)/8.
   const S y = S(0.5) * sqrt(x);
   const S sine = sin(y);
   const S h = y * cos(y) / sine;
@@ -342,6 +385,26 @@ A2<S> a2_coefficients(const S& x, bool derivatives = true) {
   const S da = (-dh - a) / x;
   const S ddh = (S(4) * dh / x - S(4) * h / (x * x) + h * inverse_s2 / x) / S(8);
   return {a, da, (-ddh - S(2) * da) / x};
+}
+}  // namespace detail
+
+template <class S>
+MBD_INLINE A2<S> a2_coefficients(const S& x, bool derivatives = true) {
+  const auto of = [derivatives](const auto& y, const auto& a, const auto& da, const auto& dda) {
+    using N = std::decay_t<decltype(y)>;
+    std::array<N, 3> r{detail::horner(a, y), N(0), N(0)};
+    if (derivatives) {
+      r[1] = detail::horner(da, y);
+      r[2] = detail::horner(dda, y);
+    }
+    return r;
+  };
+  const auto r = by_size<3>(
+      x, 0.3,
+      [&](const auto& y) { return of(y, detail::short_a2, detail::short_da2, detail::short_dda2); },
+      6.0, [&](const auto& y) { return of(y, detail::a2, detail::da2, detail::dda2); },
+      [](const auto& y) { return detail::a2_closed(y); });
+  return {r[0], r[1], r[2]};
 }
 
 // --- SO(3) ---
@@ -357,26 +420,22 @@ Quaternion<S> exp_so3(const Vector3<S>& psi) {
 // Rotation vector of length <= pi. Either sign of p gives the same.
 template <class S>
 Vector3<S> log_so3(const Quaternion<S>& p) {
-  using std::atan2, std::sqrt;
   const S sign = sign_of(S(p.w()));
-  const Vector3<S> e = sign * p.vec();
+  const Vector3<S> e(sign * p.x(), sign * p.y(), sign * p.z());
   const S e0 = sign * p.w();
   const S s2 = e.squaredNorm();
-  // 2 asin(s)/s = 2 sum (2n)!/(4^n n!^2 (2n+1)) s^2n, for |e| < 0.24 (28 degrees)
-  static constexpr auto series = [] {
-    std::array<double, 13> c{};
-    long double f = 2.0L;
-    for (std::size_t n = 0; n < c.size(); ++n) {
-      c[n] = static_cast<double>(f / static_cast<long double>(2 * n + 1));
-      f *= static_cast<long double>(2 * n + 1) / static_cast<long double>(2 * n + 2);
-    }
-    return c;
-  }();
-  static constexpr auto short_series = detail::truncate<8>(series);
-  if (s2 < S(0.0075)) return detail::horner(short_series, s2) * e;
-  if (s2 < S(0.0585)) return detail::horner(series, s2) * e;
-  const S s = sqrt(s2);
-  return (S(2) * atan2(s, e0) / s) * e;
+  const S factor = by_size<1>(
+      s2, 0.0075,
+      [](const auto& x) { return std::array{detail::horner(detail::short_arcsine, x)}; }, 0.0585,
+      [](const auto& x) { return std::array{detail::horner(detail::arcsine, x)}; },
+      [](const auto& x, const auto& w) {
+        using std::atan2, std::sqrt;
+        using N = std::decay_t<decltype(x)>;
+        const N sine = sqrt(x);
+        return std::array<N, 1>{N(2) * atan2(sine, w) / sine};
+      },
+      e0)[0];
+  return factor * e;
 }
 
 // --- SE(3) ---
@@ -395,7 +454,7 @@ DualMatrix<S> T_inverse(const Vector6<S>& U) {
 
 // T^-1(U) x without forming the matrix.
 template <class S>
-Vector6<S> T_inverse_times(const Vector6<S>& U, const Vector6<S>& x) {
+MBD_INLINE Vector6<S> T_inverse_times(const Vector6<S>& U, const Vector6<S>& x) {
   const Vector3<S> u = linear(U), psi = angular(U), v = linear(x), w = angular(x);
   const A2<S> k = a2_coefficients(S(psi.squaredNorm()));
   const Vector3<S> pw = psi.cross(w), first = psi.cross(v) + u.cross(w);
@@ -411,27 +470,30 @@ template <class S>
 Vector6<S> T_times(const Vector6<S>& U, const Vector6<S>& x) {
   const Vector3<S> u = linear(U), psi = angular(U), v = linear(x), w = angular(x);
   const S y = psi.squaredNorm();
-  static constexpr auto b_series = detail::factorial_series<13>(2);
-  static constexpr auto c_series = detail::factorial_series<13>(3);
-  static constexpr auto db_series = detail::differentiate(b_series);
-  static constexpr auto dc_series = detail::differentiate(c_series);
-  static constexpr auto b_short = detail::truncate<6>(b_series);
-  static constexpr auto c_short = detail::truncate<6>(c_series);
-  static constexpr auto db_short = detail::truncate<6>(db_series);
-  static constexpr auto dc_short = detail::truncate<6>(dc_series);
-  S b, c, db, dc;
-  if (y < S(0.05)) {
-    b = detail::horner(b_short, y), c = detail::horner(c_short, y);
-    db = detail::horner(db_short, y), dc = detail::horner(dc_short, y);
-  } else if (y < S(4.0)) {
-    b = detail::horner(b_series, y), c = detail::horner(c_series, y);
-    db = detail::horner(db_series, y), dc = detail::horner(dc_series, y);
-  } else {
-    S cosine, s;
-    half_angle(y, cosine, s);
-    b = S(2) * s * s, c = sine_remainder(y);
-    db = (S(2) * s * cosine - S(2) * b) / (S(2) * y), dc = (b - S(3) * c) / (S(2) * y);
-  }
+  const auto of = [](const auto& z, const auto& first_b, const auto& first_c, const auto& first_db,
+                     const auto& first_dc) {
+    return std::array{detail::horner(first_b, z), detail::horner(first_c, z),
+                      detail::horner(first_db, z), detail::horner(first_dc, z)};
+  };
+  const auto [b, c, db, dc] = by_size<4>(
+      y, 0.05,
+      [&](const auto& z) {
+        return of(z, detail::short_cosine_remainder, detail::short_remainder,
+                  detail::short_d_cosine_remainder, detail::short_d_remainder);
+      },
+      4.0,
+      [&](const auto& z) {
+        return of(z, detail::cosine_remainder, detail::remainder, detail::d_cosine_remainder,
+                  detail::d_remainder);
+      },
+      [](const auto& z) {
+        using N = std::decay_t<decltype(z)>;
+        N cosine, s;
+        half_angle(z, cosine, s);
+        const N b_of = N(2) * s * s, c_of = sine_remainder(z);
+        return std::array<N, 4>{b_of, c_of, (N(2) * s * cosine - N(2) * b_of) / (N(2) * z),
+                                (b_of - N(3) * c_of) / (N(2) * z)};
+      });
   const S dual = S(2) * psi.dot(u);
   const Vector3<S> pw = psi.cross(w), first = psi.cross(v) + u.cross(w);
   const Vector3<S> ppw = psi.cross(pw);
@@ -457,7 +519,7 @@ DualMatrix<S> T_of(const Vector6<S>& U) {
 
 // exp(U), equation (2).
 template <class S>
-Pose<S> exp_se3(const Vector6<S>& U) {
+MBD_INLINE Pose<S> exp_se3(const Vector6<S>& U) {
   const Vector3<S> u = linear(U), psi = angular(U);
   const S x = psi.squaredNorm();
   S cosine, s;
@@ -474,6 +536,37 @@ Vector6<S> log_se3(const Pose<S>& g) {
   const S a = a2_coefficients(S(psi.squaredNorm()), false).a;
   const Vector3<S> pr = psi.cross(g.r);
   return six<S>(g.r - S(0.5) * pr + a * psi.cross(pr), psi);
+}
+
+// --- lists of poses and six-vectors, a pack at a time ---
+
+// of(k): a pose of lane k.
+template <class Of>
+MBD_INLINE Pose<Pack> pack_of_poses(const Of& of) {
+  Pose<Pack> H;
+  pack_into(H.p.coeffs(), [&](int k) { return of(k).p.coeffs().data(); });
+  pack_into(H.r, [&](int k) { return of(k).r.data(); });
+  return H;
+}
+MBD_INLINE Pose<Pack> packed(std::span<const Pose<double>> poses, const PackOf& pack) {
+  return pack_of_poses([&](int k) -> const Pose<double>& { return poses[pack[k]]; });
+}
+MBD_INLINE Vector6<Pack> packed(std::span<const Vector6<double>> list, const PackOf& pack) {
+  Vector6<Pack> x;
+  pack_into(x, [&](int k) { return list[pack[k]].data(); });
+  return x;
+}
+MBD_INLINE void unpack(const Pose<Pack>& H, const PackOf& pack, std::span<Pose<double>> poses) {
+  for (int k = 0; k < pack.count(); ++k) {
+    Pose<double>& to = poses[pack[k]];
+    for (Index i = 0; i < 4; ++i) to.p.coeffs()(i) = H.p.coeffs()(i)[k];
+    for (Index i = 0; i < 3; ++i) to.r(i) = H.r(i)[k];
+  }
+}
+MBD_INLINE void unpack(const Vector6<Pack>& x, const PackOf& pack,
+                       std::span<Vector6<double>> list) {
+  for (int k = 0; k < pack.count(); ++k)
+    for (Index i = 0; i < 6; ++i) list[pack[k]](i) = x(i)[k];
 }
 
 // Rescales to a unit quaternion (first-order formula: p is one already but for round-off).

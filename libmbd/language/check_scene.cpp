@@ -226,7 +226,7 @@ void check(const Checked& item, const JointScene& joint, const Scene&) {
   const schema::Element& element = *schema::find_element(joint.kind);
   const auto given = [&](std::string_view attribute, bool is_given) {
     const schema::Attribute* const known = schema::find_attribute(element, attribute);
-    item.fail_if(is_given && !known, schema::unknown_attribute(element, attribute));
+    if (is_given && !known) item.fail_if(true, schema::unknown_attribute(element, attribute));
     if (known && known->fallback == schema::required) item.required(*known, is_given);
     return known;
   };

@@ -474,8 +474,8 @@ std::array<FieldExpression, 3> Item::fields(std::string_view name) const {
   const std::string all = raw(name, {Kind::fields});
   const std::vector<Component> parts = components(name, all, {3});
   const auto part = [&](std::size_t i) {
-    const auto tried = [&](const std::string& text) {
-      FieldExpression field{text, context_.parameters};
+    const auto tried = [&](double scale) {
+      FieldExpression field{std::string(parts[i].text), context_.parameters, scale};
       try {
         field.at(0.4567);  // where few have poles
       } catch (const Error& error) {
@@ -483,11 +483,10 @@ std::array<FieldExpression, 3> Item::fields(std::string_view name) const {
       }
       return field;
     };
-    FieldExpression field = tried(std::string(parts[i].text));
+    FieldExpression field = tried(1.0);
     if (parts[i].unit.empty()) return field;
     check_one_unit(name, parts[i].text, parts[i].unit);
-    const double scale = factor(name, parts[i].unit, entry_of(name).unit);
-    return tried("(" + field.text + ")*" + schema::shortest(scale));
+    return tried(factor(name, parts[i].unit, entry_of(name).unit));
   };
   return {part(0), part(1), part(2)};
 }

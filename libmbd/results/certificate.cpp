@@ -31,6 +31,8 @@ constexpr double floor_units = 8.0;       // increments.cpp
 constexpr double weak_round_off = 1e-6,
                  no_digits = 1e-2;  // round-off of velocities and multipliers, of themselves
 constexpr double lost_momentum = 0.05;
+constexpr double no_motion =
+    1e-12;  // lengths of the scene, or rad, in the whole run: rates are round-off
 // Accounts of momenta: when they start afresh, in momenta; shares of what else sets their scale.
 constexpr double account_of = 20.0, share_of_passed = 0.01, share_of_linear = 1e-3,
                  share_of_reactions = 1e-5;
@@ -487,7 +489,7 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
   const auto add = [&](Check check) { all.checks.push_back(bounded_check(std::move(check))); };
   const TransientScene& transient = *scene_.transient;
   const double moved = energy_moved_, taken = energy_begin_ - energy_end_;
-  if (moved > 0.0) {
+  if (moved > floor_units * unit_round_off * std::max(std::abs(least_), std::abs(most_))) {
     add({.name = "energy balance",
          .value = std::abs(taken) / moved,
          .warn = small_method_error,
@@ -523,7 +525,8 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
          .where = where(position_),
          .why = "largest gap over the scene's length, or sine of an angle; bounds: 10 and 1000 "
                 "tolerances of Newton's iterations"});
-    if (fastest_ > 0.0)
+    const bool moves = fastest_ * last_.t > no_motion;
+    if (moves)
       add({.name = "constraints, velocity",
            .value = velocity_.value / fastest_,
            .warn = small_method_error,
@@ -531,7 +534,7 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
            .where = where(velocity_),
            .why = "their largest rate over the fastest motion: an error of the method"});
     const double pace = std::max(quickest_, fastest_ * fastest_);
-    if (certify_ && pace > 0.0)
+    if (certify_ && moves && pace > 0.0)
       add({.name = "constraints, acceleration",
            .value = acceleration_.value / pace,
            .warn = much_method_error,
@@ -617,10 +620,8 @@ void Audit::add_round_off(Certificate& all) const {
          .why = "that of positions over the mean step and the fastest motion"});
   const double force = std::max(largest_force_, largest_outside_);
   if (h > 0.0 && largest_force_ > 0.0) {
-    const std::unique_ptr<LinearSolver> solver = make_klu_solver();
-    solver->analyze(system_.graph());
-    system_.linearize(last_, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}}, r_, *solver);
-    const double mass = largest_stiffness(system_, *solver);
+    const double mass =
+        largest_stiffness(system_, last_, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}});
     add({.name = "round-off, multipliers",
          .value = mass * unit / (h * h) / force,
          .warn = weak_round_off,
@@ -674,12 +675,9 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
   }
   const double left = largest(r_, &row);
   const double scale = std::max(largest(load, nullptr), largest_force_);
-  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
-  solver->analyze(system_.graph());
-  system_.linearize(last_, {}, unloaded_, *solver);
   // What positions that are known to round-off leave of forces.
   const double rounding =
-      floor_units * unit_round_off * std::max(farthest_, L) * largest_stiffness(system_, *solver);
+      floor_units * unit_round_off * std::max(farthest_, L) * largest_stiffness(system_, last_);
   if (scale > 0.0)
     all.checks.push_back(bounded_check(
         {.name = "balance of forces",

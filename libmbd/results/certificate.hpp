@@ -172,7 +172,7 @@ class Audit {
 
   mutable State scratch_;
   mutable std::vector<Vec6> p_;
-  mutable VecX r_, unloaded_, on_nodes_r_, g_, gdot_, rest_;
+  mutable VecX r_, on_nodes_r_, g_, gdot_, rest_;
 };
 
 }  // namespace mbd

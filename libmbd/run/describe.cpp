@@ -645,7 +645,10 @@ class Explainer {
     const std::string here = at("<transient>", transient.source);
     const bool alpha = transient.method == TimeMethod::generalized_alpha;
     const std::string balance =
-        balance_of(system_, transient) == Balance::momentum ? "momenta" : "accelerations";
+        balance_of(system_, transient) == Balance::momentum ? "momenta"
+        : keeps_momenta(system_, transient)
+            ? "accelerations, and of the momenta of parts that nothing holds"
+            : "accelerations";
     present(fmt::format("course in time by {}, {}{}", name_of(transient.method),
                         transient.step ? fmt::format("steps of {} s", shortest(*transient.step))
                                        : fmt::format("steps for a relative error of {}",

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -60,28 +61,68 @@ constexpr const char* result_files[] = {"report.json", "history.csv",  "history.
                                         "path.svg",    "shapes.svg",   "motion.bin",  "run.h5",
                                         "view.html",   checkpoint_file};
 
-class Stopwatch {
- public:
-  // Since the last call, or the construction.
-  Seconds lap() {
-    const auto wall = std::chrono::steady_clock::now();
-    const double cpu = used_cpu();
-    const Seconds result{std::chrono::duration<double>(wall - wall_).count(), cpu - cpu_};
-    wall_ = wall;
-    cpu_ = cpu;
-    return result;
-  }
-
- private:
-  std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
-  double cpu_ = used_cpu();
-};
-
 Seconds& operator+=(Seconds& sum, const Seconds& more) {
   sum.wall += more.wall;
   sum.cpu += more.cpu;
   return sum;
 }
+
+class Stopwatch {
+ public:
+  // Since the last lap, or the construction.
+  Seconds lap() {
+    Seconds result{passed(), 0.0};
+    settle(&result);
+    return result;
+  }
+  // Adds what has passed to a sum. CPU time is asked for now and then only, which is a call of the system, and divided
+  // among sums as wall time is.
+  void lap(Seconds& sum) {
+    const double wall = passed();
+    sum.wall += wall;
+    std::size_t i = 0;
+    while (i < pending_.size() && pending_[i].sum != &sum && pending_[i].sum != nullptr) ++i;
+    if (i == pending_.size()) {
+      settle(nullptr);
+      i = 0;
+    }
+    pending_[i].sum = &sum;
+    pending_[i].wall += wall;
+    unsettled_ += wall;
+    if (unsettled_ > now_and_then) settle(nullptr);
+  }
+
+ private:
+  static constexpr double now_and_then = 2e-3;  // [s]
+  struct Pending {
+    Seconds* sum = nullptr;
+    double wall = 0.0;
+  };
+
+  double passed() {
+    const auto wall = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(wall - wall_).count();
+    wall_ = wall;
+    return seconds;
+  }
+  // Divides CPU time since the last time, `last` among those who get some of it.
+  void settle(Seconds* last) {
+    const double cpu = used_cpu(), used = cpu - cpu_;
+    const double wall = unsettled_ + (last != nullptr ? last->wall : 0.0);
+    cpu_ = cpu;
+    for (Pending& p : pending_) {
+      if (p.sum != nullptr && wall > 0.0) p.sum->cpu += used * p.wall / wall;
+      p = {};
+    }
+    if (last != nullptr) last->cpu = wall > 0.0 ? used * last->wall / wall : used;
+    unsettled_ = 0.0;
+  }
+
+  std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
+  double cpu_ = used_cpu();
+  std::array<Pending, 3> pending_;
+  double unsettled_ = 0.0;
+};
 
 // Constraint residuals of some states.
 void monitor_constraints(const System& system, const State& state, RunReport& report) {
@@ -482,7 +523,7 @@ class Run {
       report_.equilibrium += watch_.lap();
       const bool going =
           (report_.rows > 0 || accept_reference()) && accept(step, true) && !interrupted(step);
-      report_.output += watch_.lap();
+      watch_.lap(report_.output);
       return going;
     };
     const std::unique_ptr<LinearSolver> solver =
@@ -505,19 +546,19 @@ class Run {
                                      : fmt::format("{} motions", result.neutral.size()),
           fmt::join(result.neutral, "; ")));
     report_.notes.insert(report_.notes.end(), result.passed.begin(), result.passed.end());
-    if (result.converged) judge_stability(state, !result.neutral.empty());
+    if (result.converged) judge_stability(state, !result.neutral.empty(), result.negative);
     in_statics_ = false;
   }
 
-  // Of the equilibrium of a <static>.
-  void judge_stability(const State& state, bool neutral) {
+  // Of the equilibrium of a <static>, whose negative eigenvalues may have been counted.
+  void judge_stability(const State& state, bool neutral, const std::optional<Index>& counted) {
     if (!has_potential(scene_)) {
       report_.notes.push_back("the stability of the equilibrium is not judged: " +
                               without_potential(scene_));
       return;
     }
-    StabilityCount count(*model_.system);
-    report_.negative_eigenvalues = count(state, neutral);
+    report_.negative_eigenvalues =
+        counted ? counted : StabilityCount(*model_.system)(state, neutral);
     report_.equilibrium += watch_.lap();
     if (report_.negative_eigenvalues.value_or(0) > 0)
       report_.notes.push_back(fmt::format(
@@ -552,7 +593,7 @@ class Run {
       report_.equilibrium += watch_.lap();
       *model_.path = {point.arc_length, point.branch, point.event, point.negative.value_or(-1)};
       const bool going = accept(point.state, true) && !interrupted(point.state);
-      report_.output += watch_.lap();
+      watch_.lap(report_.output);
       return going;
     };
     if (!options.has_potential)
@@ -591,13 +632,14 @@ class Run {
       report_.notes.push_back(
           "rho_infinity = 1 damps nothing: with constraints the integrator is only weakly stable "
           "and may diverge in long runs; 0.9 is safer");
-    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, transient);
+    const TransientScene asked = transient;  // say_balance() writes what is chosen into that
+    const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, asked);
     say_balance();
     if (options_.estimate_error && every_)
       report_.notes.push_back(
           "the error of steps in time is not estimated: the run has checkpoints");
     if (options_.estimate_error && !every_) {
-      time_error_.emplace(*model_.system, transient);
+      time_error_.emplace(*model_.system, asked);
       time_error_->start(state);
     }
     const long steps = transient.step ? number_of_steps(transient) : 0;
@@ -617,12 +659,12 @@ class Run {
       // lies at the end of a piece, to the beginning of the next.
       const double before = step.end() - rows_->slack();
       if (!going || !(rows_->next() < before)) return;
-      report_.integration += watch_.lap();
+      watch_.lap(report_.integration);
       for (; going && rows_->next() < before; rows_->advance()) {
         step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
         going = write_row(inside);
       }
-      report_.output += watch_.lap();
+      watch_.lap(report_.output);
     });
 
     StepReport step;
@@ -644,7 +686,7 @@ class Run {
       step = stepper->start(state);
       if (!step.converged) fail_to_start(step.failure);
       judge_laws(stepper->laws());
-      report_.integration += watch_.lap();
+      watch_.lap(report_.integration);
       going = accept(state, true) && write_frame(state);
     }
     report_.output += watch_.lap();
@@ -665,7 +707,7 @@ class Run {
       }
       audit_->step(step, state);
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
-      report_.integration += watch_.lap();
+      watch_.lap(report_.integration);
       at_end = steps > 0 ? n == steps : state.t > rows_->end() - rows_->slack();
       // A fixed step may end beside its time, at a breakpoint.
       const double t = steps > 0 ? static_cast<double>(n) * *transient.step : state.t;
@@ -686,7 +728,7 @@ class Run {
       }
       if (options_.progress)
         options_.progress({state.t, transient.duration, n, steps, step.iterations});
-      report_.output += watch_.lap();
+      watch_.lap(report_.output);
       if (going && !at_end) {
         going = !interrupted(state);
         if (going) keep(*stepper, state, n, monitor_at);
@@ -847,18 +889,19 @@ class Run {
     TransientScene& transient = *report_.transient;
     if (transient.method != TimeMethod::generalized_alpha) return;
     const bool chosen = !transient.balance.has_value();
+    const bool keeps = keeps_momenta(*model_.system, transient);
     transient.balance = balance_of(*model_.system, transient);
     const ConnectedParts parts = find_parts(*model_.system);
-    if (!chosen || transient.balance == Balance::momentum || !parts.any_free()) return;
+    if (!chosen || keeps || transient.balance == Balance::momentum || !parts.any_free()) return;
     const auto part = static_cast<std::size_t>(
         std::find(parts.is_held.begin(), parts.is_held.end(), 0) - parts.is_held.begin());
     report_.notes.push_back(fmt::format(
         "nothing ties the part with {} to the ground, and its momenta drift by an error of the "
         "balance of accelerations, which {}; {}",
         model_.system->node_name(static_cast<Index>(parts.first[part])),
-        transient.inertia != InertiaTerms::full
-            ? "inertia without gyroscopic moments asks for"
-            : "is the default as other parts are held: it damps less what turns",
+        transient.inertia != InertiaTerms::full ? "inertia without gyroscopic moments asks for"
+                                                : "is the default as it has added mass and other "
+                                                  "parts are held: it damps less what turns",
         transient.inertia != InertiaTerms::full ? "its certificate measures it"
                                                 : "balance=\"momentum\" keeps them to round-off"));
   }

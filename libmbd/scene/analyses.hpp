@@ -159,10 +159,11 @@ struct TransientScene {
     f(Field(&S::rho_infinity, "rho_infinity", "", "0",
             "of generalized_alpha: spectral radius at infinite frequency; 0 damps most, 1 nothing",
             unit_interval));
-    f(Field(&S::balance, "balance", "", optional,
-            "of inertia, of generalized_alpha: accelerations in body axes, or momenta in inertial "
-            "axes, which keeps those of free systems to round-off (default: momentum where no part "
-            "is tied to the ground, else acceleration)"));
+    f(Field(
+        &S::balance, "balance", "", optional,
+        "of inertia, of generalized_alpha: accelerations in body axes, or momenta of every node "
+        "in inertial axes (default: acceleration, and each part that nothing ties to the ground, "
+        "without added mass, keeps its momenta as a whole to round-off)"));
     f(Field(&S::newton_tolerance, "newton_tolerance", "", optional,
             "of Newton's increments, relative (default: the integrator's own)", positive));
     f(Field(&S::inertia, "inertia", "", preset,

@@ -505,13 +505,7 @@ class Drawing {
 
   template <class Laws>
   static std::string text_of(const Laws& law) {
-    const auto text = [](const auto& e) {
-      if constexpr (requires { e.text(); })
-        return e.text();
-      else
-        return e.text;
-    };
-    return "(" + text(law[0]) + ", " + text(law[1]) + ", " + text(law[2]) + ")";
+    return "(" + law[0].text() + ", " + law[1].text() + ", " + law[2].text() + ")";
   }
 
   void add_load(const LoadScene& load) {

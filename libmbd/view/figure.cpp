@@ -86,6 +86,14 @@ struct Line {  // of a beam, at the points that are drawn
 
 using Poses = std::vector<Pose<double>>;
 
+// An instant: numbers of a row of the motion, poses by them, and those that are shown.
+struct Now {
+  std::vector<double> row;
+  Poses exact, shown;
+};
+
+class Painter;
+
 }  // namespace
 
 struct Stage::Data {
@@ -104,9 +112,36 @@ struct Stage::Data {
   std::optional<Legend> legend;
   std::vector<std::vector<Vec3>> traced;  // by part, of all frames
   std::vector<double> units;              // of glyphs, by part [m]
+  std::size_t outlined = 0;               // places that were looked at for the outline
+  std::size_t for_outline = 1;            // of which each so-manyth is taken
 
   void read(const Json& drawing);
+
+  // What all pictures have in common, in this order.
   void prepare();
+  void thin_beams();
+  void measure_glyphs();
+  void find_arms(Part& body) const;
+  void choose_colour();
+  void look_at_frames();
+  void include(const Vec3& x, double half, double in_bounds);
+  void include(std::size_t part, const Poses& shown);
+  void trace(const Poses& shown);
+  void extend_legend(const Now& now);
+
+  // Of a picture.
+  Now now(double instant) const;
+  std::array<double, 3> sides(const Part& beam, double s) const;
+  std::vector<Vec3> ring(const Part& beam, const Line& line, std::size_t k) const;
+  void draw(std::size_t part, const Now& now, Painter& painter, Figure& figure) const;
+  void draw_beam(const Part& part, const Now& now, Painter& painter) const;
+  void draw_body(const Part& part, double unit, const Poses& poses, Painter& painter) const;
+  void draw_joint(const Part& part, double unit, const Poses& poses, Painter& painter) const;
+  static void draw_spring(const Part& part, double unit, const Poses& poses, Painter& painter);
+  void draw_load(const Part& part, int number, const Poses& poses, Figure& figure) const;
+  void draw_motion(const Part& part, double unit, const Poses& poses, Painter& painter) const;
+  void draw_trail(std::size_t part, double instant, const Poses& poses, Figure& figure) const;
+
   std::vector<double> row(std::size_t frame) const;
   std::vector<double> row(double instant) const;
   Poses poses(const std::vector<double>& row) const;
@@ -459,8 +494,8 @@ double Stage::Data::unit_at(const Vec3& x) const {
   return std::max(unit(), std::min(0.7 * girth, 0.06 * size));
 }
 
-void Stage::Data::prepare() {
-  // Of many nodes, some.
+// Of many nodes, some.
+void Stage::Data::thin_beams() {
   std::size_t intervals = 0;
   for (const Part& part : parts)
     if (part.kind == "beam") intervals += part.points.size();
@@ -470,128 +505,146 @@ void Stage::Data::prepare() {
     options.round = std::min(options.round, 8);
   }
   const std::size_t every = intervals * static_cast<std::size_t>(options.round) / most_faces + 1;
-  if (every > 1 && options.pieces == 1)
-    for (Part& part : parts) {
-      const auto thin = [&](auto& list) {
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < list.size(); ++i)
-          if (i % every == 0 || i + 1 == list.size()) list[kept++] = list[i];
-        list.resize(kept);
-      };
-      if (part.kind != "beam") continue;
-      if (part.sides.size() == part.s.size()) thin(part.sides);
-      thin(part.points);
-      thin(part.s);
-    }
-  for (const Part& part : parts)
-    if (part.kind == "beam") beams.try_emplace(part.name, &part);
+  if (every == 1 || options.pieces != 1) return;
+  const auto thin = [every](auto& list) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (i % every == 0 || i + 1 == list.size()) list[kept++] = list[i];
+    list.resize(kept);
+  };
+  for (Part& part : parts) {
+    if (part.kind != "beam") continue;
+    if (part.sides.size() == part.s.size()) thin(part.sides);
+    thin(part.points);
+    thin(part.s);
+  }
+}
 
+void Stage::Data::measure_glyphs() {
   for (const Part& part : parts) {
     const std::optional<At>& at = part.b ? part.b : part.at;
     const bool is_glyph = part.kind == "joint" || part.kind == "mass" || part.kind == "motion";
     units.push_back(is_glyph && at ? unit_at(place(reference, *at).r) : unit());
   }
+}
 
-  // What joins at a body.
-  for (Part& body : parts) {
-    if (body.kind != "body" || !body.at || body.at->node == 0) continue;
-    const Pose<double> own = place(reference, *body.at);
-    for (const Part& other : parts) {
-      const bool is_at = other.kind == "load" || other.kind == "mass";
-      for (const std::optional<At>* at : {&other.a, &other.b, &other.at}) {
-        if (!*at || (at == &other.at && !is_at) || (*at)->node != body.at->node) continue;
-        const Vec3 arm = own.p.conjugate() * Vec3(place(reference, **at).r - own.r);
-        if (std::none_of(body.arms.begin(), body.arms.end(),
-                         [&](const Vec3& x) { return (x - arm).norm() < 1e-6 * size; }))
-          body.arms.push_back(arm);
-      }
+// What joins at a body.
+void Stage::Data::find_arms(Part& body) const {
+  const Pose<double> own = place(reference, *body.at);
+  for (const Part& other : parts) {
+    const bool is_at = other.kind == "load" || other.kind == "mass";
+    for (const std::optional<At>* at : {&other.a, &other.b, &other.at}) {
+      if (!*at || (at == &other.at && !is_at) || (*at)->node != body.at->node) continue;
+      const Vec3 arm = own.p.conjugate() * Vec3(place(reference, **at).r - own.r);
+      if (std::none_of(body.arms.begin(), body.arms.end(),
+                       [&](const Vec3& x) { return (x - arm).norm() < 1e-6 * size; }))
+        body.arms.push_back(arm);
     }
-    // A link: what it joins is to be seen.
-    const double largest = (body.arms.size() > 1 ? 0.12 : body.arms.empty() ? 1.0 : 0.25) * size;
-    if (body.box.maxCoeff() > largest) body.box *= largest / body.box.maxCoeff();
   }
+  // A link: what it joins is to be seen.
+  const double largest = (body.arms.size() > 1 ? 0.12 : body.arms.empty() ? 1.0 : 0.25) * size;
+  if (body.box.maxCoeff() > largest) body.box *= largest / body.box.maxCoeff();
+}
 
-  // Room and colours for all frames.
+void Stage::Data::choose_colour() {
+  if (options.colour.empty()) return;
   const auto known = std::find_if(std::begin(table_of_quantities), std::end(table_of_quantities),
                                   [&](const Quantity& q) { return options.colour == q.name; });
-  if (!options.colour.empty()) {
-    const std::string names = fmt::format("{}", fmt::join(picture_quantities(), ", "));
-    if (known == std::end(table_of_quantities))
-      throw Error(fmt::format("colour {}: no such quantity; there are {}", options.colour, names));
-    if (!motion)
-      throw Error(fmt::format("colour {}: a model has no {} before it runs; run it with --motion",
-                              options.colour, options.colour));
-    if (options.colour == "velocity" && motion->blocks.twist == 0)
-      throw Error("colour velocity: nothing moves in time in these results; take displacement");
-    if (options.colour.size() == 1 && motion->blocks.resultant == 0)
-      throw Error(fmt::format("colour {}: no beam of this model is flexible; take displacement",
-                              options.colour));
-    legend = Legend{known->title, 1e300, -1e300};
+  const std::string names = fmt::format("{}", fmt::join(picture_quantities(), ", "));
+  if (known == std::end(table_of_quantities))
+    throw Error(fmt::format("colour {}: no such quantity; there are {}", options.colour, names));
+  if (!motion)
+    throw Error(fmt::format("colour {}: a model has no {} before it runs; run it with --motion",
+                            options.colour, options.colour));
+  if (options.colour == "velocity" && motion->blocks.twist == 0)
+    throw Error("colour velocity: nothing moves in time in these results; take displacement");
+  if (options.colour.size() == 1 && motion->blocks.resultant == 0)
+    throw Error(fmt::format("colour {}: no beam of this model is flexible; take displacement",
+                            options.colour));
+  legend = Legend{known->title, 1e300, -1e300};
+}
+
+// A place with what stands out about it, `half` on each side in the outline.
+void Stage::Data::include(const Vec3& x, double half, double in_bounds) {
+  bounds[0] = bounds[0].cwiseMin(Vec3(x - Vec3::Constant(in_bounds)));
+  bounds[1] = bounds[1].cwiseMax(Vec3(x + Vec3::Constant(in_bounds)));
+  if (outlined++ % for_outline != 0) return;
+  for (const double sign : {-1.0, 1.0})
+    for (int axis = 0; axis < 3; ++axis)
+      outline.emplace_back(x + sign * half * Vec3(Vec3::Unit(axis)));
+}
+
+void Stage::Data::include(std::size_t index, const Poses& shown) {
+  const Part& part = parts[index];
+  for (std::size_t k = 0; k < part.points.size(); ++k) {
+    double half = 0.0;
+    if (!part.sides.empty()) {
+      const auto& side = part.sides[part.sides.size() == 1 ? 0 : k];
+      half = 0.5 * std::max(side[0], side[1]);
+    }
+    include(place(shown, part.points[k]).r, half, 0.0);
   }
+  const double half = part.kind == "body"    ? 0.5 * part.box.maxCoeff()
+                      : part.kind == "joint" ? 3.0 * units[index]
+                                             : units[index];
+  for (const std::optional<At>* at : {&part.at, &part.a, &part.b})
+    if (*at) include(place(shown, **at).r, half, part.kind == "body" ? half : 0.0);
+}
+
+void Stage::Data::trace(const Poses& shown) {
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if ((parts[i].kind == "record" || parts[i].kind == "body") &&
+        (parts[i].at || !parts[i].on_beam.empty()))
+      traced[i].push_back(pose(parts[i], shown).r);
+}
+
+void Stage::Data::extend_legend(const Now& now) {
+  for (const Part& part : parts) {
+    if (part.kind != "beam") continue;
+    for (const double value : values(part, line(part, now.exact, options.pieces),
+                                     line(part, reference, options.pieces), now.row)) {
+      legend->low = std::min(legend->low, value);
+      legend->high = std::max(legend->high, value);
+    }
+  }
+}
+
+// Room and colours for all frames.
+void Stage::Data::look_at_frames() {
   bounds = {Vec3::Constant(1e300), Vec3::Constant(-1e300)};
-  const auto include = [&](const Vec3& x, double half) {
-    bounds[0] = bounds[0].cwiseMin(Vec3(x - Vec3::Constant(half)));
-    bounds[1] = bounds[1].cwiseMax(Vec3(x + Vec3::Constant(half)));
-  };
   std::size_t all_points = 0;
   for (const Part& part : parts) all_points += 1 + part.points.size();
-  const std::size_t for_outline = 1 + all_points * frames_for_bounds / most_outlined;
-  std::size_t count = 0;
-  const auto about = [&](const Vec3& x, double half, double in_bounds) {
-    include(x, in_bounds);
-    if (count++ % for_outline != 0) return;
-    for (const double sign : {-1.0, 1.0})
-      for (int axis = 0; axis < 3; ++axis)
-        outline.emplace_back(x + sign * half * Vec3(Vec3::Unit(axis)));
-  };
-  const std::size_t frames = keys.size();
+  for_outline = 1 + all_points * frames_for_bounds / most_outlined;
   traced.resize(parts.size());
-  const std::size_t for_bounds = std::max<std::size_t>(1, frames / frames_for_bounds),
+  const std::size_t frames = keys.size(),
+                    for_bounds = std::max<std::size_t>(1, frames / frames_for_bounds),
                     for_range = std::max<std::size_t>(1, frames / frames_for_range);
   for (std::size_t f = 0; f < frames; ++f) {
     const bool is_last = f + 1 == frames, in_bounds = f % for_bounds == 0 || is_last,
                in_range = legend && (f % for_range == 0 || is_last);
     if (!in_bounds && !in_range && !options.trails) continue;
-    const std::vector<double> numbers = row(f);
-    const Poses exact = poses(numbers), shown = scaled(exact);
-    if (options.trails)
-      for (std::size_t i = 0; i < parts.size(); ++i)
-        if ((parts[i].kind == "record" || parts[i].kind == "body") &&
-            (parts[i].at || !parts[i].on_beam.empty()))
-          traced[i].push_back(pose(parts[i], shown).r);
+    const Now then = now(static_cast<double>(f));
+    if (options.trails) trace(then.shown);
     if (in_bounds)
-      for (std::size_t i = 0; i < parts.size(); ++i) {
-        const Part& part = parts[i];
-        for (std::size_t k = 0; k < part.points.size(); ++k) {
-          double half = 0.0;
-          if (!part.sides.empty()) {
-            const auto& side = part.sides[part.sides.size() == 1 ? 0 : k];
-            half = 0.5 * std::max(side[0], side[1]);
-          }
-          about(place(shown, part.points[k]).r, half, 0.0);
-        }
-        const double half = part.kind == "body"    ? 0.5 * part.box.maxCoeff()
-                            : part.kind == "joint" ? 3.0 * units[i]
-                                                   : units[i];
-        for (const std::optional<At>* at : {&part.at, &part.a, &part.b})
-          if (*at) about(place(shown, **at).r, half, part.kind == "body" ? half : 0.0);
-      }
-    if (in_range)
-      for (const Part& part : parts)
-        if (part.kind == "beam") {
-          const Line now = line(part, exact, options.pieces);
-          for (const double value :
-               values(part, now, line(part, reference, options.pieces), numbers)) {
-            legend->low = std::min(legend->low, value);
-            legend->high = std::max(legend->high, value);
-          }
-        }
+      for (std::size_t i = 0; i < parts.size(); ++i) include(i, then.shown);
+    if (in_range) extend_legend(then);
   }
-  if (!(bounds[0](0) <= bounds[1](0))) about(Vec3::Zero(), 0.0, 0.0);
+  if (!(bounds[0](0) <= bounds[1](0))) include(Vec3::Zero(), 0.0, 0.0);
   if (legend) {
     if (!(legend->low <= legend->high)) legend->low = legend->high = 0.0;
     if (std::abs(legend->low) < 1e-9 * std::abs(legend->high)) legend->low = 0.0;
   }
+}
+
+void Stage::Data::prepare() {
+  thin_beams();
+  for (const Part& part : parts)
+    if (part.kind == "beam") beams.try_emplace(part.name, &part);
+  measure_glyphs();
+  for (Part& part : parts)
+    if (part.kind == "body" && part.at && part.at->node != 0) find_arms(part);
+  choose_colour();
+  look_at_frames();
 }
 
 Stage::Stage(std::string_view drawing, const FigureOptions& options)
@@ -667,178 +720,209 @@ Colour Stage::shade(
 
 // ---- what is drawn ------------------------------------------------------------------------------
 
+Now Stage::Data::now(double instant) const {
+  Now made{row(instant), {}, {}};
+  made.exact = poses(made.row);
+  made.shown = scaled(made.exact);
+  return made;
+}
+
+// Widths along b2 and b3 at a place of a beam, and whether it is round.
+std::array<double, 3> Stage::Data::sides(const Part& beam, double s) const {
+  std::array<double, 3> side{0.0, 0.0, 1.0};
+  if (beam.sides.size() == 1) side = beam.sides[0];
+  if (beam.sides.size() > 1) {
+    std::size_t i = 0;
+    while (i + 2 < beam.s.size() && beam.s[i + 1] < s) ++i;
+    const double u = (s - beam.s[i]) / (beam.s[i + 1] - beam.s[i]);
+    for (std::size_t j = 0; j < 2; ++j)
+      side[j] = beam.sides[i][j] + u * (beam.sides[i + 1][j] - beam.sides[i][j]);
+    side[2] = beam.sides[0][2];
+  }
+  side[0] = std::max(side[0], thinnest * size);
+  side[1] = std::max(side[1], thinnest * size);
+  return side;
+}
+
+std::vector<Vec3> Stage::Data::ring(const Part& beam, const Line& line, std::size_t k) const {
+  const std::array<double, 3> side = sides(beam, line.s[k]);
+  std::vector<Vec3> points;
+  const auto put = [&](double y, double z) {
+    points.emplace_back(line.r[k] + line.q[k] * Vec3(0.0, 0.5 * side[0] * y, 0.5 * side[1] * z));
+  };
+  if (side[2] != 0.0)
+    for (int i = 0; i < options.round; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / options.round;
+      put(std::cos(angle), std::sin(angle));
+    }
+  else
+    for (const auto& [y, z] : {std::pair{1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}, {-1.0, -1.0}})
+      put(y, z);
+  return points;
+}
+
+void Stage::Data::draw_beam(const Part& part, const Now& now, Painter& painter) const {
+  const Line line = this->line(part, now.shown, options.pieces);
+  std::vector<double> values;
+  if (legend && (options.colour.size() > 1 || !part.stations.empty()))
+    values = this->values(part,
+                          options.scale == 1.0 ? line : this->line(part, now.exact, options.pieces),
+                          this->line(part, reference, options.pieces), now.row);
+  if (part.rigid) painter.set(body_colour);
+  const auto tint = [&](double value) {
+    const Legend& l = *legend;
+    painter.set(shade(l.high > l.low ? (value - l.low) / (l.high - l.low) : 0.0));
+  };
+  std::vector<Vec3> before = ring(part, line, 0);
+  if (!values.empty()) tint(values.front());
+  std::vector<Vec3> cap(before.rbegin(), before.rend());
+  painter.face(cap);
+  for (std::size_t k = 1; k < line.r.size(); ++k) {
+    std::vector<Vec3> here = ring(part, line, k);
+    if (!values.empty()) tint(0.5 * (values[k - 1] + values[k]));
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      const std::size_t j = (i + 1) % here.size();
+      painter.face({before[i], before[j], here[j], here[i]});
+    }
+    before = std::move(here);
+  }
+  if (!values.empty()) tint(values.back());
+  painter.face(before);
+}
+
+void Stage::Data::draw_body(const Part& part, double unit, const Poses& poses,
+                            Painter& painter) const {
+  const Pose<double> H = pose(part, poses), C = H * part.centre;
+  painter.ball(H, 0.6 * unit);
+  const double most = part.box.maxCoeff();
+  if (most > 0.02 * unit) {
+    painter.set(body_colour, part.arms.empty() ? 1.0 : 0.75);
+    Vec3 side = part.box.cwiseMax(std::max(0.04 * most, 0.4 * unit)).cwiseMin(1.5 * size);
+    if (part.shape == "box")
+      painter.box(C, side);
+    else if (part.shape == "sphere")
+      painter.ball(C, 0.5 * side(0));
+    else
+      painter.cylinder(C, 0.5 * side(0), side(2));
+    painter.set(body_colour);
+  } else {
+    painter.ball(C, 1.5 * unit);
+  }
+  std::vector<Vec3> ends = part.arms;
+  ends.emplace_back(Vec3::Zero());
+  for (const Vec3& end : ends)
+    if ((end - part.centre.r).norm() > unit) painter.rod(H * part.centre.r, H * end, 0.42 * unit);
+}
+
+void Stage::Data::draw_joint(const Part& part, double unit, const Poses& poses,
+                             Painter& painter) const {
+  const Pose<double> B = place(poses, *part.b), A = place(poses, *part.a);
+  const auto axis = [&](double length) { painter.cylinder(B, 0.28 * unit, length * unit); };
+  const std::string& kind = part.element;
+  if (kind == "revolute")
+    painter.cylinder(B, unit, 2.2 * unit), axis(6.0);
+  else if (kind == "cylindrical" || kind == "screw")
+    painter.cylinder(B, 0.8 * unit, 3.4 * unit), axis(8.0);
+  else if (kind == "prismatic")
+    painter.box(B, {1.6 * unit, 1.6 * unit, 3.2 * unit}), axis(8.0);
+  else if (kind == "universal")
+    axis(5.0), painter.ball(B, 0.8 * unit);
+  else if (kind == "planar")
+    painter.cylinder(B, 2.4 * unit, 0.3 * unit), axis(4.0);
+  else if (kind == "point_on_line")
+    axis(14.0), painter.ball(B, 0.8 * unit);
+  else if (kind == "fixed")
+    painter.box(B, Vec3::Constant(1.5 * unit));
+  else
+    painter.ball(B, 1.1 * unit);
+  if (part.gap) painter.set(gap_colour), painter.ball(A, 0.9 * unit);
+  if ((A.r - B.r).norm() > 1e-9 * size) painter.rod(A.r, B.r, 0.3 * unit);
+}
+
+void Stage::Data::draw_spring(const Part& part, double unit, const Poses& poses, Painter& painter) {
+  const Pose<double> A = place(poses, *part.a), B = place(poses, *part.b);
+  const Vec3 along = B.r - A.r;
+  const double length = along.norm();
+  const Vec3 u = length > 0.0 ? Vec3(along / length) : Vec3(Vec3::UnitZ());
+  const Vec3 v = u.cross(Vec3(std::abs(u(2)) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX())).normalized(),
+             w = u.cross(v);
+  const int last = coils * points_a_coil + 2;
+  Vec3 before = A.r;
+  for (int i = 1; i <= last; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / points_a_coil, radius = i < last ? unit : 0.0,
+                 share = static_cast<double>(i) / last;
+    const Vec3 now = A.r + share * along + radius * (std::cos(angle) * v + std::sin(angle) * w);
+    painter.line(before, now, 1.5);
+    before = now;
+  }
+  painter.ball(A, 0.7 * unit);
+  painter.ball(B, 0.7 * unit);
+}
+
+void Stage::Data::draw_load(const Part& part, int number, const Poses& poses,
+                            Figure& figure) const {
+  for (const Part::Arrow& arrow : part.arrows) {
+    if (!(arrow.along.norm() > 0.0)) continue;
+    const bool on_beam = !arrow.beam.empty();
+    const Pose<double> H = on_beam ? this->on_beam(arrow.beam, arrow.s, poses) : pose(part, poses);
+    const Vec3 direction = arrow.follows ? Vec3(H.p * arrow.along) : arrow.along;
+    figure.arrows.push_back({H.r, H.r + (on_beam ? 0.06 : 0.12) * size * direction,
+                             arrow.moment ? 2 : 1, number,
+                             arrow.moment ? moment_colour : load_colour});
+  }
+}
+
+void Stage::Data::draw_motion(const Part& part, double unit, const Poses& poses,
+                              Painter& painter) const {
+  const Pose<double> H = pose(part, poses);
+  constexpr int sides = 24;
+  const auto at = [&](int i) {
+    const double angle = 2.0 * std::numbers::pi * i / sides;
+    return H * Vec3(1.6 * unit * std::cos(angle), 1.6 * unit * std::sin(angle), 0.0);
+  };
+  for (int i = 0; i < sides; ++i) painter.line(at(i), at(i + 1), 2.5);
+}
+
+void Stage::Data::draw_trail(std::size_t index, double instant, const Poses& poses,
+                             Figure& figure) const {
+  Figure::Trail trail;
+  trail.part = static_cast<int>(index);
+  trail.colour = colour_of(parts[index].kind);
+  const auto until = static_cast<std::ptrdiff_t>(instant) + 1;
+  trail.points.assign(traced[index].begin(), traced[index].begin() + until);
+  trail.now = pose(parts[index], poses).r;
+  if (instant > std::floor(instant)) trail.points.push_back(trail.now);
+  figure.trails.push_back(std::move(trail));
+}
+
+void Stage::Data::draw(std::size_t index, const Now& now, Painter& painter, Figure& figure) const {
+  const Part& part = parts[index];
+  const double unit = units[index];
+  const bool placed = part.at || !part.on_beam.empty();
+  if (part.kind == "beam")
+    draw_beam(part, now, painter);
+  else if (part.kind == "body")
+    draw_body(part, unit, now.shown, painter);
+  else if (part.kind == "joint" && part.a && part.b)
+    draw_joint(part, unit, now.shown, painter);
+  else if (part.kind == "spring" && part.a && part.b)
+    draw_spring(part, unit, now.shown, painter);
+  else if (part.kind == "load")
+    draw_load(part, static_cast<int>(index), now.shown, figure);
+  else if (part.kind == "mass" && placed)
+    painter.ball(pose(part, now.shown), 1.2 * unit);
+  else if (part.kind == "motion" && placed)
+    draw_motion(part, unit, now.shown, painter);
+}
+
 Figure Stage::figure(double instant) const {
-  const Data& d = *data_;
-  const std::vector<double> row = d.row(instant);
-  const Poses exact = d.poses(row), poses = d.scaled(exact);
+  const Now now = data_->now(instant);
   Figure figure;
-  for (std::size_t index = 0; index < d.parts.size(); ++index) {
-    const Part& part = d.parts[index];
-    const int number = static_cast<int>(index);
-    const double unit = d.units[index];
-    Painter painter(figure, number, colour_of(part.kind), d.options.round);
-
-    if (part.kind == "beam") {
-      const Line line = d.line(part, poses, d.options.pieces);
-      std::vector<double> values;
-      if (d.legend && (d.options.colour.size() > 1 || !part.stations.empty()))
-        values =
-            d.values(part, d.options.scale == 1.0 ? line : d.line(part, exact, d.options.pieces),
-                     d.line(part, d.reference, d.options.pieces), row);
-      if (part.rigid) painter.set(body_colour);
-      const auto sides = [&](std::size_t k) {
-        std::array<double, 3> side{0.0, 0.0, 1.0};
-        if (part.sides.size() == 1) side = part.sides[0];
-        if (part.sides.size() > 1) {
-          std::size_t i = 0;
-          while (i + 2 < part.s.size() && part.s[i + 1] < line.s[k]) ++i;
-          const double u = (line.s[k] - part.s[i]) / (part.s[i + 1] - part.s[i]);
-          for (std::size_t j = 0; j < 2; ++j)
-            side[j] = part.sides[i][j] + u * (part.sides[i + 1][j] - part.sides[i][j]);
-          side[2] = part.sides[0][2];
-        }
-        side[0] = std::max(side[0], thinnest * d.size);
-        side[1] = std::max(side[1], thinnest * d.size);
-        return side;
-      };
-      const auto ring = [&](std::size_t k) {
-        const std::array<double, 3> side = sides(k);  // and whether it is round
-        std::vector<Vec3> points;
-        const auto put = [&](double y, double z) {
-          points.emplace_back(line.r[k] +
-                              line.q[k] * Vec3(0.0, 0.5 * side[0] * y, 0.5 * side[1] * z));
-        };
-        if (side[2] != 0.0)
-          for (int i = 0; i < d.options.round; ++i) {
-            const double angle = 2.0 * std::numbers::pi * i / d.options.round;
-            put(std::cos(angle), std::sin(angle));
-          }
-        else
-          for (const auto& [y, z] : {std::pair{1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}, {-1.0, -1.0}})
-            put(y, z);
-        return points;
-      };
-      const auto tint = [&](double value) {
-        const Legend& l = *d.legend;
-        painter.set(shade(l.high > l.low ? (value - l.low) / (l.high - l.low) : 0.0));
-      };
-      std::vector<Vec3> before = ring(0);
-      if (!values.empty()) tint(values.front());
-      std::vector<Vec3> cap(before.rbegin(), before.rend());
-      painter.face(cap);
-      for (std::size_t k = 1; k < line.r.size(); ++k) {
-        std::vector<Vec3> now = ring(k);
-        if (!values.empty()) tint(0.5 * (values[k - 1] + values[k]));
-        for (std::size_t i = 0; i < now.size(); ++i) {
-          const std::size_t j = (i + 1) % now.size();
-          painter.face({before[i], before[j], now[j], now[i]});
-        }
-        before = std::move(now);
-      }
-      if (!values.empty()) tint(values.back());
-      painter.face(before);
-
-    } else if (part.kind == "body") {
-      const Pose<double> H = d.pose(part, poses), C = H * part.centre;
-      painter.ball(H, 0.6 * unit);
-      const double most = part.box.maxCoeff();
-      if (most > 0.02 * unit) {
-        painter.set(body_colour, part.arms.empty() ? 1.0 : 0.75);
-        Vec3 side = part.box.cwiseMax(std::max(0.04 * most, 0.4 * unit)).cwiseMin(1.5 * d.size);
-        if (part.shape == "box")
-          painter.box(C, side);
-        else if (part.shape == "sphere")
-          painter.ball(C, 0.5 * side(0));
-        else
-          painter.cylinder(C, 0.5 * side(0), side(2));
-        painter.set(body_colour);
-      } else {
-        painter.ball(C, 1.5 * unit);
-      }
-      std::vector<Vec3> ends = part.arms;
-      ends.emplace_back(Vec3::Zero());
-      for (const Vec3& end : ends)
-        if ((end - part.centre.r).norm() > unit)
-          painter.rod(H * part.centre.r, H * end, 0.42 * unit);
-
-    } else if (part.kind == "joint" && part.a && part.b) {
-      const Pose<double> B = Data::place(poses, *part.b), A = Data::place(poses, *part.a);
-      const auto axis = [&](double length) { painter.cylinder(B, 0.28 * unit, length * unit); };
-      const std::string& kind = part.element;
-      if (kind == "revolute")
-        painter.cylinder(B, unit, 2.2 * unit), axis(6.0);
-      else if (kind == "cylindrical" || kind == "screw")
-        painter.cylinder(B, 0.8 * unit, 3.4 * unit), axis(8.0);
-      else if (kind == "prismatic")
-        painter.box(B, {1.6 * unit, 1.6 * unit, 3.2 * unit}), axis(8.0);
-      else if (kind == "universal")
-        axis(5.0), painter.ball(B, 0.8 * unit);
-      else if (kind == "planar")
-        painter.cylinder(B, 2.4 * unit, 0.3 * unit), axis(4.0);
-      else if (kind == "point_on_line")
-        axis(14.0), painter.ball(B, 0.8 * unit);
-      else if (kind == "fixed")
-        painter.box(B, Vec3::Constant(1.5 * unit));
-      else
-        painter.ball(B, 1.1 * unit);
-      if (part.gap) painter.set(gap_colour), painter.ball(A, 0.9 * unit);
-      if ((A.r - B.r).norm() > 1e-9 * d.size) painter.rod(A.r, B.r, 0.3 * unit);
-
-    } else if (part.kind == "spring" && part.a && part.b) {
-      const Pose<double> A = Data::place(poses, *part.a), B = Data::place(poses, *part.b);
-      const Vec3 along = B.r - A.r;
-      const double length = along.norm();
-      const Vec3 u = length > 0.0 ? Vec3(along / length) : Vec3(Vec3::UnitZ());
-      const Vec3 v = u.cross(Vec3(std::abs(u(2)) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX()))
-                         .normalized(),
-                 w = u.cross(v);
-      const int last = coils * points_a_coil + 2;
-      Vec3 before = A.r;
-      for (int i = 1; i <= last; ++i) {
-        const double angle = 2.0 * std::numbers::pi * i / points_a_coil,
-                     radius = i < last ? unit : 0.0, share = static_cast<double>(i) / last;
-        const Vec3 now = A.r + share * along + radius * (std::cos(angle) * v + std::sin(angle) * w);
-        painter.line(before, now, 1.5);
-        before = now;
-      }
-      painter.ball(A, 0.7 * unit);
-      painter.ball(B, 0.7 * unit);
-
-    } else if (part.kind == "load") {
-      for (const Part::Arrow& arrow : part.arrows) {
-        if (!(arrow.along.norm() > 0.0)) continue;
-        const bool on_beam = !arrow.beam.empty();
-        const Pose<double> H =
-            on_beam ? d.on_beam(arrow.beam, arrow.s, poses) : d.pose(part, poses);
-        const Vec3 direction = arrow.follows ? Vec3(H.p * arrow.along) : arrow.along;
-        figure.arrows.push_back({H.r, H.r + (on_beam ? 0.06 : 0.12) * d.size * direction,
-                                 arrow.moment ? 2 : 1, number,
-                                 arrow.moment ? moment_colour : load_colour});
-      }
-
-    } else if (part.kind == "mass" && (part.at || !part.on_beam.empty())) {
-      painter.ball(d.pose(part, poses), 1.2 * unit);
-
-    } else if (part.kind == "motion" && (part.at || !part.on_beam.empty())) {
-      const Pose<double> H = d.pose(part, poses);
-      constexpr int sides = 24;
-      const auto at = [&](int i) {
-        const double angle = 2.0 * std::numbers::pi * i / sides;
-        return H * Vec3(1.6 * unit * std::cos(angle), 1.6 * unit * std::sin(angle), 0.0);
-      };
-      for (int i = 0; i < sides; ++i) painter.line(at(i), at(i + 1), 2.5);
-    }
-
-    if (!d.traced[index].empty()) {
-      Figure::Trail trail;
-      trail.part = number;
-      trail.colour = colour_of(part.kind);
-      const auto until = static_cast<std::ptrdiff_t>(instant) + 1;
-      trail.points.assign(d.traced[index].begin(), d.traced[index].begin() + until);
-      trail.now = d.pose(part, poses).r;
-      if (instant > std::floor(instant)) trail.points.push_back(trail.now);
-      figure.trails.push_back(std::move(trail));
-    }
+  for (std::size_t part = 0; part < data_->parts.size(); ++part) {
+    Painter painter(figure, static_cast<int>(part), colour_of(data_->parts[part].kind),
+                    data_->options.round);
+    data_->draw(part, now, painter, figure);
+    if (!data_->traced[part].empty()) data_->draw_trail(part, instant, now.shown, figure);
   }
   return figure;
 }

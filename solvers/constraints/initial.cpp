@@ -33,12 +33,14 @@ double largest(const VecX& x, Index& row) {
 
 ConstraintResiduals constraint_residuals(const System& system, const State& state) {
   ConstraintResiduals worst;
-  VecX r;
-  system.residual(state, r);
-  worst.position = largest(r.tail(system.multipliers()), worst.position_row);
-  if (!state.V.empty()) {
-    VecX gdot, rest;
-    system.constraint_rates(state, gdot, rest);
+  if (state.V.empty()) {
+    VecX r;
+    system.residual(state, r);
+    worst.position = largest(r.tail(system.multipliers()), worst.position_row);
+  } else {
+    VecX g, gdot;
+    system.constraints(state, g, gdot);
+    worst.position = largest(g, worst.position_row);
     worst.velocity = largest(gdot, worst.velocity_row);
   }
   return worst;

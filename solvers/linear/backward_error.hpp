@@ -7,8 +7,10 @@
 #include <complex>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
+#include "libmbd/core/types.hpp"
 #include "solvers/linear/block_columns.hpp"
 
 namespace mbd {
@@ -39,8 +41,7 @@ class BackwardError {
         for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e) {
           if (columns.kinds[static_cast<std::size_t>(columns.entries[e].row)] == 0) continue;
           const T* const column = A + columns.entries[e].offset + i * columns.height[C];
-          for (int k = 0; k < columns.size(columns.entries[e].row); ++k)
-            size = std::max(size, magnitude(column[k]));
+          size = std::max(size, largest_of(column, columns.size(columns.entries[e].row)));
         }
         const double moves = magnitude(b[columns.first[C] + i]) / size;
         double& most = largest[columns.size(c) != 6 ? 2 : i < 3 ? 0 : 1];
@@ -87,6 +88,17 @@ class BackwardError {
   template <int fixed>
   static void add(const T* block, Index ld, int rows, int columns, const T* x,
                   const double* absolute, T* r, double* size) {
+    if constexpr (fixed == 6 && std::is_same_v<T, double>) {
+      Vec6 sum = Eigen::Map<const Vec6>(r), sizes = Eigen::Map<const Vec6>(size);
+      for (int j = 0; j < columns; ++j) {
+        const Eigen::Map<const Vec6> column(block + j * ld);
+        sum -= column * x[j];
+        sizes += column.cwiseAbs() * absolute[j];
+      }
+      Eigen::Map<Vec6>(r).noalias() = sum;
+      Eigen::Map<Vec6>(size).noalias() = sizes;
+      return;
+    }
     const int n = fixed > 0 ? fixed : rows;
     T sum[6];
     double sizes[6];
@@ -105,6 +117,18 @@ class BackwardError {
       r[i] = sum[i];
       size[i] = sizes[i];
     }
+  }
+  // Of the numbers from x on. Of six real ones three maxima go at once.
+  static double largest_of(const T* x, int count) {
+    if constexpr (std::is_same_v<T, double>)
+      if (count == 6) {
+        double pair[3];
+        for (int k = 0; k < 3; ++k) pair[k] = std::max(std::abs(x[k]), std::abs(x[k + 3]));
+        return std::max(pair[0], std::max(pair[1], pair[2]));
+      }
+    double size = 0.0;
+    for (int k = 0; k < count; ++k) size = std::max(size, magnitude(x[k]));
+    return size;
   }
   static double times(double a, double b) { return a * b; }
   static std::complex<double> times(std::complex<double> a, std::complex<double> b) {

@@ -1,69 +1,87 @@
+#include "solvers/linear/block_inertia_solver.hpp"
+
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <utility>
-
-#include "solvers/linear/inertia_solver.hpp"
-#include "solvers/linear/judged_lu.hpp"
 
 namespace mbd {
 namespace {
 
 constexpr double nearly_singular = 1e-11;
 
+// By entry of columns that have a mirror image of each block, its place; empty if they have not.
+std::vector<std::size_t> mirrors_of(const BlockColumns& columns) {
+  std::vector<std::size_t> mirrors;
+  mirrors.reserve(columns.entries.size());
+  std::vector<std::size_t> next = columns.begin;
+  for (int c = 0; c < columns.blocks(); ++c) {
+    const auto C = static_cast<std::size_t>(c);
+    // Columns in their order: of each row its mirror images come by rising columns.
+    for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e) {
+      const auto R = static_cast<std::size_t>(columns.entries[e].row);
+      const std::size_t mirror = next[R]++;
+      if (mirror >= columns.begin[R + 1] || columns.entries[mirror].row != c) return {};
+      mirrors.push_back(mirror);
+    }
+  }
+  return mirrors;
+}
+
 class BlockInertiaSolver final : public InertiaSolver {
  public:
+  BlockInertiaSolver() = default;
+  BlockInertiaSolver(const InertiaRoom& room, std::vector<std::size_t> mirrors)
+      : room_(room), slots_(room.slots), mirrors_(std::move(mirrors)) {}
+
   void analyze(const BlockGraph& graph) override {
-    graph_ = graph;
+    own_ = std::make_unique<Own>();
+    own_->graph = graph;
     // Each block has its mirror image.
     const std::size_t count = graph.contributions.size();
     BlockGraph both = graph;
     both.contributions.reserve(2 * count);
     for (std::size_t k = 0; k < count; ++k)
       both.contributions.push_back({graph.contributions[k].column, graph.contributions[k].row});
-    columns_.analyze(both);
-    columns_.allocate(values_, trash_, slots_);
-    slots_.resize(count);
-    symmetric_.assign(values_.size(), 0.0);
-    mirrors_.clear();
-    std::vector<std::size_t> next = columns_.begin;
-    for (int c = 0; c < columns_.blocks(); ++c) {
-      const auto C = static_cast<std::size_t>(c);
-      // Columns in their order: of each row its mirror images come by rising columns.
-      for (std::size_t e = columns_.begin[C]; e < columns_.begin[C + 1]; ++e)
-        mirrors_.push_back(next[static_cast<std::size_t>(columns_.entries[e].row)]++);
-    }
-    prepared_ = std::make_unique<Prepared>(both, columns_, PivotOrder::merged);
-    judged_ = std::make_unique<Judged<double>>(prepared_->plan, columns_);
+    own_->columns.analyze(both);
+    own_->columns.allocate(own_->values, own_->trash, own_->slots);
+    own_->slots.resize(count);
+    slots_ = own_->slots;
+    mirrors_ = mirrors_of(own_->columns);
+    own_->prepared = std::make_unique<Prepared>(both, own_->columns, PivotOrder::merged);
+    own_->judged = std::make_unique<Judged<double>>(own_->prepared->plan, own_->columns);
+    room_ = {&own_->graph,    &own_->columns, &own_->values, own_->slots,
+             &own_->prepared, &own_->judged,  [] {}};
     mumps_.reset();
     negative_.reset();
     state_ = State::none;
   }
 
   std::span<const Slot> slots() const override { return slots_; }
-  void set_zero() override { std::fill(values_.begin(), values_.end(), 0.0); }
+  void set_zero() override { std::fill(room_.values->begin(), room_.values->end(), 0.0); }
 
   FactorStatus factor() override {
+    room_.taken();
     negative_.reset();
     state_ = State::none;
     if (!symmetrize()) return FactorStatus::singular;
     PivotInertia inertia;
-    if (prepared_->factor(judged_->lu, symmetric_.data(), &inertia) &&
+    if ((*room_.prepared)->factor(judged().lu, room_.values->data(), &inertia) &&
         inertia.least > nearly_singular && solves()) {
       negative_ = inertia.negative;
       state_ = State::blocks;
       return FactorStatus::ok;
     }
+    const BlockGraph& graph = *room_.graph;
     if (!mumps_) {
       mumps_ = make_inertia_solver();
-      mumps_->analyze(graph_);
+      mumps_->analyze(graph);
     }
     mumps_->set_zero();
-    for (std::size_t k = 0; k < graph_.contributions.size(); ++k) {
-      const auto [row, column] = graph_.contributions[k];
+    for (std::size_t k = 0; k < graph.contributions.size(); ++k) {
+      const auto [row, column] = graph.contributions[k];
       if (row < 0 || column < 0) continue;
-      for (int j = 0; j < columns_.size(column); ++j)
-        for (int i = 0; i < columns_.size(row); ++i)
+      for (int j = 0; j < room_.columns->size(column); ++j)
+        for (int i = 0; i < room_.columns->size(row); ++i)
           mumps_->slots()[k].data[i + j * mumps_->slots()[k].ld] =
               slots_[k].data[i + j * slots_[k].ld];
     }
@@ -79,12 +97,12 @@ class BlockInertiaSolver final : public InertiaSolver {
   void solve(std::span<double> x) const override {
     if (state_ == State::mumps) return mumps_->solve(x);
     long refined = 0;
-    if (state_ == State::none || !judged_->solve(x, symmetric_.data(), refined))
+    if (state_ == State::none || !judged().solve(x, room_.values->data(), refined))
       std::fill(x.begin(), x.end(), std::numeric_limits<double>::quiet_NaN());
   }
 
   double reciprocal_condition() const override { return 0.0; }  // not estimated
-  Index nonzeros() const override { return columns_.nonzeros; }
+  Index nonzeros() const override { return room_.columns->nonzeros; }
   std::unique_ptr<LinearSolver> another() const override { return make_block_inertia_solver(); }
   LinearFacts facts() const override { return {.method = "block LU of the symmetric part"}; }
 
@@ -93,26 +111,39 @@ class BlockInertiaSolver final : public InertiaSolver {
 
  private:
   enum class State { none, blocks, mumps };
+  struct Own {
+    BlockGraph graph;
+    BlockColumns columns;
+    std::vector<double> values, trash;
+    std::vector<Slot> slots;
+    std::unique_ptr<Prepared> prepared;
+    std::unique_ptr<Judged<double>> judged;
+  };
 
-  // False if a number is not finite.
+  Judged<double>& judged() const { return **room_.judged; }
+
+  // In place. False if a number is not finite.
   bool symmetrize() {
+    const BlockColumns& columns = *room_.columns;
     double largest = 0.0, difference = 0.0, sum = 0.0;
-    for (int c = 0; c < columns_.blocks(); ++c) {
+    for (int c = 0; c < columns.blocks(); ++c) {
       const auto C = static_cast<std::size_t>(c);
-      for (std::size_t e = columns_.begin[C]; e < columns_.begin[C + 1]; ++e) {
-        const auto R = static_cast<std::size_t>(columns_.entries[e].row);
-        const bool nodes = columns_.kinds[C] != 0 && columns_.kinds[R] != 0;
-        const Index here = columns_.entries[e].offset, there = columns_.entries[mirrors_[e]].offset;
-        for (int j = 0; j < columns_.size(c); ++j)
-          for (int i = 0; i < columns_.size(columns_.entries[e].row); ++i) {
-            const auto place = static_cast<std::size_t>(here + i + j * columns_.height[C]);
-            const double a = values_[place],
-                         b = values_[static_cast<std::size_t>(there + j + i * columns_.height[R])];
-            symmetric_[place] = 0.5 * (a + b);
-            sum += symmetric_[place];
-            if (!nodes) continue;
-            largest = std::max({largest, std::abs(a), std::abs(b)});
-            difference = std::max(difference, std::abs(a - b));
+      for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e) {
+        if (columns.entries[e].row < c) continue;
+        const auto R = static_cast<std::size_t>(columns.entries[e].row);
+        const bool nodes = columns.kinds[C] != 0 && columns.kinds[R] != 0;
+        const int rows = columns.size(columns.entries[e].row);
+        double* const here = room_.values->data() + columns.entries[e].offset;
+        double* const there = room_.values->data() + columns.entries[mirrors_[e]].offset;
+        for (int j = 0; j < columns.size(c); ++j)
+          for (int i = columns.entries[e].row == c ? j : 0; i < rows; ++i) {
+            double &a = here[i + j * columns.height[C]], &b = there[j + i * columns.height[R]];
+            if (nodes) {
+              largest = std::max({largest, std::abs(a), std::abs(b)});
+              difference = std::max(difference, std::abs(a - b));
+            }
+            a = b = 0.5 * (a + b);
+            sum += a;
           }
       }
     }
@@ -122,21 +153,19 @@ class BlockInertiaSolver final : public InertiaSolver {
 
   // Whether the factors are those of the matrix, by one solution.
   bool solves() {
-    x_.resize(static_cast<std::size_t>(columns_.n));
+    x_.resize(static_cast<std::size_t>(room_.columns->n));
     for (std::size_t i = 0; i < x_.size(); ++i)
       x_[i] = std::sin(1.0 + 2.7 * static_cast<double>(i % 1009));
-    judged_->begin();
+    judged().begin();
     long refined = 0;
-    return x_.empty() || judged_->solve(std::span<double>(x_), symmetric_.data(), refined);
+    return x_.empty() || judged().solve(std::span<double>(x_), room_.values->data(), refined);
   }
 
-  BlockGraph graph_;
-  BlockColumns columns_;
-  std::vector<double> values_, symmetric_, trash_, x_;
-  std::vector<Slot> slots_;
+  std::unique_ptr<Own> own_;
+  InertiaRoom room_;
+  std::span<const Slot> slots_;
+  std::vector<double> x_;
   std::vector<std::size_t> mirrors_;  // by entry
-  std::unique_ptr<Prepared> prepared_;
-  std::unique_ptr<Judged<double>> judged_;
   std::unique_ptr<InertiaSolver> mumps_;
   std::optional<Index> negative_;
   double asymmetry_ = 0.0;
@@ -147,6 +176,12 @@ class BlockInertiaSolver final : public InertiaSolver {
 
 std::unique_ptr<InertiaSolver> make_block_inertia_solver() {
   return std::make_unique<BlockInertiaSolver>();
+}
+
+std::unique_ptr<InertiaSolver> make_block_inertia_solver_in(const InertiaRoom& room) {
+  std::vector<std::size_t> mirrors = mirrors_of(*room.columns);
+  if (mirrors.size() != room.columns->entries.size()) return nullptr;
+  return std::make_unique<BlockInertiaSolver>(room, std::move(mirrors));
 }
 
 }  // namespace mbd

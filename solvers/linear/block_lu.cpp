@@ -7,20 +7,14 @@
 #include <cstring>
 #include <utility>
 
+#include "solvers/linear/block_kernels.hpp"
 #include "solvers/linear/lanes.hpp"
 
 namespace mbd {
 namespace {
 
-constexpr int most_rows = 12;  // of a pivot: a node and six rows of multipliers
-constexpr int most_registers = 2 * BlockLuPlan::register_rows / lane_count;  // of a column
 // Without exchange, diagonals may be reduced by this many times themselves; of a definite block it is once.
 constexpr double most_growth = 1e3;
-
-constexpr int registers_of(int rows) { return (rows + lane_count - 1) / lane_count; }
-
-template <class T>
-constexpr int parts_of = static_cast<int>(sizeof(T) / sizeof(double));
 
 // Columns of a block that are kept in registers at a time, with `registers` each.
 template <class T>
@@ -89,65 +83,6 @@ void update_block(double* D, int rows, int stride, int columns, int other, const
   for (int c = 0; c < columns; c += at_once)
     table[static_cast<std::size_t>(std::min(at_once, columns - c) - 1)](
         D + c * stride * parts_of<T>, stride, other, update, end, left, right + c);
-}
-
-// X := X U^-1 (of_upper), or X L^-T. L and U in D, by columns; inverse of U's diagonal. `size`: columns of X, or at compile
-// time as `fixed`.
-template <class T, int registers, int fixed, bool of_upper>
-void divide(double* X, int stride, int size, const double* D, int other, const double* inverse) {
-  constexpr int parts = parts_of<T>;
-  const int n = fixed > 0 ? fixed : size;
-  Lanes<T> x[fixed > 0 ? fixed : most_rows][registers];
-#pragma GCC unroll 6
-  for (int c = 0; c < n; ++c) {
-    for (int r = 0; r < registers; ++r)
-      x[c][r].load(X + c * stride * parts + r * lane_count, stride);
-#pragma GCC unroll 6
-    for (int q = 0; q < c; ++q) {
-      const double* const factor = of_upper ? D + c * other * parts + q : D + q * other * parts + c;
-      for (int r = 0; r < registers; ++r) x[c][r].subtract(x[q][r], factor, other);
-    }
-    for (int r = 0; r < registers; ++r) {
-      if (of_upper) x[c][r].multiply(inverse + c, other);
-      x[c][r].store(X + c * stride * parts + r * lane_count, stride);
-    }
-  }
-}
-
-template <class T, bool of_upper>
-void divide_block(double* X, int rows, int stride, int size, const double* D, int other,
-                  const double* inverse) {
-  const int registers = registers_of(rows);
-  if (size == 6 && registers == registers_of(6)) {
-    divide<T, registers_of(6), 6, of_upper>(X, stride, size, D, other, inverse);
-  } else if (size == 3 && registers == registers_of(6)) {
-    divide<T, registers_of(6), 3, of_upper>(X, stride, size, D, other, inverse);
-  } else {
-    for (int r = 0; r < registers; ++r)
-      divide<T, 1, 0, of_upper>(X + r * lane_count, stride, size, D, other, inverse);
-  }
-}
-
-double number(const double* p, int, double) { return *p; }
-std::complex<double> number(const double* p, int stride, std::complex<double>) {
-  return {p[0], p[stride]};
-}
-void put(double* p, int, double x) { *p = x; }
-void put(double* p, int stride, std::complex<double> x) {
-  p[0] = x.real();
-  p[stride] = x.imag();
-}
-double size_of(double x) { return std::abs(x); }
-double size_of(std::complex<double> x) { return std::abs(x.real()) + std::abs(x.imag()); }
-// Without the care for infinities that the library takes.
-double product(double x, double y) { return x * y; }
-std::complex<double> product(std::complex<double> x, std::complex<double> y) {
-  return {x.real() * y.real() - x.imag() * y.imag(), x.real() * y.imag() + x.imag() * y.real()};
-}
-double inverse_of(double x) { return 1.0 / x; }
-std::complex<double> inverse_of(std::complex<double> x) {
-  const double square = x.real() * x.real() + x.imag() * x.imag();
-  return {x.real() / square, -x.imag() / square};
 }
 
 // Of a block of n rows without exchanges; false if that loses too much.
@@ -323,20 +258,26 @@ int stride_of(int rows) {
 BlockLuPlan::BlockLuPlan(const BlockColumns& A, const Elimination& elimination) : n(A.n) {
   const std::size_t count = elimination.pivots.size();
   pivots.reserve(count + 1);
-  rows.reserve(elimination.below.size());
+  std::vector<int> front_of(count, -1);
+  for (std::size_t f = 0; f < elimination.fronts.size(); ++f)
+    std::fill(front_of.begin() + elimination.fronts[f].first,
+              front_of.begin() + elimination.fronts[f].last, static_cast<int>(f));
   std::size_t targets = 0;
   for (std::size_t p = 0; p < count; ++p) {
+    // Of what is in fronts only the diagonals are here.
+    const std::size_t begin = elimination.begin[p],
+                      end = front_of[p] < 0 ? elimination.begin[p + 1] : begin;
     const int size = elimination.pivots[p].size, stride = stride_of(size);
     pivots.push_back({.size = size,
                       .stride = stride,
                       .diagonal = diagonals,
                       .below = off_diagonals,
                       .first_row = padded,
-                      .first = elimination.begin[p],
-                      .last = elimination.begin[p + 1],
+                      .first = rows.size(),
+                      .last = rows.size() + end - begin,
                       .first_target = targets,
                       .merged = elimination.pivots[p].merged});
-    for (std::size_t k = elimination.begin[p]; k < elimination.begin[p + 1]; ++k) {
+    for (std::size_t k = begin; k < end; ++k) {
       const int below = elimination.below[k];
       rows.push_back({off_diagonals, below});
       off_diagonals += static_cast<std::size_t>(
@@ -345,10 +286,12 @@ BlockLuPlan::BlockLuPlan(const BlockColumns& A, const Elimination& elimination) 
     }
     diagonals += static_cast<std::size_t>(stride) * static_cast<std::size_t>(size);
     padded += static_cast<std::size_t>(stride);
-    targets += 1 + elimination.begin[p + 1] - elimination.begin[p];
+    targets += front_of[p] < 0 ? 1 + end - begin : 0;
   }
   pivots.push_back(
       {0, 0, diagonals, off_diagonals, padded, rows.size(), rows.size(), targets, false});
+  fronts = FrontPlan(elimination, targets);
+  targets += fronts.targets;
 
   runs.reserve(static_cast<std::size_t>(A.blocks()));
   for (int b = 0; b < A.blocks(); ++b) {
@@ -362,6 +305,8 @@ BlockLuPlan::BlockLuPlan(const BlockColumns& A, const Elimination& elimination) 
     const int i = elimination.pivot_of[static_cast<std::size_t>(row)],
               j = elimination.pivot_of[static_cast<std::size_t>(column)];
     const auto& pivot = pivots[static_cast<std::size_t>(std::min(i, j))];
+    if (const int front = front_of[static_cast<std::size_t>(std::min(i, j))]; front >= 0)
+      return 2 * fronts.target(front, std::max(i, j), std::min(i, j)) + (i < j ? 1 : 0);
     if (i == j) return 2 * pivot.first_target;
     const auto found =
         std::lower_bound(rows.begin() + static_cast<std::ptrdiff_t>(pivot.first),
@@ -415,10 +360,13 @@ BlockLuPlan::BlockLuPlan(const BlockColumns& A, const Elimination& elimination) 
     for (std::size_t p = 0; p < count; ++p)
       for (std::size_t b = pivots[p].first; b < pivots[p].last; ++b) {
         const auto& target = pivots[static_cast<std::size_t>(rows[b].pivot)];
+        const int front = front_of[static_cast<std::size_t>(rows[b].pivot)];
         std::size_t k = target.first;
         for (std::size_t a = b; a < pivots[p].last; ++a) {
           std::size_t t = target.first_target;
-          if (a != b) {
+          if (front >= 0) {
+            t = fronts.target(front, rows[a].pivot, rows[b].pivot);
+          } else if (a != b) {
             while (rows[k].pivot != rows[a].pivot) ++k;
             t += 1 + k - target.first;
           }
@@ -442,11 +390,18 @@ BlockLu<T>::BlockLu(const BlockLuPlan& plan)
       inverse_(scalars(plan.padded), 0.0),
       exchanges_(plan.padded, 0),
       exchanged_(plan.pivots.size(), 0),
-      x_(scalars(plan.padded), 0.0) {}
+      x_(scalars(plan.padded), 0.0),
+      front_lower_(scalars(plan.fronts.numbers), 0.0),
+      front_upper_(scalars(plan.fronts.numbers), 0.0),
+      front_update_(scalars(plan.fronts.update_numbers), 0.0),
+      front_x_(scalars(static_cast<std::size_t>(plan.fronts.largest)), 0.0) {
+  product_.reserve(plan.fronts.widest_product, plan.fronts.deepest_product);
+}
 
 template <class T>
 std::size_t BlockLu<T>::bytes() const {
-  return sizeof(double) * (diagonal_.size() + lower_.size() + upper_.size() + inverse_.size());
+  return sizeof(double) * (diagonal_.size() + lower_.size() + upper_.size() + inverse_.size() +
+                           front_lower_.size() + front_upper_.size());
 }
 
 // A block of A's, or its transposed, as a block of the factors.
@@ -524,13 +479,41 @@ bool BlockLu<T>::factor_pivot(std::size_t j, PivotInertia* inertia) {
   return true;
 }
 
+// `before`: the diagonal of A.
+template <class T>
+void BlockLu<T>::add_least(std::size_t j, const double* before, PivotInertia& inertia) const {
+  const auto& pivot = plan_.pivots[j];
+  if (pivot.merged || exchanged_[j] != 0) return;
+  const double* const inverse = inverse_.data() + scalars(pivot.first_row);
+  for (int i = 0; i < pivot.size; ++i)
+    inertia.least = std::min(inertia.least, 1.0 / (std::abs(inverse[i]) * before[i]));
+}
+
+// D -= what pivots outside fronts take from a block of one.
+template <class T>
+void BlockLu<T>::update_of_front(std::size_t target, double* D, int rows, int stride, int columns,
+                                 int other, bool turned) const {
+  const Update* const updates = plan_.updates.data();
+  update_block<T>(D, rows, stride, columns, other, updates + plan_.first_update[target],
+                  updates + plan_.first_update[target + 1], turned ? upper_.data() : lower_.data(),
+                  turned ? lower_.data() : upper_.data());
+}
+
 template <class T>
 bool BlockLu<T>::factor(const T* A, const double* scales, PivotInertia* inertia) {
   constexpr int number_parts = parts_of<T>;
   scales_ = scales;
   const Update* const updates = plan_.updates.data();
   const double *const lower = lower_.data(), *const upper = upper_.data();
+  std::fill(front_lower_.begin(), front_lower_.end(), 0.0);
+  std::fill(front_upper_.begin(), front_upper_.end(), 0.0);
+  std::size_t front = 0;
   for (std::size_t j = 0; j + 1 < plan_.pivots.size(); ++j) {
+    if (plan_.fronts.begins(front, j)) {
+      if (!factor_front(front, A, scales, inertia)) return false;
+      j = static_cast<std::size_t>(plan_.fronts.all[front++].last) - 1;
+      continue;
+    }
     const auto& pivot = plan_.pivots[j];
     std::size_t target = pivot.first_target;
     const std::size_t* first = plan_.first_update.data() + target;
@@ -544,9 +527,7 @@ bool BlockLu<T>::factor(const T* A, const double* scales, PivotInertia* inertia)
                       updates + first[1], lower, upper);
     if (!factor_pivot(j, inertia)) return false;
     const double* const inverse = inverse_.data() + scalars(pivot.first_row);
-    if (inertia != nullptr && !pivot.merged && exchanged_[j] == 0)
-      for (int i = 0; i < pivot.size; ++i)
-        inertia->least = std::min(inertia->least, 1.0 / (std::abs(inverse[i]) * before[i]));
+    if (inertia != nullptr) add_least(j, before, *inertia);
     const std::int8_t* const exchanges = exchanges_.data() + pivot.first_row;
     for (std::size_t k = pivot.first; k < pivot.last; ++k) {
       ++first;
@@ -572,6 +553,7 @@ bool BlockLu<T>::factor(const T* A, const double* scales, PivotInertia* inertia)
       }
       divide_block<T, false>(U, other.size, other.stride, pivot.size, D, pivot.stride, inverse);
     }
+    invert_triangles<T>(D, pivot.stride, pivot.size, inverse);
   }
   return true;
 }
@@ -598,37 +580,6 @@ void BlockLu<T>::from_padded(T* x) const {
 }
 
 namespace {
-
-// Triangles of D: x := L^-1 x and so on, x of n numbers.
-template <class T>
-struct Triangles {
-  const double* D;
-  const double* inverse;
-  int stride, size;
-
-  T at(int i, int j) const { return number(D + j * stride * parts_of<T> + i, stride, T()); }
-  T one_over(int i) const { return number(inverse + i, stride, T()); }
-  void lower(T* x) const {
-    for (int k = 0; k < size; ++k)
-      for (int i = k + 1; i < size; ++i) x[i] -= product(at(i, k), x[k]);
-  }
-  void upper(T* x) const {
-    for (int k = size - 1; k >= 0; --k) {
-      x[k] = product(x[k], one_over(k));
-      for (int i = 0; i < k; ++i) x[i] -= product(at(i, k), x[k]);
-    }
-  }
-  void upper_transposed(T* x) const {
-    for (int k = 0; k < size; ++k) {
-      for (int i = 0; i < k; ++i) x[k] -= product(at(i, k), x[i]);
-      x[k] = product(x[k], one_over(k));
-    }
-  }
-  void lower_transposed(T* x) const {
-    for (int k = size - 1; k >= 0; --k)
-      for (int i = k + 1; i < size; ++i) x[k] -= product(at(i, k), x[i]);
-  }
-};
 
 // y_i -= M_ij x_j for all blocks M_ij below a pivot, n columns wide, whose x is at X.
 template <class T, int n>
@@ -685,29 +636,27 @@ void forward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, con
                    const double* below, double* vector) {
   constexpr int parts = parts_of<T>, registers = registers_of(n);
   double* const X = vector + pivot.first_row * parts;
-  Lanes<T> x[registers], l;
+  Lanes<T> x[registers];
   for (int r = 0; r < registers; ++r) x[r].load(X + r * lane_count, pivot.stride);
 #pragma GCC unroll 6
-  for (int k = 0; k + 1 < n; ++k) {
-    const T s = x[k / lane_count].at(k % lane_count);
+  for (int k = 0; k + 1 < n; ++k)
     for (int r = 0; r < registers; ++r) {
-      Lanes<T> column;
+      Lanes<T> column, l;
       column.load(D + k * pivot.stride * parts + r * lane_count, pivot.stride);
       l.clear();
       l.take(LanesBetween(k + 1, n, r * lane_count).mask, column);
-      x[r].subtract(l, s);
+      x[r].add(l, X + k, pivot.stride);
     }
-  }
   for (int r = 0; r < registers; ++r) x[r].store(X + r * lane_count, pivot.stride);
   subtract_below<T, n>(plan, pivot, below, X, vector);
 }
 
 template <class T, int n>
 void backward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, const double* D,
-                    const double* inverse, const double* below, double* vector) {
+                    const double* below, double* vector) {
   constexpr int parts = parts_of<T>, registers = registers_of(n);
   double* const X = vector + pivot.first_row * parts;
-  Lanes<T> x[registers], u;
+  Lanes<T> x[registers];
   for (int r = 0; r < registers; ++r) x[r].load(X + r * lane_count, pivot.stride);
   if (pivot.first < pivot.last) {
     Lanes<T> sums[n];
@@ -724,45 +673,37 @@ void backward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, co
     double sum[parts * registers * lane_count] = {};
     for (int c = 0; c < n; ++c) put(sum + c, registers * lane_count, sums[c].sum());
     for (int r = 0; r < registers; ++r) {
-      u.load(sum + r * lane_count, registers * lane_count);
-      x[r].subtract(u, T(1.0));
+      Lanes<T> part;
+      part.load(sum + r * lane_count, registers * lane_count);
+      x[r].subtract(part, T(1.0));
     }
 #endif
   }
-  // x_k is known when those after it have been taken out: it is divided by its pivot at the end.
-  Lanes<T> divided[registers];
-  for (int r = 0; r < registers; ++r) divided[r].clear();
+  for (int r = 0; r < registers; ++r) x[r].store(X + r * lane_count, pivot.stride);
+  for (int r = 0; r < registers; ++r) x[r].clear();
 #pragma GCC unroll 6
-  for (int k = n - 1; k >= 0; --k) {
-    const T s =
-        product(x[k / lane_count].at(k % lane_count), number(inverse + k, pivot.stride, T()));
+  for (int k = 0; k < n; ++k)
     for (int r = 0; r < registers; ++r) {
-      Lanes<T> column;
+      Lanes<T> column, u;
       column.load(D + k * pivot.stride * parts + r * lane_count, pivot.stride);
       u.clear();
-      u.take(LanesBetween(0, k, r * lane_count).mask, column);
-      x[r].subtract(u, s);
-      column.fill(s);
-      divided[r].take(LanesBetween(k, k + 1, r * lane_count).mask, column);
+      u.take(LanesBetween(0, k + 1, r * lane_count).mask, column);
+      x[r].add(u, X + k, pivot.stride);
     }
-  }
-  for (int r = 0; r < registers; ++r) divided[r].store(X + r * lane_count, pivot.stride);
+  for (int r = 0; r < registers; ++r) x[r].store(X + r * lane_count, pivot.stride);
 }
 
 template <class T>
-using ForwardPivot = void (*)(const BlockLuPlan&, const BlockLuPlan::Pivot&, const double*,
-                              const double*, double*);
+using OnePivot = void (*)(const BlockLuPlan&, const BlockLuPlan::Pivot&, const double*,
+                          const double*, double*);
 template <class T>
-using BackwardPivot = void (*)(const BlockLuPlan&, const BlockLuPlan::Pivot&, const double*,
-                               const double*, const double*, double*);
+constexpr std::array<OnePivot<T>, 6> forward_pivots{forward_pivot<T, 1>, forward_pivot<T, 2>,
+                                                    forward_pivot<T, 3>, forward_pivot<T, 4>,
+                                                    forward_pivot<T, 5>, forward_pivot<T, 6>};
 template <class T>
-constexpr std::array<ForwardPivot<T>, 6> forward_pivots{forward_pivot<T, 1>, forward_pivot<T, 2>,
-                                                        forward_pivot<T, 3>, forward_pivot<T, 4>,
-                                                        forward_pivot<T, 5>, forward_pivot<T, 6>};
-template <class T>
-constexpr std::array<BackwardPivot<T>, 6> backward_pivots{
-    backward_pivot<T, 1>, backward_pivot<T, 2>, backward_pivot<T, 3>,
-    backward_pivot<T, 4>, backward_pivot<T, 5>, backward_pivot<T, 6>};
+constexpr std::array<OnePivot<T>, 6> backward_pivots{backward_pivot<T, 1>, backward_pivot<T, 2>,
+                                                     backward_pivot<T, 3>, backward_pivot<T, 4>,
+                                                     backward_pivot<T, 5>, backward_pivot<T, 6>};
 
 }  // namespace
 
@@ -771,7 +712,13 @@ template <class T>
 template <bool transposed>
 void BlockLu<T>::forward() const {
   const double* const below = transposed ? upper_.data() : lower_.data();
+  std::size_t front = 0;
   for (std::size_t j = 0; j + 1 < plan_.pivots.size(); ++j) {
+    if (plan_.fronts.begins(front, j)) {
+      forward_front(front, transposed);
+      j = static_cast<std::size_t>(plan_.fronts.all[front++].last) - 1;
+      continue;
+    }
     const auto& pivot = plan_.pivots[j];
     const double* const D = diagonal_.data() + scalars(pivot.diagonal);
     const int n = pivot.size, stride = pivot.stride;
@@ -785,7 +732,7 @@ void BlockLu<T>::forward() const {
     for (int i = 0; i < n; ++i)
       x[static_cast<std::size_t>(i)] =
           number(X + (!transposed && exchanged_[j] != 0 ? exchanges[i] : i), stride, T());
-    const Triangles<T> triangles{D, inverse_.data() + scalars(pivot.first_row), stride, n};
+    const Triangles<T> triangles{D, stride, n};
     if constexpr (transposed)
       triangles.upper_transposed(x.data());
     else
@@ -800,14 +747,18 @@ template <class T>
 template <bool transposed>
 void BlockLu<T>::backward() const {
   const double* const below = transposed ? lower_.data() : upper_.data();
+  std::size_t front = plan_.fronts.all.size();
   for (std::size_t j = plan_.pivots.size() - 1; j-- > 0;) {
+    if (plan_.fronts.ends(front, j)) {
+      backward_front(--front, transposed);
+      j = static_cast<std::size_t>(plan_.fronts.all[front].first);
+      continue;
+    }
     const auto& pivot = plan_.pivots[j];
     const double* const D = diagonal_.data() + scalars(pivot.diagonal);
-    const double* const inverse = inverse_.data() + scalars(pivot.first_row);
     const int n = pivot.size, stride = pivot.stride;
     if (!transposed && n <= 6) {
-      backward_pivots<T>[static_cast<std::size_t>(n - 1)](plan_, pivot, D, inverse, below,
-                                                          x_.data());
+      backward_pivots<T>[static_cast<std::size_t>(n - 1)](plan_, pivot, D, below, x_.data());
       continue;
     }
     double* const X = x_.data() + scalars(pivot.first_row);
@@ -816,7 +767,7 @@ void BlockLu<T>::backward() const {
     add_below<T, 0>(plan_, pivot, below, x_.data(), sums);
     for (int i = 0; i < n; ++i)
       x[static_cast<std::size_t>(i)] = number(X + i, stride, T()) - sums[i].sum();
-    const Triangles<T> triangles{D, inverse, stride, n};
+    const Triangles<T> triangles{D, stride, n};
     if constexpr (transposed)
       triangles.lower_transposed(x.data());
     else

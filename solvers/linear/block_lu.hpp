@@ -3,6 +3,8 @@
 // with D what elimination has left of A. Rows are exchanged within a pivot only, where its own unknowns ask for it. Left-
 // looking: each block is computed once, from A and the factors before it, in registers.
 //
+// Where many pivots have the same blocks below, they are in fronts (fronts.hpp): dense matrices, by products of matrices.
+//
 // L_ij and the transposed of U_ji lie alike, by columns, each column in a register or two: both are computed, and used, by the
 // same few loops.
 #pragma once
@@ -13,7 +15,9 @@
 #include <vector>
 
 #include "solvers/linear/block_columns.hpp"
+#include "solvers/linear/dense_product.hpp"
 #include "solvers/linear/elimination.hpp"
+#include "solvers/linear/fronts.hpp"
 
 namespace mbd {
 
@@ -22,12 +26,13 @@ struct BlockLuPlan {
   static constexpr int register_rows = 8;  // rows are padded to a multiple
 
   struct Pivot {
-    int size, stride;          // rows, and rows with padding: 8 or 16
-    std::size_t diagonal;      // of D_j, in doubles
-    std::size_t below;         // of the first L_ij
-    std::size_t first_row;     // in a padded vector
-    std::size_t first, last;   // in `rows`
-    std::size_t first_target;  // D_j; then L_ij and U_ji in the order of `rows`
+    int size, stride;         // rows, and rows with padding: 8 or 16
+    std::size_t diagonal;     // of D_j, in doubles
+    std::size_t below;        // of the first L_ij
+    std::size_t first_row;    // in a padded vector
+    std::size_t first, last;  // in `rows`
+    std::size_t
+        first_target;  // D_j; then L_ij and U_ji in the order of `rows`; in a front: not used
     bool merged;
   };
   struct Row {
@@ -60,6 +65,7 @@ struct BlockLuPlan {
     int first, count;   // unknowns
   };
   std::vector<Run> runs;
+  FrontPlan fronts;
   std::size_t padded = 0, diagonals = 0, off_diagonals = 0;  // sizes
   int n = 0;
 
@@ -98,6 +104,19 @@ class BlockLu {
   void assemble(std::size_t target, double* D, int rows, int stride, int columns, bool turned,
                 const T* A, const double* scales);
   bool factor_pivot(std::size_t j, PivotInertia* inertia);
+  void add_least(std::size_t j, const double* before, PivotInertia& inertia) const;
+  void update_of_front(std::size_t target, double* D, int rows, int stride, int columns, int other,
+                       bool turned) const;
+  // fronts.cpp
+  bool factor_front(std::size_t f, const T* A, const double* scales, PivotInertia* inertia);
+  void assemble_front(std::size_t f, const T* A, const double* scales, double* before);
+  bool factor_in_front(std::size_t f, std::size_t group, std::size_t member, const double* before,
+                       PivotInertia* inertia);
+  void update_above(std::size_t f);
+  void gather(std::size_t f) const;
+  void scatter(std::size_t f, bool below) const;
+  void forward_front(std::size_t f, bool transposed) const;
+  void backward_front(std::size_t f, bool transposed) const;
   void to_padded(const T* x) const;
   void from_padded(T* x) const;
   template <bool transposed>
@@ -108,11 +127,15 @@ class BlockLu {
 
   const BlockLuPlan& plan_;
   const double* scales_ = nullptr;
-  std::vector<double> diagonal_, lower_, upper_;  // D, L, U^T
-  std::vector<double> inverse_;                   // of the diagonal of U, padded
-  std::vector<std::int8_t> exchanges_;            // row of D_j that is the k-th of P_j D_j
-  std::vector<char> exchanged_;                   // by pivot: it is not the identity
-  mutable std::vector<double> x_;                 // padded
+  std::vector<double> diagonal_, lower_, upper_;   // D, L, U^T
+  std::vector<double> inverse_;                    // of the diagonal of U, padded
+  std::vector<std::int8_t> exchanges_;             // row of D_j that is the k-th of P_j D_j
+  std::vector<char> exchanged_;                    // by pivot: it is not the identity
+  mutable std::vector<double> x_;                  // padded
+  std::vector<double> front_lower_, front_upper_;  // L and U^T of fronts
+  std::vector<double> front_update_;               // what a front takes from others
+  mutable std::vector<double> front_x_;            // rows of a front
+  DenseProduct product_;
 };
 
 extern template class BlockLu<double>;

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "solvers/linear/block_inertia_solver.hpp"
 #include "solvers/linear/judged_lu.hpp"
 #include "solvers/linear/klu_solver.hpp"
 
@@ -75,22 +77,35 @@ double reciprocal_condition(const BlockColumns& columns, const double* A,
                             const BlockLu<double>& lu) {
   const auto n = static_cast<std::size_t>(columns.n);
   std::vector<double> row(n, 0.0), column(n, 0.0);
+  // use(a column of a block, its length, its first row, what `column` has of it)
   const auto visit = [&](const auto& use) {
     for (int c = 0; c < columns.blocks(); ++c) {
       const auto C = static_cast<std::size_t>(c);
-      for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e)
+      for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e) {
+        const auto first = static_cast<std::size_t>(
+            columns.first[static_cast<std::size_t>(columns.entries[e].row)]);
         for (int j = 0; j < columns.size(c); ++j)
-          for (int i = 0; i < columns.size(columns.entries[e].row); ++i)
-            use(static_cast<std::size_t>(
-                    columns.first[static_cast<std::size_t>(columns.entries[e].row)] + i),
-                static_cast<std::size_t>(columns.first[C] + j),
-                std::abs(A[columns.entries[e].offset + j * columns.height[C] + i]));
+          use(A + columns.entries[e].offset + j * columns.height[C],
+              columns.size(columns.entries[e].row), first,
+              column[static_cast<std::size_t>(columns.first[C] + j)]);
+      }
     }
   };
-  visit([&](std::size_t i, std::size_t, double a) { row[i] = std::max(row[i], a); });
-  for (const double r : row)
-    if (!(r > 0.0)) return 0.0;
-  visit([&](std::size_t i, std::size_t j, double a) { column[j] += a / row[i]; });
+  visit([&](const double* a, int count, std::size_t first, double&) {
+    for (int i = 0; i < count; ++i)
+      row[first + static_cast<std::size_t>(i)] =
+          std::max(row[first + static_cast<std::size_t>(i)], std::abs(a[i]));
+  });
+  // Units of rows: R of above and its inverse.
+  std::vector<double> unit(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(row[i] > 0.0)) return 0.0;
+    unit[i] = 1.0 / row[i];
+  }
+  visit([&](const double* a, int count, std::size_t first, double& sum) {
+    for (int i = 0; i < count; ++i)
+      sum += std::abs(a[i]) * unit[first + static_cast<std::size_t>(i)];
+  });
   const double norm = *std::max_element(column.begin(), column.end());
 
   const auto sum = [](const std::vector<double>& x) {
@@ -153,6 +168,9 @@ class BlockBacked : public Interface {
   LinearFacts facts() const override {
     LinearFacts facts = choice_.facts;
     facts.method = fmt::format("block LU, {}", name_of(prepared_order_));
+    if (prepared_ && !prepared_->plan.fronts.all.empty())
+      facts.method += fmt::format(", {} fronts", prepared_->plan.fronts.all.size());
+    if (prepared_ && prepared_->dissected) facts.method += ", nested dissection";
     if (facts.fallbacks == 0) facts.reason.clear();  // the other order did it
     return facts;
   }
@@ -272,6 +290,15 @@ class BlockSolver final : public BlockBacked<LinearSolver> {
 
   Index nonzeros() const override { return columns_.nonzeros; }
   std::unique_ptr<LinearSolver> another() const override { return make_klu_solver(); }
+
+  std::unique_ptr<InertiaSolver> inertia() {
+    if (prepared_order_ != PivotOrder::merged) return nullptr;
+    return make_block_inertia_solver_in(
+        {&graph_, &columns_, &values_, slots_, &prepared_, &judged_, [this] {
+           state_ = State::none;
+           unchanged_ = false;
+         }});
+  }
 
  private:
   void prepare() override {
@@ -445,6 +472,11 @@ std::unique_ptr<LinearSolver> make_block_solver(PivotOrder order) {
   return std::make_unique<BlockSolver>(order);
 }
 
+std::unique_ptr<InertiaSolver> make_block_inertia_solver_in(LinearSolver& solver) {
+  auto* const blocks = dynamic_cast<BlockSolver*>(&solver);
+  return blocks != nullptr ? blocks->inertia() : nullptr;
+}
+
 std::unique_ptr<PencilSolver> make_block_pencil_solver(PivotOrder order) {
   return std::make_unique<BlockPencilSolver>(order);
 }
@@ -462,8 +494,15 @@ std::string describe_linear_solver(LinearMethod method, PivotOrder order, const 
   const Elimination elimination = eliminate(graph, order);
   int most = 0;
   for (const auto& pivot : elimination.pivots) most = std::max(most, pivot.size);
-  return fmt::format("block LU, {}: {} pivots of at most {} unknowns, {:.2g} flops a factorisation",
-                     name_of(order), elimination.pivots.size(), most, elimination.flops);
+  std::string text =
+      fmt::format("block LU, {}: {} pivots of at most {} unknowns, {:.2g} flops a factorisation",
+                  name_of(order), elimination.pivots.size(), most, elimination.flops);
+  if (!elimination.fronts.empty())
+    text += fmt::format(", {:.0f} % of them in {} fronts",
+                        100.0 * std::min(1.0, elimination.front_flops / elimination.flops),
+                        elimination.fronts.size());
+  if (elimination.dissected) text += "; ordered by nested dissection (METIS)";
+  return text;
 }
 
 }  // namespace mbd

@@ -75,15 +75,20 @@ class MultiplierScales {
 // A plan with what it needs to be carried out.
 struct Prepared {
   Prepared(const BlockGraph& graph, const BlockColumns& columns, PivotOrder order)
-      : plan(columns, eliminate(graph, order)) {
-    if (order == PivotOrder::merged) scales.emplace(columns);
-  }
+      : Prepared(columns, eliminate(graph, order), order) {}
   template <class T>
   bool factor(BlockLu<T>& lu, const T* A, PivotInertia* inertia = nullptr) {
     return lu.factor(A, scales ? scales->of(A) : nullptr, inertia);
   }
   BlockLuPlan plan;
+  bool dissected = false;  // the order is METIS'
   std::optional<MultiplierScales> scales;
+
+ private:
+  Prepared(const BlockColumns& columns, const Elimination& elimination, PivotOrder order)
+      : plan(columns, elimination), dissected(elimination.dissected) {
+    if (order == PivotOrder::merged) scales.emplace(columns);
+  }
 };
 
 // Solutions by one factorisation: the first is judged, and how often it was refined, others are too.

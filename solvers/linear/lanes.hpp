@@ -6,15 +6,9 @@
 #include <complex>
 #include <cstring>
 
-namespace mbd {
+#include "libmbd/core/pack.hpp"
 
-#if defined(__AVX512F__)
-inline constexpr int lane_count = 8, lane_registers = 24;
-#else
-inline constexpr int lane_count = 4, lane_registers = 12;
-#endif
-using Lane [[gnu::vector_size(lane_count * sizeof(double))]] = double;
-using LaneMask [[gnu::vector_size(lane_count * sizeof(double))]] = long long;
+namespace mbd {
 
 // Of the rows from `begin` to `end`, of which a register holds those from `first`. (No function returns it: without such
 // registers that would depend on how they are passed.)
@@ -42,7 +36,8 @@ struct Lanes<double> {
   void subtract(const Lanes& x, double s) { re -= x.re * s; }
   // this += s |x|^2.
   static void add_squares(Lane& sum, const Lanes& x, double s) { sum += x.re * x.re * s; }
-  // this -= x s, with s at `p`, or x * s.
+  // this += x s or this -= x s, with s at `p`, or x * s.
+  void add(const Lanes& x, const double* p, int) { re += x.re * *p; }
   void subtract(const Lanes& x, const double* p, int) { re -= x.re * *p; }
   void multiply(const double* p, int) { re *= *p; }
   // this += x y, number by number.
@@ -93,6 +88,12 @@ struct Lanes<std::complex<double>> {
   static void add_squares(Lane& sum, const Lanes& x, double s) {
     sum += x.re * x.re * s;
     sum += x.im * x.im * s;
+  }
+  void add(const Lanes& x, const double* p, int stride) {
+    re += x.re * p[0];
+    im += x.im * p[0];
+    re -= x.im * p[stride];
+    im += x.re * p[stride];
   }
   void subtract(const Lanes& x, const double* p, int stride) {
     re -= x.re * p[0];

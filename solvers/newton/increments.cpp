@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "solvers/linear/block_columns.hpp"
+
 namespace mbd {
 
 IncrementNorm::IncrementNorm(const System& system, const NewtonOptions& options)
@@ -67,9 +69,20 @@ double largest_stiffness(const System& system, const LinearSolver& S) {
   return largest_stiffness(system, S.slots());
 }
 
+double largest_stiffness(const System& system, const State& state, const TangentWeights& weights) {
+  BlockColumns columns;
+  columns.analyze(system.graph());
+  std::vector<double> values, trash;
+  std::vector<Slot> slots;
+  columns.allocate(values, trash, slots);
+  VecX r;
+  system.linearize(state, weights, r, slots);
+  return largest_stiffness(system, slots);
+}
+
 double largest_stiffness(const System& system, std::span<const Slot> slots) {
-  double largest = 0.0;
-  const double per_length = 1.0 / system.length_scale();
+  // By pairs of displacements (0) and rotations (1).
+  double largest[2][2] = {};
   const BlockGraph& graph = system.graph();
   for (std::size_t i = 0; i < graph.contributions.size(); ++i) {
     const auto [row, column] = graph.contributions[i];
@@ -78,13 +91,15 @@ double largest_stiffness(const System& system, std::span<const Slot> slots) {
     const auto& c = graph.blocks[static_cast<std::size_t>(column)];
     if (r.kind != BlockGraph::Kind::node || c.kind != BlockGraph::Kind::node) continue;
     const Slot slot = slots[i];
-    for (Index k = 0; k < c.size; ++k)
-      for (Index j = 0; j < r.size; ++j) {
-        const double units = (j < 3 ? 1.0 : per_length) * (k < 3 ? 1.0 : per_length);
-        largest = std::max(largest, units * std::abs(slot.data[k * slot.ld + j]));
-      }
+    for (Index k = 0; k < 6; ++k) {
+      const double* const at = slot.data + k * slot.ld;
+      double* const most = largest[k / 3];
+      most[0] = std::max({most[0], std::abs(at[0]), std::abs(at[1]), std::abs(at[2])});
+      most[1] = std::max({most[1], std::abs(at[3]), std::abs(at[4]), std::abs(at[5])});
+    }
   }
-  return largest;
+  const double L = system.length_scale();
+  return std::max({largest[0][0], largest[0][1] / L, largest[1][0] / L, largest[1][1] / (L * L)});
 }
 
 double largest_violation(const System& system, const VecX& g, Index* row) {

@@ -24,6 +24,13 @@ StabilityCount::StabilityCount(const System& system)
   solver_->analyze(system.graph());
 }
 
+StabilityCount::StabilityCount(const System& system, LinearSolver& solver)
+    : system_(system), solver_(make_block_inertia_solver_in(solver)) {
+  if (solver_) return;
+  solver_ = make_block_inertia_solver();
+  solver_->analyze(system.graph());
+}
+
 namespace {
 
 // s W of stability.hpp on the diagonal of what has been added to slots; false if a node has no place for it.

@@ -23,6 +23,9 @@ VecX motion_weights(const System& system);
 class StabilityCount {
  public:
   explicit StabilityCount(const System& system);
+  // In the room of `solver`, which has been analysed for the system, where that can be: each count then leaves nothing of
+  // what was added to it and factored.
+  StabilityCount(const System& system, LinearSolver& solver);
 
   // Empty within round-off of a singular tangent. `neutral` motions (below) are not counted.
   // `resultants`: those found with it by mixed Newton (equilibrium.hpp), which are known better than D E where D is

@@ -203,7 +203,7 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
   }();
   const VecX weights = motion_weights(system);
   std::optional<StabilityCount> count;
-  if (options.has_potential) count.emplace(system);
+  if (options.has_potential) count.emplace(system, solver);
   const auto negative_at = [&](const State& at, const Resultants& S) {
     ++report.counters.tangents;
     return count ? (*count)(at, false, S) : std::nullopt;
@@ -303,7 +303,7 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
     state = std::move(trial);
     path = std::move(*there);
     sign = mixed.sign;
-    negative = negative_there;
+    negative = report.negative = negative_there;
     report.searched += searched ? 1 : 0;
     report.neutral.clear();
     for (Index i = 0; i < neutral.count(); ++i)

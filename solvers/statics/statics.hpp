@@ -13,6 +13,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,7 @@ struct StaticReport {
       neutral;  // motions of the last equilibrium that nothing answers, in words
   std::vector<std::string> passed;  // where stability was lost or found on the way, in words
   std::string failure;              // when not converged; empty if `accepted` ended it
+  std::optional<Index> negative;    // eigenvalues of the last equilibrium, where they were counted
 };
 
 // Moves `state` to equilibrium at state.t. On failure it is the last equilibrium found.

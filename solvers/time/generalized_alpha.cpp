@@ -15,7 +15,7 @@ namespace {
 // With a floor of 1e-3 a stale contraction let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per
 // cent of the iterations.
 constexpr KeptTangent::Policy tangent_policy{
-    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3};
+    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3, .cost = 2};
 // Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 3;
@@ -35,6 +35,9 @@ constexpr double creeping = 0.5, converged_motion = 0.1;
 constexpr double without_multipliers = 1e300;  // a slack with which they do not count
 // Of a node in a step [rad]: angles of joints, between two nodes, are unwrapped to the nearest value, up to pi.
 constexpr double most_turn = 1.5;
+// Of a node in a step, beside what its velocity foretells [rad]: more is not resolved, and may be another solution of the
+// step, of many times the energy, to which iterations have gone astray. Shorter steps are tried first.
+constexpr double most_surprise = 0.5;
 
 }  // namespace
 
@@ -57,6 +60,7 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   const auto n = static_cast<std::size_t>(system.nodes());
   if (options.balance == Balance::momentum) momentum_.resize(n);
+  if (options.keep_momenta && momentum_.empty()) free_ = FreeMomenta(system);
   damps_little_ = options.rho_infinity > damps_little;
   p_.resize(n);
   solver_->analyze(own_graph(false));
@@ -82,7 +86,8 @@ BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
 }
 
 std::string GeneralizedAlpha::signature() const {
-  return signature_of("generalized-alpha", {a_.alpha_m, a_.alpha_f, momentum_.empty() ? 0.0 : 1.0});
+  const double balance = !momentum_.empty() ? 1.0 : free_.empty() ? 0.0 : 2.0;
+  return signature_of("generalized-alpha", {a_.alpha_m, a_.alpha_f, balance});
 }
 
 void GeneralizedAlpha::archive(Archive& a) {
@@ -91,6 +96,7 @@ void GeneralizedAlpha::archive(Archive& a) {
     lambda_older_, power_, gdot_old_, alternations_, steps_since_start_, projects_, damps_little_,
     calm_next_);
   for (Momentum& m : momentum_) a(m.mu, m.f, m.a, m.past, m.at_start);
+  free_.archive(a);
 }
 
 // Pivots too are chosen anew.
@@ -118,6 +124,7 @@ void GeneralizedAlpha::begin_at(State& state) {
       m.f = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
     }
   }
+  free_.begin(state);
   A_ = state.Vdot;
   Vdot_old_ = state.Vdot;
   lambda_old_ = state.lambda;
@@ -185,6 +192,7 @@ void GeneralizedAlpha::set_step(double h) {
     for (std::size_t n = 1; n < A_.size(); ++n)
       A_[n] = begin_.Vdot[n] + ratio * (A_[n] - begin_.Vdot[n]);
     for (Momentum& m : momentum_) m.a = m.f + ratio * (m.a - m.f);
+    free_.scale(ratio);
     if (std::abs(ratio - 1.0) > same_step) refactor_next_ = true;
   }
   h_ = h;
@@ -226,8 +234,28 @@ void GeneralizedAlpha::predict(double t, bool extrapolate) {
   update_poses();
 }
 
-void GeneralizedAlpha::update_poses() {
-  for (std::size_t n = 1; n < Q_.size(); ++n) end_.pose[n] = begin_.pose[n] * exp_se3(Q_[n]);
+[[gnu::flatten]] void GeneralizedAlpha::update_poses() {
+  each_pack(1, Q_.size(), [&](const PackOf& pack) {
+    unpack(packed(begin_.pose, pack) * exp_se3<Pack>(packed(Q_, pack)), pack, end_.pose);
+  });
+}
+
+// The iterate after an increment x of (2).
+[[gnu::flatten]] void GeneralizedAlpha::take_increment(double s) {
+  const double gamma_ = a_.gamma / (h_ * a_.beta);
+  const double beta_ = (1.0 - a_.alpha_m) / (h_ * h_ * a_.beta * (1.0 - a_.alpha_f));
+  each_pack(1, Q_.size(), [&](const PackOf& pack) {
+    Vector6<Pack> x, Q = packed(Q_, pack);
+    pack_into(x, [&](int k) { return x_.data() + 6 * (pack[k] - 1); });
+    const Vector6<Pack> dQ = T_inverse_times<Pack>(Q, x);
+    Q += dQ;
+    unpack(Q, pack, Q_);
+    unpack(packed(end_.V, pack) + Pack(gamma_) * dQ, pack, end_.V);
+    unpack(packed(end_.Vdot, pack) + Pack(beta_) * dQ, pack, end_.Vdot);
+    unpack(packed(begin_.pose, pack) * exp_se3<Pack>(Q), pack, end_.pose);
+  });
+  const Index motions = 6 * (system_.nodes() - 1);
+  end_.lambda += x_.tail(x_.size() - motions) / s;
 }
 
 // r of (1), or of (3), at the present iterate. False if an element is out of its range.
@@ -272,8 +300,6 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
 
 bool GeneralizedAlpha::iterate(StepReport& report) {
   const double h = h_, s = a_.beta * h * h;
-  const double gamma_ = a_.gamma / (h * a_.beta);
-  const double beta_ = (1.0 - a_.alpha_m) / (h * h * a_.beta * (1.0 - a_.alpha_f));
   const Index motions = 6 * (system_.nodes() - 1);
   const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
   double previous = 0.0, last = 0.0;  // increments: with the same tangent, with any
@@ -321,15 +347,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     const double before = last;
     previous = last = e;
 
-    for (Index n = 1; n < system_.nodes(); ++n) {
-      const auto N = static_cast<std::size_t>(n);
-      const Vec6 dQ = T_inverse_times<double>(Q_[N], x_.segment<6>(6 * (n - 1)));
-      Q_[N] += dQ;
-      end_.V[N] += gamma_ * dQ;
-      end_.Vdot[N] += beta_ * dQ;
-    }
-    end_.lambda += x_.tail(x_.size() - motions) / s;
-    update_poses();
+    take_increment(s);
 
     double left = always ? e : e * kept_.share_left();
     // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion
@@ -384,7 +402,22 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
     converged = iterate(report);
   }
   converged = converged || (system_.multipliers() > 0 && solve_tolerantly(t, report));
-  return converged && !turns_far([&](std::size_t n) { return Vec3(Q_[n].tail<3>()); });
+  return converged && !turns_far([&](std::size_t n) { return Vec3(Q_[n].tail<3>()); }) &&
+         !surprises(report);
+}
+
+// Whether a fixed step that may still be halved does what the motion at its beginning does not foretell.
+bool GeneralizedAlpha::surprises(StepReport& report) {
+  if (settings_.adaptive() || h_ < 1.5 * std::ldexp(settings_.step, -settings_.max_halvings))
+    return false;
+  for (std::size_t n = 1; n < Q_.size(); ++n)
+    if (!((Q_[n] - h_ * begin_.V[n]).tail<3>().norm() < most_surprise)) {
+      report.failure = fmt::format(
+          "{} turns by {} rad more than its angular velocity foretells; take smaller steps",
+          system_.node_name(static_cast<Index>(n)), most_surprise);
+      return true;
+    }
+  return false;
 }
 
 void GeneralizedAlpha::settle() {
@@ -551,6 +584,7 @@ void GeneralizedAlpha::accept() {
     end_.momentum_rate = 0.0;
   }
   calm_velocities();
+  free_.keep({a_.alpha_m, a_.alpha_f, a_.gamma, a_.beta}, h_, end_, Q_);
   system_.follow_angles(end_);
   const Work power = system_.power(end_);
   end_.work += 0.5 * h_ * (power_ + power);

@@ -25,6 +25,8 @@
 // p known from the last state. Linear systems give the same as (1). Angular momentum is kept too;
 // energy is not (order 2, as in (1)).
 //
+// Parts that nothing ties to the ground may keep their momenta as a whole instead (free_momenta.hpp).
+//
 // Start. Forces that jump give a node of little mass, of which a finer mesh has many, an acceleration without
 // bound; h A would make velocities ring about their course in proportion to it, for long with rho near 1. So the
 // scheme goes on from
@@ -58,6 +60,7 @@
 #include "libmbd/core/system.hpp"
 #include "solvers/newton/kept_tangent.hpp"
 #include "solvers/time/dense_output.hpp"
+#include "solvers/time/free_momenta.hpp"
 #include "solvers/time/one_step.hpp"
 
 namespace mbd {
@@ -71,6 +74,8 @@ struct GeneralizedAlphaOptions {
   Balance balance = Balance::acceleration;
   int max_halvings = 5;  // of a step that fails
   NewtonOptions newton;
+  // With a balance of accelerations: momenta of parts that nothing ties to the ground (free_momenta.hpp).
+  bool keep_momenta = false;
 };
 
 // The four parameters of (1).
@@ -107,11 +112,13 @@ class GeneralizedAlpha final : public OneStep {
   bool solve_tolerantly(double t, StepReport& report);
   void set_step(double h);
   void filter_start(double h);
+  bool surprises(StepReport& report);
   bool rings();
   void calm_velocities();
   void restart_calmly(State& state);
   void predict(double t, bool extrapolate);
   void update_poses();
+  void take_increment(double s);
   bool residual();
   bool is_round_off(double e);
   bool factorize(StepReport& report, bool& in_range);
@@ -121,6 +128,7 @@ class GeneralizedAlpha final : public OneStep {
   GeneralizedAlphaParameters a_;
   KeptTangent kept_;
   HermiteStep dense_;
+  FreeMomenta free_;  // of nothing, unless it is asked to keep them
 
   double h_ = 0.0;           // step under way [s]; 0: none since the last start
   bool starting_ = false;    // no step has been accepted since the last start

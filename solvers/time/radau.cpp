@@ -16,7 +16,7 @@ namespace mbd {
 namespace {
 
 constexpr KeptTangent::Policy tangent_policy{
-    .floor = 0.02, .memory = 0.3, .renew = 0.35, .fresh = 0.05, .iterations = 6};
+    .floor = 0.02, .memory = 0.3, .renew = 0.35, .fresh = 0.05, .iterations = 6, .cost = 0};
 constexpr double stagnation = 0.3;  // increments below round-off that fall no faster are round-off
 // The tolerance of fixed steps is near the round-off of stiff scenes: what stalls this close to it is accepted.
 constexpr double stalled_fixed = 20.0;
@@ -164,17 +164,21 @@ void Radau::predict(bool extrapolate) {
   for (std::size_t j = 0; j < stages; ++j) {
     State& stage = stage_[j];
     const double tau = time_of(j) - begin_.t;
-    for (std::size_t n = 1; n < eQ_.size(); ++n)
-      reference_[j][n] = begin_.pose[n] * exp_se3<double>(tau * begin_.V[n]);
+    each_pack(1, eQ_.size(), [&](const PackOf& pack) {
+      unpack(packed(begin_.pose, pack) * exp_se3<Pack>(Pack(tau) * packed(begin_.V, pack)), pack,
+             reference_[j]);
+    });
     if (known) {
       const double since = time_of(j) - t_old_;
       const auto w = lagrange<4>({0.0, c(0), c(1), c(2)}, since / h_old_);
-      for (std::size_t n = 1; n < eQ_.size(); ++n) {
-        const Vec6 q = w[1] * q_old_[0][n] + w[2] * q_old_[1][n] + w[3] * q_old_[2][n];
-        const Pose<double> H =
-            pose_old_[n] * exp_se3<double>(since * V_old_[n]) * exp_se3<double>(q);
-        q_[j][n] = log_se3<double>(relative(reference_[j][n], H));
-      }
+      each_pack(1, eQ_.size(), [&](const PackOf& pack) {
+        const Vector6<Pack> q = Pack(w[1]) * packed(q_old_[0], pack) +
+                                Pack(w[2]) * packed(q_old_[1], pack) +
+                                Pack(w[3]) * packed(q_old_[2], pack);
+        const Pose<Pack> H = packed(pose_old_, pack) *
+                             exp_se3<Pack>(Pack(since) * packed(V_old_, pack)) * exp_se3<Pack>(q);
+        unpack(log_se3<Pack>(relative(packed(reference_[j], pack), H)), pack, q_[j]);
+      });
       const auto v = lagrange<3>({c(0), c(1), c(2)}, since / h_old_);
       stage.lambda = v[0] * lambda_old_[0] + v[1] * lambda_old_[1] + v[2] * lambda_old_[2];
     } else {
@@ -187,26 +191,30 @@ void Radau::predict(bool extrapolate) {
 
 // Poses and rates of the stages from q. With Ad(exp(-q)) - I = -T(q) q~ the change of velocity is
 // T(q) (q' - q~ V_i), without the round-off of V.
-void Radau::update_stages() {
+[[gnu::flatten]] void Radau::update_stages() {
   const Mat3& D = tableau().D;
   const double rate = 1.0 / h_;
-  for (std::size_t n = 1; n < eQ_.size(); ++n) {
-    const Vec6& V = begin_.V[n];
+  const auto derivative = [&](Index j, const std::array<Vector6<Pack>, stages>& x) {
+    return Vector6<Pack>(Pack(rate) *
+                         (Pack(D(j, 0)) * x[0] + Pack(D(j, 1)) * x[1] + Pack(D(j, 2)) * x[2]));
+  };
+  each_pack(1, eQ_.size(), [&](const PackOf& pack) {
+    const Vector6<Pack> V = packed(begin_.V, pack);
+    const Vector3<Pack> v = linear(V), w = angular(V);
+    std::array<Vector6<Pack>, stages> q, dV;
+    for (std::size_t j = 0; j < stages; ++j) q[j] = packed(q_[j], pack);
     for (std::size_t j = 0; j < stages; ++j) {
-      const auto J = static_cast<Index>(j);
-      const Vec6& q = q_[j][n];
-      Vec6 qdot = rate * (D(J, 0) * q_[0][n] + D(J, 1) * q_[1][n] + D(J, 2) * q_[2][n]);
-      qdot.head<3>() -= q.tail<3>().cross(V.head<3>()) + q.head<3>().cross(V.tail<3>());
-      qdot.tail<3>() -= q.tail<3>().cross(V.tail<3>());
-      dV_[j][n] = T_times<double>(q, qdot);
-      stage_[j].V[n] = V + dV_[j][n];
-      stage_[j].pose[n] = reference_[j][n] * exp_se3<double>(q);
+      const Vector3<Pack> u = linear(q[j]), psi = angular(q[j]);
+      const Vector6<Pack> qdot =
+          derivative(static_cast<Index>(j), q) - six<Pack>(psi.cross(v) + u.cross(w), psi.cross(w));
+      dV[j] = T_times<Pack>(q[j], qdot);
+      unpack(dV[j], pack, dV_[j]);
+      unpack(V + dV[j], pack, stage_[j].V);
+      unpack(packed(reference_[j], pack) * exp_se3<Pack>(q[j]), pack, stage_[j].pose);
     }
-    for (std::size_t j = 0; j < stages; ++j) {
-      const auto J = static_cast<Index>(j);
-      stage_[j].Vdot[n] = rate * (D(J, 0) * dV_[0][n] + D(J, 1) * dV_[1][n] + D(J, 2) * dV_[2][n]);
-    }
-  }
+    for (std::size_t j = 0; j < stages; ++j)
+      unpack(derivative(static_cast<Index>(j), dV), pack, stage_[j].Vdot);
+  });
 }
 
 // r and gdot of all stages. False if an element is out of its range.
@@ -330,10 +338,11 @@ bool Radau::iterate(StepReport& report) {
       previous = exact;
       last = e;
       for (std::size_t j = 0; j < stages; ++j) {
-        for (Index n = 1; n < system_.nodes(); ++n) {
-          const auto N = static_cast<std::size_t>(n);
-          q_[j][N] += T_inverse_times<double>(q_[j][N], delta_[j].segment<6>(6 * (n - 1)));
-        }
+        each_pack(1, eQ_.size(), [&](const PackOf& pack) {
+          Vector6<Pack> delta, q = packed(q_[j], pack);
+          pack_into(delta, [&](int lane) { return delta_[j].data() + 6 * (pack[lane] - 1); });
+          unpack(q + T_inverse_times<Pack>(q, delta), pack, q_[j]);
+        });
         stage_[j].lambda += delta_[j].tail(size - motions) / s;
       }
       update_stages();

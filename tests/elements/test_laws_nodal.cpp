@@ -1,109 +1,24 @@
-// Laws of what acts on one node and is stated by few scenes: drag, motion of the base, variants of inertia.
+// What elements on one node are by mechanics, each against closed forms. (What holds for all: test_laws.cpp.)
 #include <gtest/gtest.h>
 
-#include "elements/node/batches.hpp"
+#include <cmath>
+#include <vector>
+
 #include "tests/elements/dual_tangent.hpp"
+#include "tests/elements/element_cases.hpp"
 
 namespace mbd::test::test_laws_nodal {
 namespace {
 
 using namespace mbd::laws;
 
-constexpr double factor = 0.7;  // load factor
-
-// A random instance of an element: what the laws below need of it.
+// Random instances of an element at random motions.
 template <class E>
-struct Case;
-
-struct WithSignals {
-  std::array<SignalValue, 3> signals{};
-  Environment environment() const { return {.t = 0, .load_factor = factor, .signals = signals}; }
-  // The field turned with the node; -1, a component that is zero, has no place to go.
-  void turn(const Pose<double>& G, std::array<int, 3>& places, double SignalValue::*of) {
-    Vec3 x = Vec3::Zero();
-    for (std::size_t i = 0; i < 3; ++i)
-      if (places[i] >= 0)
-        x(static_cast<Index>(i)) = signals[static_cast<std::size_t>(places[i])].*of;
-    x = G.p * x;
-    for (std::size_t i = 0; i < 3; ++i) {
-      places[i] = static_cast<int>(i);
-      signals[i].*of = x(static_cast<Index>(i));
-    }
-  }
-};
-
-template <bool flowing, bool placed>
-struct Case<LineDrag<flowing, placed>> : WithSignals {
-  typename LineDrag<flowing, placed>::Shared shared;
-  typename LineDrag<flowing, placed>::Data data{};
-  Case(Rng& rng, double length) {
-    data.across = uniform(rng, 0.5, 2);
-    data.along = uniform(rng, 0.1, 0.5);
-    for (SignalValue& s : signals) s = {length * uniform(rng, -1, 1), 7, 7};
-    if constexpr (flowing) data.flow.signals = {2, -1, 0};
-    if constexpr (placed) {
-      data.frame.R = exp_so3<double>(random_vector<3>(rng)).toRotationMatrix();
-      data.frame.c = length * random_vector<3>(rng);
-    }
-  }
-  void mutate() { data.across *= 1.1; }
-  void move(const Pose<double>& G) {
-    if constexpr (flowing) turn(G, data.flow.signals, &SignalValue::f);
-  }
-};
-template <bool flowing>
-struct Case<PointDrag<flowing>> : WithSignals {
-  typename PointDrag<flowing>::Shared shared;
-  typename PointDrag<flowing>::Data data{};
-  Case(Rng& rng, double length) {
-    data.b = uniform(rng, 0.5, 2);
-    data.offset = length * random_vector<3>(rng);
-    for (SignalValue& s : signals) s = {length * uniform(rng, -1, 1), 7, 7};
-    if constexpr (flowing) data.flow.signals = {2, -1, 0};
-  }
-  void mutate() { data.b *= 1.1; }
-  void move(const Pose<double>& G) {
-    if constexpr (flowing) turn(G, data.flow.signals, &SignalValue::f);
-  }
-};
-template <>
-struct Case<BaseMotion> : WithSignals {
-  BaseMotion::Shared shared;
-  BaseMotion::Data data{};
-  Case(Rng& rng, double length) {
-    shared.law = static_cast<BaseMotion::Law>(static_cast<int>(uniform(rng, 0, 2.999)));
-    shared.signals = {2, -1, 0};
-    data = {3.0, length * random_vector<3>(rng)};
-    for (SignalValue& s : signals)
-      s = {uniform(rng, -9, 9), uniform(rng, -9, 9), uniform(rng, -9, 9)};
-  }
-  double SignalValue::*derivative() const {
-    return shared.law == BaseMotion::Law::acceleration ? &SignalValue::f
-           : shared.law == BaseMotion::Law::velocity   ? &SignalValue::fdot
-                                                       : &SignalValue::fddot;
-  }
-  void mutate() { data.m *= 1.1; }
-  void move(const Pose<double>& G) { turn(G, shared.signals, derivative()); }
-};
-template <>
-struct Case<MassNoGyroscopic> {
-  MassNoGyroscopic::Shared shared;
-  MassNoGyroscopic::Data data;
-  Case(Rng& rng, double length)
-      : data{random_spd(rng, 2.0, length), random_spd(rng, 2.0, length).bottomRightCorner<3, 3>()} {
-  }
-  Environment environment() const { return {}; }
-  void mutate() { data.J(0, 1) *= 1.1; }
-  void move(const Pose<double>&) {}
-};
-
-template <class E>
-struct NodalLaws : testing::Test {
-  static constexpr RateWeights weights{1.7, 0.6};
+struct Of {
   struct Sample {
     double length;
     Case<E> one;
-    std::vector<NodeState<double>> x;
+    Nodes x;
   };
   template <class F>
   static void sample(const F& f) {
@@ -111,14 +26,10 @@ struct NodalLaws : testing::Test {
     for (int i = 0; i < 200; ++i) {
       const double length = log_uniform(rng, 1e-2, 1e2);
       Sample s{length, Case<E>(rng, length), {}};
-      NodeState<double> x{random_pose(rng, length), random_vector<6>(rng), random_vector<6>(rng)};
-      // From at rest against the fluid to fast.
-      const bool drags = !std::is_same_v<E, MassNoGyroscopic>;
-      const double fast = drags && i % 4 == 0 ? log_uniform(rng, 1e-9, 1) : 1.0;
-      x.V *= fast;
-      x.V.template head<3>() *= length;
-      x.Vdot.template head<3>() *= length;
-      s.x.push_back(x);
+      s.x.push_back({random_pose(rng, length), random_vector<6>(rng), random_vector<6>(rng)});
+      s.x[0].V.template head<3>() *= length;
+      s.x[0].Vdot.template head<3>() *= length;
+      s.one.place(rng, i, s.x);
       f(rng, s);
     }
   }
@@ -128,131 +39,193 @@ struct NodalLaws : testing::Test {
     batch.add(c.data, std::array{1}, "it");
     return batch;
   }
-  static BatchValue value(const Case<E>& c, const std::vector<NodeState<double>>& x) {
+  static BatchValue value(const Case<E>& c, const Nodes& x) {
     ElementBatch<E> one = batch(c);
-    const BatchValue v = linearized(one, state_of(x, c.environment()), weights);
+    const BatchValue v = linearized(one, state_of(x, c.environment()), {1.7, 0.6});
     EXPECT_TRUE(v.in_range);
     return v;
   }
-  static VecX residual(const Case<E>& c, const std::vector<NodeState<double>>& x) {
+  static VecX residual(const Case<E>& c, const Nodes& x) {
     VecX r = residual_of(batch(c), state_of(x, c.environment()));
     EXPECT_EQ(r.size(), 6);
     return r;
   }
-  static double error(const Case<E>& c, const Sample& s) {
-    const BatchValue out = value(c, s.x);
-    const Environment env = s.one.environment();
-    double e = 0;
-    const MatrixXd K = dual_tangent<E>(s.one.shared, s.one.data, s.x, env, false);
-    const MatrixXd D = dual_tangent<E>(s.one.shared, s.one.data, s.x, env, true, weights);
-    if constexpr (E::has_K)
-      e = std::max(e, tangent_error(out.K, K, s.length));
-    else
-      EXPECT_TRUE(K.isZero(0.0) && out.K.isZero(0.0));
-    if constexpr (E::has_D)
-      e = std::max(e, tangent_error(out.D, D, s.length));
-    else
-      EXPECT_TRUE(D.isZero(0.0) && out.D.isZero(0.0));
-    return e;
-  }
 };
-using Types =
-    testing::Types<LineDrag<false>, LineDrag<true>, LineDrag<false, true>, LineDrag<true, true>,
-                   PointDrag<false>, PointDrag<true>, BaseMotion, MassNoGyroscopic>;
-TYPED_TEST_SUITE(NodalLaws, Types);
 
-TYPED_TEST(NodalLaws, TangentIsTheDerivative) {
-  Worst worst("error", 2e-14);
+// --- inertia and loads ---
+
+// The momentum of a body seen from the inertial frame changes at the rate the residual says (Newton, Euler).
+TEST(Inertia, ForceIsTheRateOfMomentum) {
+  Worst worst("error", 64 * eps);
   double mutated = INFINITY;
-  this->sample([&](Rng&, const auto& s) {
-    worst.add(TestFixture::error(s.one, s));
-    Case<TypeParam> mutant = s.one;
-    mutant.mutate();
-    mutated = std::min(mutated, TestFixture::error(mutant, s));
-  });
-  EXPECT_GT(mutated, 1e-8);
-}
-
-TYPED_TEST(NodalLaws, ResidualIsTheSameWithAndWithoutTangent) {
-  int same = 0, total = 0;
-  this->sample([&](Rng&, const auto& s) {
-    const auto with = TestFixture::value(s.one, s.x).r;
-    const auto without = TestFixture::residual(s.one, s.x);
-    same += (with.array() == without.array()).all();
-    ++total;
-  });
-  EXPECT_EQ(same, total) << "to the last bit";
-}
-
-// Turned and moved with its node and its field, nothing changes in the body frame.
-TYPED_TEST(NodalLaws, Objectivity) {
-  Worst worst("error", 32 * eps);
-  this->sample([&](Rng& rng, const auto& s) {
-    const Pose<double> G = random_pose(rng, 1e6 * s.length);
-    auto there = s;
-    there.one.move(G);
-    for (auto& x : there.x) x.H = G * x.H;
-    const VecX r = TestFixture::residual(s.one, s.x);
-    const VecX moved = TestFixture::residual(there.one, there.x);
-    worst.add(force_size(moved - r, s.length) / force_size(r, s.length));
-  });
-}
-
-// What an element says of its power is that of its residual, -r.V, and through a batch no different; a 10 % mutation
-// shows. The load factor is linear.
-template <class E>
-struct PowerLaws : testing::Test {};
-using PowerTypes =
-    testing::Types<LineDrag<false>, LineDrag<true>, LineDrag<false, true>, LineDrag<true, true>,
-                   PointDrag<false>, PointDrag<true>, BaseMotion>;
-TYPED_TEST_SUITE(PowerLaws, PowerTypes);
-
-TYPED_TEST(PowerLaws, Power) {
-  using Laws = NodalLaws<TypeParam>;
-  constexpr bool is_load = std::is_same_v<TypeParam, BaseMotion>;
-  Worst worst("error", 64 * eps), rate("load_rate", 16 * eps);
-  double mutated = INFINITY, largest = -INFINITY;
-  Laws::sample([&](Rng&, const auto& s) {
+  Of<Mass>::sample([&](Rng&, const auto& s) {
     const NodeState<double>& x = s.x[0];
-    const Vec6 r = Laws::residual(s.one, s.x);
-    const double size = r.cwiseAbs().dot(x.V.cwiseAbs());
-    const auto power = [&](const Case<TypeParam>& c) {
-      ElementBatch<TypeParam> one(TypeParam::name, c.shared);
-      one.add(c.data, std::array{1}, "it");
-      State state;
-      state.load_factor = factor;
-      const Environment env = c.environment();
-      state.signals.assign(env.signals.begin(), env.signals.end());
-      state.pose = {Pose<double>{}, x.H};
-      State still = state;
-      state.V = {Vec6::Zero(), x.V};
-      state.Vdot = {Vec6::Zero(), x.Vdot};
-      VecX F = VecX::Zero(12);
-      one.load_rate(state, F);
-      rate.add(force_size(F.tail<6>() * factor - r, s.length) / force_size(r, s.length));
-      EXPECT_EQ(one.load_power(still) + one.damping_power(still), 0.0);
-      EXPECT_EQ(is_load ? one.damping_power(state) : one.load_power(state), 0.0);
-      return is_load ? one.load_power(state) : one.damping_power(state);
+    // H(tau) = H exp(tau V + tau^2/2 Vdot), V(tau) = V + tau Vdot, to first order at 0
+    const Pose<D1> H = seeded(x.H, x.V);
+    const auto wrench = [&](const Mat6& M) {
+      const Vector6<D1> p = M.cast<D1>() * seeded(x.V, x.Vdot);
+      const Vector6<D1> momentum = adjoint_inverse(H).transpose_times(p);
+      Vec6 rate;
+      for (Index i = 0; i < 6; ++i) rate(i) = momentum(i).d;
+      return Vec6(adjoint(x.H).transpose_times(rate));
     };
-    const double P = power(s.one);
-    worst.add(std::abs(P + r.dot(x.V)) / size);
-    largest = std::max(largest, P / size);
-    Case<TypeParam> mutant = s.one;
-    if constexpr (is_load)
-      mutant.data.mc *= 1.1, mutant.data.m *= 1.1;
-    else
-      mutant.mutate();
-    const VecX other = Laws::residual(mutant, s.x);
-    mutated = std::min(mutated, std::abs(P + other.dot(x.V)) / size);
+    const Vec6 r = Of<Mass>::residual(s.one, s.x);
+    const double size =
+        force_size(s.one.data.M.cwiseAbs() * (x.Vdot.cwiseAbs() + x.V.cwiseAbs()), s.length) *
+        (1 + angular(x.V).norm());
+    worst.add(force_size(r - wrench(s.one.data.M), s.length) / size);
+    Mat6 M = s.one.data.M;
+    M(1, 1) *= 1.1;
+    mutated = std::min(mutated, force_size(r - wrench(M), s.length) / size);
+  });
+  EXPECT_GT(mutated, 1e-5);
+}
+
+// dT/dt = F.V, the gyroscopic part does no work.
+TEST(Inertia, PowerBalance) {
+  Worst worst("error", 32 * eps);
+  Of<Mass>::sample([&](Rng&, const auto& s) {
+    const NodeState<double>& x = s.x[0];
+    const Mat6& M = s.one.data.M;
+    const Vec6 r = Of<Mass>::residual(s.one, s.x);
+    const double size = (x.V.cwiseAbs()).dot(M.cwiseAbs() * (x.Vdot.cwiseAbs() + x.V.cwiseAbs()));
+    worst.add(std::abs(r.dot(x.V) - x.V.dot(M * x.Vdot)) / size);
+    EXPECT_NEAR(Mass::energies({}, s.one.data, &x, {}).kinetic / size,
+                0.5 * x.V.dot(M * x.V) / size, 1e-14);
+  });
+}
+
+// r.V is -power, never negative; and the drag is alpha times the momentum where P is alpha M.
+TEST(MassDampingLaw, Power) {
+  Worst worst("error", 16 * eps), drag("drag", 4 * eps);
+  double mutated = INFINITY;
+  Of<MassDamping>::sample([&](Rng&, const auto& s) {
+    const NodeState<double>& x = s.x[0];
+    const Vec6 r = Of<MassDamping>::residual(s.one, s.x);
+    const auto power = [&x](const auto& c) {
+      return MassDamping::damping_power({}, c.data, &x, c.environment());
+    };
+    EXPECT_LT(power(s.one), 0.0);
+    const double size = x.V.cwiseAbs().dot(s.one.data.P.cwiseAbs() * x.V.cwiseAbs());
+    worst.add(std::abs(r.dot(x.V) + power(s.one)) / size);
+    auto mutant = s.one;
+    mutant.data.P *= 1.1;
+    mutated = std::min(mutated, std::abs(r.dot(x.V) + power(mutant)) / size);
+    auto of_mass = s.one;
+    of_mass.data.P = 0.3 * s.one.data.P;
+    const Vec6 p = Mass::momentum({}, {s.one.data.P}, &x);
+    const Vec6 f = Of<MassDamping>::residual(of_mass, s.x);
+    drag.add(force_size(f - 0.3 * p, s.length) /
+             force_size(s.one.data.P.cwiseAbs() * x.V.cwiseAbs(), s.length));
   });
   EXPECT_GT(mutated, 1e-6);
-  if (std::is_same_v<TypeParam, LineDrag<false>> ||
-      std::is_same_v<TypeParam, LineDrag<false, true>> ||
-      std::is_same_v<TypeParam, PointDrag<false>>) {
-    EXPECT_LT(largest, 0.0) << "in still fluid drag only takes";
-  } else {
-    EXPECT_GT(largest, 0.0);
+}
+
+// Against a cloud of particles.
+TEST(Inertia, MassMatrixOfARigidBody) {
+  Rng rng(42);
+  for (int sample = 0; sample < 20; ++sample) {
+    std::vector<std::pair<double, Vec3>> particles;
+    double m = 0;
+    Vec3 c = Vec3::Zero();
+    for (int i = 0; i < 6; ++i) {
+      particles.emplace_back(uniform(rng, 0.1, 1), random_vector<3>(rng));
+      m += particles.back().first;
+      c += particles.back().first * particles.back().second;
+    }
+    c /= m;
+    Mat3 J = Mat3::Zero();
+    for (const auto& [mi, x] : particles) {
+      const Vec3 d = x - c;
+      J += mi * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
+    }
+    const Vec6 V = random_vector<6>(rng);
+    double kinetic = 0;
+    for (const auto& [mi, x] : particles)
+      kinetic += 0.5 * mi * (linear(V) + angular(V).cross(x)).squaredNorm();
+    const Mat6 M = rigid_mass(m, c, J);
+    EXPECT_NEAR(0.5 * V.dot(M * V), kinetic, 1e-14 * kinetic);
+
+    // seen from a frame in which the body's is at H: the same particles at H x
+    const Pose<double> H = random_pose(rng);
+    double seen = 0;
+    for (const auto& [mi, x] : particles)
+      seen += 0.5 * mi * (linear(V) + angular(V).cross(H * x)).squaredNorm();
+    EXPECT_NEAR(0.5 * V.dot(transformed_mass(M, H) * V), seen, 1e-13 * seen);
   }
+}
+
+TEST(NodalGravityLaw, ForceIsTheGradientOfThePotential) {
+  Worst gradient("gradient", 1e-11), skew("skew", 32 * eps);
+  double mutated = INFINITY;
+  Of<NodalGravity>::sample([&](Rng& rng, const auto& s) {
+    const auto out = Of<NodalGravity>::value(s.one, s.x);
+    Vec6 V = random_vector<6>(rng);
+    V.head<3>() *= s.length;
+    const auto potential = [&](double tau) {
+      NodeState<double> x = s.x[0];
+      x.H = x.H * exp_se3<double>(tau * V);
+      const Energies e = NodalGravity::energies(s.one.shared, s.one.data, &x, s.one.environment());
+      EXPECT_EQ(e.kinetic + e.strain, 0.0);
+      return Matrix<double, 1, 1>(e.potential);
+    };
+    const double rate = first_difference(potential, 0.02)(0),
+                 size = out.r.cwiseAbs().dot(V.cwiseAbs());
+    gradient.add(std::abs(rate - out.r.dot(V)) / size);
+    mutated = std::min(mutated, std::abs(rate - 1.1 * out.r.dot(V)) / size);
+    skew.add(tangent_size(out.K - out.K.transpose() - skew_part(out.r), s.length) /
+             tangent_size(out.K, s.length));
+  });
+  EXPECT_GT(mutated, 1e-6);
+}
+
+// A heavy particle at c weighs m g and pulls at c.
+TEST(NodalGravityLaw, WeightOfABodyOnItsSide) {
+  const NodalGravity::Shared shared{Vec3(0, 0, -9.81)};
+  const NodalGravity::Data data{2.0, 2.0 * Vec3(0.5, 0, 0)};
+  const NodeState<double> x{{rotation(std::numbers::pi / 2, Vec3::UnitX()), Vec3(1, 2, 3)}, {}, {}};
+  NodalGravity::Output<double> out;
+  NodalGravity::evaluate<Want::residual>(shared, data, &x, {}, {}, out);
+  // inertial -e3 is body -e2: internal minus external
+  EXPECT_LT((out.r - Vec6(0, 19.62, 0, 0, 0, 9.81)).norm(), 1e-14);
+  EXPECT_NEAR(NodalGravity::energies(shared, data, &x, {}).potential, 2 * 9.81 * 3, 1e-13);
+}
+
+// The power of a dead load is f.v + m.w in the inertial frame, whatever the node's attitude.
+TEST(PointLoadLaw, PowerOfADeadLoad) {
+  Worst worst("error", 32 * eps);
+  Of<PointLoad>::sample([&](Rng&, const auto& s) {
+    const NodeState<double>& x = s.x[0];
+    const Vec6 f = s.one.load(), r = Of<PointLoad>::residual(s.one, s.x);
+    const Vec6 V = six<double>(x.H.R() * Vec3(linear(x.V)), x.H.R() * Vec3(angular(x.V)));
+    worst.add(std::abs(-r.dot(x.V) - f.dot(V)) /
+              (f.head<3>().norm() * V.head<3>().norm() + f.tail<3>().norm() * V.tail<3>().norm()));
+  });
+}
+
+// A dead force at an offset has the potential -f.(r + R c), as gravity has: the gradient of it is the load
+// and its arm together.
+TEST(PointLoadLaw, ForceAtAnOffsetHasAPotential) {
+  Worst gradient("gradient", 1e-11);
+  double without_arm = INFINITY;
+  Of<DeadForceArm>::sample([&](Rng& rng, const auto& s) {
+    const NodeState<double>& x = s.x[0];
+    const Vec3 f = linear(s.one.load()), c = s.one.data.offset;
+    PointLoad::Data force{s.one.data.signals, s.one.data.weight};
+    for (std::size_t i = 3; i < 6; ++i) force.signals[i] = -1;
+    PointLoad::Output<double> r;
+    PointLoad::evaluate<Want::residual>({}, force, &x, s.one.environment(), {}, r);
+    const Vec6 arm = Of<DeadForceArm>::residual(s.one, s.x);
+    Vec6 V = random_vector<6>(rng);
+    V.head<3>() *= s.length;
+    const auto potential = [&](double tau) {
+      return Matrix<double, 1, 1>(-f.dot((x.H * exp_se3<double>(tau * V)) * c));
+    };
+    const double rate = first_difference(potential, 0.02)(0), size = f.norm() * s.length;
+    gradient.add(std::abs(rate - (r.r + arm).dot(V)) / size);
+    without_arm = std::min(without_arm, std::abs(rate - r.r.dot(V)) / size);
+  });
+  EXPECT_GT(without_arm, 1e-6);
 }
 
 // One element without constants in common.
@@ -265,6 +238,22 @@ BatchValue alone(const typename E::Data& data, const NodeState<double>& x, const
 }
 
 // --- drag ---
+
+// In still fluid it only takes.
+template <class E>
+void only_takes() {
+  double largest = -INFINITY;
+  Of<E>::sample([&](Rng&, const auto& s) {
+    largest =
+        std::max(largest, Of<E>::batch(s.one).damping_power(state_of(s.x, s.one.environment())));
+  });
+  EXPECT_LT(largest, 0.0);
+}
+TEST(Drag, OnlyTakesInStillFluid) {
+  only_takes<LineDrag<false>>();
+  only_takes<LineDrag<false, true>>();
+  only_takes<PointDrag<false>>();
+}
 
 // At rest against the fluid force and derivative are zero, not nan, and near it they go there.
 TEST(Drag, IsSmoothAtRest) {
@@ -318,12 +307,12 @@ TEST(Drag, ForcesByHand) {
 
 // It is gravity of the opposite acceleration.
 TEST(BaseMotionLaw, IsGravityUpsideDown) {
-  NodalLaws<BaseMotion>::sample([&](Rng&, const auto& s) {
+  Of<BaseMotion>::sample([&](Rng&, const auto& s) {
     Vec3 a = Vec3::Zero();
     for (Index i = 0; i < 3; ++i)
       if (const int place = s.one.shared.signals[static_cast<std::size_t>(i)]; place >= 0)
         a(i) = s.one.signals[static_cast<std::size_t>(place)].*(s.one.derivative());
-    const auto of_base = NodalLaws<BaseMotion>::value(s.one, s.x);
+    const auto of_base = Of<BaseMotion>::value(s.one, s.x);
     NodalGravity::Output<double> of_gravity;
     NodalGravity::evaluate<Want::tangent>(NodalGravity::Shared{-a},
                                           NodalGravity::Data{s.one.data.m, s.one.data.mc},
@@ -333,7 +322,7 @@ TEST(BaseMotionLaw, IsGravityUpsideDown) {
   });
 }
 
-// --- inertia ---
+// --- variants of inertia ---
 
 // The variants differ by w x J w about the mass centre, for any rigid body about any point; by nothing for a sphere.
 // Neither does work with it.

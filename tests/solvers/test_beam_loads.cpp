@@ -350,7 +350,8 @@ TEST(DistributedLoad, DeadLoadAgainstTheRod) {
         Scene wrong = scene;
         FieldExpression& f = mutant == 0 ? (*wrong.distributed_loads[0].force)[2]
                                          : (*wrong.distributed_loads[0].moment)[2];
-        f.text = "1.1*(" + f.text + ")";
+        const FieldExpression::Term more[] = {{1.1, &f}};
+        f = FieldExpression::sum(more);
         EXPECT_GT((solve(wrong).vector("tip.position") - exact).norm(), 1e-3);
       }
     }

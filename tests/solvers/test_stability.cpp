@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/statics/stability.hpp"
@@ -206,6 +207,38 @@ TEST(StabilityCount, EulerColumn) {
     EXPECT_EQ(count(c.state), expected) << "P = " << P << ", EI3 = " << ratio << " EI2";
     EXPECT_LT(count.asymmetry(), 1e-12);
   }
+}
+
+// In the room of a solver of statics the count is the same, and that has nothing to solve with afterwards until it is
+// filled again. (A count that left the solver as it was would solve by other factors: seen to fail without `taken`.)
+TEST(StabilityCount, InTheRoomOfASolver) {
+  for (const double P : {0.99, 1.01, 4.02, 9.1}) {
+    Column c = straight_column(P, 1.0);
+    const System& system = *c.model.system;
+    const std::unique_ptr<LinearSolver> solver = make_block_solver(PivotOrder::merged);
+    solver->analyze(system.graph());
+    const auto solve = [&] {
+      VecX x = VecX::Ones(system.unknowns());
+      solver->solve({x.data(), static_cast<std::size_t>(x.size())});
+      return x;
+    };
+    VecX r;
+    system.linearize(c.state, {}, r, *solver);
+    ASSERT_EQ(solver->factor(), FactorStatus::ok);
+    const VecX before = solve();
+    StabilityCount own(system), shared(system, *solver);
+    EXPECT_EQ(shared(c.state), own(c.state)) << "P = " << P;
+    EXPECT_EQ(shared.asymmetry(), own.asymmetry());
+    EXPECT_FALSE(solve().allFinite());
+    system.linearize(c.state, {}, r, *solver);
+    ASSERT_EQ(solver->factor(), FactorStatus::ok);
+    EXPECT_EQ(solve(), before);
+  }
+  // One without such room has its own beside it.
+  Column c = straight_column(4.02, 1.0);
+  const std::unique_ptr<LinearSolver> klu = make_klu_solver();
+  klu->analyze(c.model.system->graph());
+  EXPECT_EQ(StabilityCount(*c.model.system, *klu)(c.state), 4);
 }
 
 // Against the dense generalised eigenproblem.

@@ -79,6 +79,21 @@ TEST(Disagreement, OfWhatIsZeroIsMeasuredByTheLargestOfItsUnit) {
   EXPECT_NEAR(disagreement(make(0.02), make(0.01), 1e-3).rms, 1.0, 1e-12);
 }
 
+// A vibration of 0.5 um on a machine that moves by a kilometre: asked for by its name it has its own size; a belief of
+// 1e-10 was given for a true 0.55. Mutation: the accuracy decides what is zero, asked for or not.
+TEST(Disagreement, OfWhatIsAskedForByNameIsOfItsOwnSize) {
+  const auto make = [](double small) {
+    return findings_of({"P.displacement", "Q.displacement"}, {"m", "m"}, {{1e3, small}});
+  };
+  const std::vector<std::string> named{"Q.displacement"};
+  const Disagreement asked = disagreement(make(8e-7), make(5e-7), 1e-3, named);
+  EXPECT_NEAR(asked.rms, 0.6, 1e-9);
+  EXPECT_TRUE(asked.as_zero.empty());
+  const Disagreement all = disagreement(make(8e-7), make(5e-7), 1e-3);
+  EXPECT_LT(all.rms, 1e-9);
+  EXPECT_EQ(all.as_zero, std::vector<std::string>{"Q.displacement"});
+}
+
 TEST(Disagreement, OfATotalEnergyThatIsZeroIsMeasuredByTheKineticOne) {
   const auto make = [](double total) {
     Findings f = findings_of({"all.total_energy"}, {"J"}, {{0.0}, {total}});

@@ -12,6 +12,7 @@
 #include <functional>
 #include <numbers>
 
+#include "libmbd/language/reader.hpp"
 #include "libmbd/study/modes/modes.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -194,6 +195,31 @@ TEST(Floquet, PendulumWithFriction) {
     const Eigen::MatrixXd x = monodromy_of(rates, 2, 2.0 * pi / W);
     EXPECT_LT(distance(floquet(shaken_pendulum(W, true, damping), W), x), 2e-9) << W;
   }
+}
+
+// A driven pendulum of two swings of the same period, one of them a saddle: after two periods Newton's method goes there, and
+// the run to the other one, on which both multipliers are exp(-c T/(2 I)) (calc: shooting by Dormand and Prince's method of order
+// 8, 0.11973134 and 0.44453868 i). Mutation: what was found first is returned, "unstable, 2.175 in a period".
+TEST(Floquet, IsOfTheMotionThatTheRunLeadsTo) {
+  constexpr double period = 2.0 * pi / 3.0, inertia = 0.02 + 0.25, damping = 0.2;
+  const Scene scene = read_model_text(fmt::format(R"(<mbd name="duffing">
+    <body name="m" center="0 0 -0.5" mass="1" inertia="0.02 0.02 0.02"/>
+    <revolute name="p" between="ground m" axis="0 1 0"/>
+    <joint_spring name="f" joint="p" angular_damping="0.2"/> <gravity acceleration="0 0 -9.81"/>
+    <joint_torque joint="p" moment="2*cos(3*t)"/>
+    <transient duration="{0:.17g}" step="{1:.17g}"/>
+    <record name="p" joint="p" quantities="angle"/></mbd>)", 60.0 * period, period / 400.0), "m.xml", {});
+  FloquetOptions options;
+  options.period = period;
+  const FloquetStudy study = study_floquet(scene, options);
+  ASSERT_EQ(study.modes.size(), 2u);
+  for (const NamedFloquetMode& mode : study.modes) {
+    EXPECT_NEAR(std::abs(mode.multiplier), std::exp(-0.5 * damping * period / inertia), 1e-7);
+    EXPECT_NEAR(mode.multiplier.real(), 0.11973134, 1e-6);
+    EXPECT_NEAR(std::abs(mode.multiplier.imag()), 0.44453868, 1e-6);
+  }
+  ASSERT_FALSE(study.notes.empty());
+  EXPECT_NE(study.notes.back().find("another motion was found"), std::string::npos) << study.notes.back();
 }
 
 // An unround flexible shaft on bearings that are alike in all directions: in turning axes its coefficients are constant, and

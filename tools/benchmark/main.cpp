@@ -2,9 +2,10 @@
 //   Elastic/<metric>/<form>/<N>/<want>   a batch of 8 elements; `per_element` is the time of one
 //   Classical/<N>/<want>                 the same of the classical beam
 //   Damping/<metric>/<N>/<want>          the same of the viscous term
-//   Linear/<model>/factor|solve          one factorisation (refactor) or solve of the scaled tangent
+//   Linear/<model>/<solver>/factor|solve one factorisation (refactor) or solution of the tangent, block LU or KLU
 //   Run/<model>                          stepping of a whole model, CPU seconds
 //   Ladder/<rung>                        a chain with one effect more on each rung (ladder.cpp)
+//   Roofline/…                           block LU against what the processor can do (roofline.cpp)
 // Times on a shared machine are noisy: compare ratios within one run.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -18,10 +19,11 @@
 #include "libmbd/compile/model.hpp"
 #include "libmbd/language/reader.hpp"
 #include "libmbd/scene/transient.hpp"
-#include "solvers/linear/klu_solver.hpp"
+#include "solvers/linear/block_solver.hpp"
 #include "solvers/statics/statics.hpp"
 #include "solvers/time/generalized_alpha.hpp"
 #include "tools/benchmark/ladder.hpp"
+#include "tools/benchmark/roofline.hpp"
 #include "tools/benchmark/sink.hpp"
 
 namespace {
@@ -90,9 +92,9 @@ Scene load(const std::string& name) {
   return read_model(std::string(MBD_SOURCE_DIR) + "/models/" + name + ".xml");
 }
 
-void linear(benchmark::State& bench, const std::string& name, bool factor) {
+void linear(benchmark::State& bench, const std::string& name, LinearMethod method, bool factor) {
   const Model model = compile(load(name));
-  auto solver = make_klu_solver();
+  auto solver = make_linear_solver(method, PivotOrder::nodes_first);
   solver->analyze(model.system->graph());
   VecX r;
   const double h = 1e-3;
@@ -119,13 +121,13 @@ void run(benchmark::State& bench, const std::string& name) {
     const Model model = compile(scene);
     State state = model.initial;
     if (scene.statics) {
-      auto solver = make_klu_solver();
+      auto solver = make_block_solver(PivotOrder::merged);
       if (!solve_statics(*model.system, *solver, {.steps = scene.statics->steps, .newton = {}},
                          state)
                .converged)
         bench.SkipWithError("statics failed");
     }
-    GeneralizedAlpha stepper(*model.system, make_klu_solver(),
+    GeneralizedAlpha stepper(*model.system, make_block_solver(PivotOrder::nodes_first),
                              {.step = scene.transient->step.value(),
                               .rho_infinity = rho_infinity_of(*scene.transient),
                               .newton = {}});
@@ -187,12 +189,15 @@ void register_all() {
     }
   }
   for (const char* model : {"four_bar", "shaft", "chain"}) {
-    for (const bool factor : {true, false}) {
-      benchmark::RegisterBenchmark(
-          fmt::format("Linear/{}/{}", model, factor ? "factor" : "solve").c_str(), linear,
-          std::string(model), factor)
-          ->Unit(benchmark::kMicrosecond);
-    }
+    for (const LinearMethod method : {LinearMethod::block, LinearMethod::klu})
+      for (const bool factor : {true, false}) {
+        benchmark::RegisterBenchmark(
+            fmt::format("Linear/{}/{}/{}", model, method == LinearMethod::klu ? "KLU" : "block",
+                        factor ? "factor" : "solve")
+                .c_str(),
+            linear, std::string(model), method, factor)
+            ->Unit(benchmark::kMicrosecond);
+      }
   }
   for (const char* model : {"four_bar", "shaft"}) {
     benchmark::RegisterBenchmark(fmt::format("Run/{}", model).c_str(), run, std::string(model))
@@ -205,6 +210,7 @@ void register_all() {
 int main(int argc, char** argv) {
   register_all();
   mbd::register_ladder();
+  mbd::register_roofline();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

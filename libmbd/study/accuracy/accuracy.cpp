@@ -723,6 +723,77 @@ void fit_orders(AccuracyStudy& study, const Scene& scene) {
     }
 }
 
+// The model as it is, within a quarter of the budget.
+Trial own_run(Trials& trials, const AccuracyOptions& options) {
+  if (options.progress) options.progress("the model as it is", 0, 0, 0.0);
+  Trial own = trials({}, 0.25 * options.budget);
+  if (own.findings.at.empty() || (!own.complete && !own.stopped)) {
+    if (trials.interrupted()) throw Error("interrupted before the first run was done");
+    throw Error(fmt::format("the model does not run with its own settings: {}", own.failure));
+  }
+  return own;
+}
+
+void find_quantities(AccuracyStudy& study, const Scene& scene, const Trial& own,
+                     const AccuracyOptions& options) {
+  for (Components& components : quantities_of(scene, own.findings, options.quantities)) {
+    study.quantities.emplace_back();
+    static_cast<Components&>(study.quantities.back()) = std::move(components);
+  }
+  if (study.quantities.empty())
+    throw Error(scene.source,
+                "the model records nothing whose error could be measured; give it a <record>");
+}
+
+void find_truth(AccuracyStudy& study, const Scene& scene, Trials& trials, const Trial& own,
+                const AccuracyOptions& options) {
+  if (options.reference && scene.path)
+    throw Error(
+        "--reference: files hold times or load factors, and the accuracy of a <path> is that of "
+        "its special points; "
+        "leave it out");
+  if (options.reference)
+    read_reference(study, scene, own.findings, *options.reference);
+  else
+    make_reference(study, scene, trials, options);
+  for (const Quantity& quantity : study.quantities)
+    if (quantity.is_zero && quantity.until > 0.0)
+      study.notes.push_back(fmt::format(
+          "{} is zero but for round-off: its errors are relative to the largest number in its "
+          "unit that the model records{}",
+          quantity.name, quantity.unit == "J" ? ", or kinetic or strain energy" : ""));
+  study.places = study.truth.at.size();
+  study.end = study.truth.at.back();
+}
+
+void measure_errors(AccuracyStudy& study, const Scene& scene) {
+  for (std::vector<TrialPoint>* const list : {&study.points, &study.ways})
+    for (TrialPoint& point : *list) {
+      if (scene.path && point.trial.complete &&
+          point.trial.findings.at.size() != study.truth.at.size()) {
+        point.trial.complete = false;
+        point.trial.failure = fmt::format("found {} special points, and not {}",
+                                          point.trial.findings.at.size(), study.truth.at.size());
+      }
+      for (const Quantity& quantity : study.quantities)
+        point.errors.push_back(error_of(point.trial.findings, study.truth, quantity));
+    }
+}
+
+// What was left out, and what was not run again.
+void note_trials(AccuracyStudy& study, const Trials& trials, std::size_t settings, double budget) {
+  if (trials.interrupted())
+    study.notes.push_back(
+        fmt::format("interrupted: {} of {} settings were not tried", study.untried, settings));
+  else if (!study.whole())
+    study.notes.push_back(fmt::format(
+        "{} of {} settings, the dearest, were not tried: the budget of {:g} s did not allow them",
+        study.untried, settings, budget));
+  if (trials.kept() > 0)
+    study.notes.push_back(
+        fmt::format("{} runs are those of an earlier study, which was kept", trials.kept()));
+}
+
 }  // namespace
 
 AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options) {
@@ -747,61 +818,14 @@ AccuracyStudy study_accuracy(const Scene& scene, const AccuracyOptions& options)
   for (const Setting& setting : settings) with(scene, setting);
 
   Trials trials(scene, options);
-  if (options.progress) options.progress("the model as it is", 0, 0, 0.0);
-  const Trial own = trials({}, 0.25 * options.budget);
-  if (own.findings.at.empty() || (!own.complete && !own.stopped)) {
-    if (trials.interrupted()) throw Error("interrupted before the first run was done");
-    throw Error(fmt::format("the model does not run with its own settings: {}", own.failure));
-  }
-  for (Components& components : quantities_of(scene, own.findings, options.quantities)) {
-    study.quantities.emplace_back();
-    static_cast<Components&>(study.quantities.back()) = std::move(components);
-  }
-  if (study.quantities.empty())
-    throw Error(scene.source,
-                "the model records nothing whose error could be measured; give it a <record>");
-  if (options.reference && scene.path)
-    throw Error(
-        "--reference: files hold times or load factors, and the accuracy of a <path> is that of "
-        "its special points; "
-        "leave it out");
-  if (options.reference)
-    read_reference(study, scene, own.findings, *options.reference);
-  else
-    make_reference(study, scene, trials, options);
-  for (const Quantity& quantity : study.quantities)
-    if (quantity.is_zero && quantity.until > 0.0)
-      study.notes.push_back(fmt::format(
-          "{} is zero but for round-off: its errors are relative to the largest number in its "
-          "unit that the model records{}",
-          quantity.name, quantity.unit == "J" ? ", or kinetic or strain energy" : ""));
-  study.places = study.truth.at.size();
-  study.end = study.truth.at.back();
-
+  const Trial own = own_run(trials, options);
+  find_quantities(study, scene, own, options);
+  find_truth(study, scene, trials, own, options);
   try_settings(study, scene, trials, options, own, settings);
-  for (std::vector<TrialPoint>* const list : {&study.points, &study.ways})
-    for (TrialPoint& point : *list) {
-      if (scene.path && point.trial.complete &&
-          point.trial.findings.at.size() != study.truth.at.size()) {
-        point.trial.complete = false;
-        point.trial.failure = fmt::format("found {} special points, and not {}",
-                                          point.trial.findings.at.size(), study.truth.at.size());
-      }
-      for (const Quantity& quantity : study.quantities)
-        point.errors.push_back(error_of(point.trial.findings, study.truth, quantity));
-    }
+  measure_errors(study, scene);
   find_fronts(study);
   fit_orders(study, scene);
-  if (trials.interrupted())
-    study.notes.push_back(fmt::format("interrupted: {} of {} settings were not tried",
-                                      study.untried, settings.size()));
-  else if (!study.whole())
-    study.notes.push_back(fmt::format(
-        "{} of {} settings, the dearest, were not tried: the budget of {:g} s did not allow them",
-        study.untried, settings.size(), options.budget));
-  if (trials.kept() > 0)
-    study.notes.push_back(
-        fmt::format("{} runs are those of an earlier study, which was kept", trials.kept()));
+  note_trials(study, trials, settings.size(), options.budget);
   study.seconds = trials.used();
   return study;
 }

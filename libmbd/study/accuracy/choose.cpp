@@ -34,6 +34,7 @@ constexpr double much_jump = 0.3;       // of the strain
 constexpr int most_without_gain = 3;    // refinements in a row
 constexpr double worth_a_look = 0.05;   // [s] of a run for which what is cheaper is tried
 constexpr double enough_cheaper = 0.7;  // for less, nothing is changed
+constexpr double zero_by_name = 1e-12;  // of the largest quantity of the unit: round-off
 
 std::vector<Components> vectors_of(const Findings& findings,
                                    const std::vector<std::string>& names) {
@@ -549,7 +550,9 @@ Disagreement disagreement(const Findings& run, const Findings& better, double ac
     return result;
   }
   for (const Components& vector : vectors_of(better, quantities)) {
-    const Scale scale = scale_of(vector, better, better.rows.size(), accuracy, Measure::change);
+    // What somebody asks for by name is not zero because another is large; total energies cancel, asked for or not.
+    const double zero = quantities.empty() || vector.unit == "J" ? accuracy : zero_by_name;
+    const Scale scale = scale_of(vector, better, better.rows.size(), zero, Measure::change);
     if (scale.is_zero) result.as_zero.push_back(vector.name);
     double sum = 0.0;
     std::optional<double> from;

@@ -84,7 +84,8 @@ struct Disagreement {
   std::string worst = {};
   // From where on the worst differs by more than the accuracy; nothing: nowhere.
   std::optional<double> from = {};
-  std::vector<std::string> as_zero = {};  // quantities measured by the largest of their unit
+  // Quantities measured by the largest of their unit: below the accuracy beside that; of those asked for by name, round-off.
+  std::vector<std::string> as_zero = {};
 };
 Disagreement disagreement(const Findings& run, const Findings& better, double accuracy,
                           const std::vector<std::string>& quantities = {});

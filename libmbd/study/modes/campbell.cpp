@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "libmbd/core/stop.hpp"
 
@@ -87,6 +89,11 @@ class Follower {
     }
     return result;
   }
+  std::vector<Candidate> begin(double rate);
+  void keep(double rate);
+  std::optional<Found> found_at(double next, double rate, const std::vector<Candidate>& last);
+  void go_through(std::vector<Candidate> last, double& rate);
+  void take(double rate, double next, const std::vector<Candidate>& last, const Found& found);
   Found follow(const std::vector<Candidate>& last);
   CampbellPoint point(double rate, const Candidate& c, double overlap) const;
   void refine(double a, double b, const std::vector<Candidate>& at_a,
@@ -97,6 +104,7 @@ class Follower {
   MotionsOfScene motions_;
   SteadyRotation rotation_;
   double expected_ = 0.0;
+  double least_ = 1.0, least_at_ = 0.0;  // overlap, and the rate there
   CampbellStudy study_;
 };
 
@@ -218,25 +226,11 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   }
 }
 
-// False where it is interrupted, which the next rate will see.
-template <class Work>
-bool goes_on(const Work& work) {
-  try {
-    work();
-    return true;
-  } catch (const Stopped&) {
-    return false;
-  }
-}
-
-CampbellStudy Follower::go() {
+std::vector<Candidate> Follower::begin(double rate) {
   study_.model = scene_.name;
   study_.file = scene_.file;
   study_.rotation = options_.rotation;
   study_.notes = motions_.notes();
-  const double range = options_.to - options_.from;
-  const double between = range / std::max(1, options_.points - 1);
-  double rate = std::max(options_.from, first_rate * range);
   if (rate > options_.from)
     study_.notes.push_back(
         fmt::format("begins at {:.6g} rad/s: at rest, modes that are alike in all directions have "
@@ -244,82 +238,102 @@ CampbellStudy Follower::go() {
                     rate));
   turn(rate);
   study_.axes = motions_.axes();
-  std::vector<Candidate> last = candidates(static_cast<std::size_t>(options_.count) + spare, true);
-  if (last.empty())
+  const auto count = static_cast<std::size_t>(options_.count);
+  std::vector<Candidate> first = candidates(count + spare, true);
+  if (first.empty())
     throw Error(scene_.source, "nothing but free motions: there are no modes to follow");
-  if (last.size() > static_cast<std::size_t>(options_.count))
-    last.resize(static_cast<std::size_t>(options_.count));
-  for (const Candidate& c : last) {
+  if (first.size() > count) first.resize(count);
+  for (const Candidate& c : first) {
     expected_ = std::max(expected_, std::abs(c.eigenvalue));
     study_.branches.push_back({c.name, {point(rate, c, 1.0)}});
   }
+  keep(rate);
+  return first;
+}
+
+// Turns there already.
+void Follower::keep(double rate) {
   study_.rates.push_back(rate);
   study_.displacements.push_back(motions_.largest_displacement().first);
-  double step = between;
-  double least = 1.0, least_at = rate;
-  for (int k = 1; k < options_.points;) {
-    if (options_.interrupted != nullptr && *options_.interrupted) {
-      study_.notes.push_back(fmt::format("interrupted at {:.6g} rad/s", rate));
-      break;
-    }
-    const double goal = options_.from + range * k / std::max(1, options_.points - 1);
-    const double next = rate + step < goal * (1.0 - 1e-12) ? rate + step : goal;
-    Found found;
+}
+
+// The modes at `next` that go on from those at `rate`; none, with a note, where that ends.
+std::optional<Follower::Found> Follower::found_at(double next, double rate,
+                                                  const std::vector<Candidate>& last) {
+  try {
+    turn(next);
+    Found found = follow(last);
+    if (found.ok) return found;
+    study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: modes are lost there", rate));
+  } catch (const Stopped&) {
+    throw;
+  } catch (const Error& error) {
+    study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: {}", rate, error.what()));
+  }
+  return std::nullopt;
+}
+
+// Whole, or, interrupted, not at all.
+void Follower::take(double rate, double next, const std::vector<Candidate>& last,
+                    const Found& found) {
+  for (std::size_t b = 0; b < last.size(); ++b) {
     try {
-      turn(next);
-      found = follow(last);
+      refine(rate, next, last, found.now, b);
     } catch (const Stopped&) {
-      continue;  // to the end of the loop, which says so
+      throw;
     } catch (const Error& error) {
-      study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: {}", rate, error.what()));
-      break;
+      study_.notes.push_back(error.what());
     }
-    if (!found.ok) {
-      study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: modes are lost there", rate));
-      break;
-    }
-    if (found.least() < sure && step > smallest_step * between) {
+  }
+  turn(next);
+  for (std::size_t b = 0; b < last.size(); ++b)
+    study_.branches[b].points.push_back(point(next, found.now[b], found.overlaps[b]));
+  keep(next);
+}
+
+// Steps from `rate` to where the points are, halved where modes change quickly; `rate` is the last that was taken.
+void Follower::go_through(std::vector<Candidate> last, double& rate) {
+  const double range = options_.to - options_.from;
+  const int intervals = std::max(1, options_.points - 1);
+  const double between = range / intervals;
+  double step = between;
+  for (int k = 1; k < options_.points;) {
+    stop::check();
+    const double goal = options_.from + range * k / intervals;
+    const double next = rate + step < goal * (1.0 - 1e-12) ? rate + step : goal;
+    std::optional<Found> found = found_at(next, rate, last);
+    if (!found) return;
+    if (found->least() < sure && step > smallest_step * between) {
       step *= 0.5;
-      goes_on([&] { turn(rate); });
+      turn(rate);
       continue;
     }
-    if (found.least() < least) least = found.least(), least_at = next;
-    for (std::size_t b = 0; b < last.size(); ++b)
-      study_.branches[b].points.push_back(point(next, found.now[b], found.overlaps[b]));
-    const bool whole = goes_on([&] {
-      for (std::size_t b = 0; b < last.size(); ++b) {
-        try {
-          refine(rate, next, last, found.now, b);
-        } catch (const Stopped&) {
-          throw;
-        } catch (const Error& error) {
-          study_.notes.push_back(error.what());
-        }
-      }
-      turn(next);
-    });
-    if (!whole) {
-      for (CampbellBranch& branch : study_.branches) branch.points.pop_back();
-      continue;
-    }
-    study_.rates.push_back(next);
-    study_.displacements.push_back(motions_.largest_displacement().first);
+    if (found->least() < least_) least_ = found->least(), least_at_ = next;
+    take(rate, next, last, *found);
+    step = next == goal ? between : 2.0 * step;
     if (next == goal) {
       ++k;
-      step = between;
       if (options_.progress)
         options_.progress(static_cast<std::size_t>(k), static_cast<std::size_t>(options_.points));
-    } else {
-      step *= 2.0;
     }
     rate = next;
-    last = std::move(found.now);
+    last = std::move(found->now);
   }
-  if (least < sure)
+}
+
+CampbellStudy Follower::go() {
+  double rate = std::max(options_.from, first_rate * (options_.to - options_.from));
+  std::vector<Candidate> first = begin(rate);
+  try {
+    go_through(std::move(first), rate);
+  } catch (const Stopped&) {
+    study_.notes.push_back(fmt::format("interrupted at {:.6g} rad/s", rate));
+  }
+  if (least_ < sure)
     study_.notes.push_back(fmt::format(
         "the overlap of a mode with itself a step before falls to {:.2f} at {:.6g} rad/s: which is "
         "which is not sure there",
-        least, least_at));
+        least_, least_at_));
   std::stable_sort(study_.special.begin(), study_.special.end(),
                    [](const SpecialSpeed& a, const SpecialSpeed& b) { return a.rate < b.rate; });
   return std::move(study_);

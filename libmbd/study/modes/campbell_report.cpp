@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/study/modes/campbell.hpp"
@@ -79,36 +83,45 @@ std::string to_csv(const CampbellStudy& study) {
   return text;
 }
 
-std::string campbell_svg(const CampbellStudy& study) {
-  plot::Panel frequencies;
-  frequencies.title = "Frequencies in inertial axes";
-  frequencies.x_label = "rate of rotation [rad/s]";
-  frequencies.y_label = "frequency [rad/s]";
-  plot::Panel turning;
-  turning.title = "Frequencies as seen from what turns";
-  turning.x_label = frequencies.x_label;
-  turning.y_label = frequencies.y_label;
+namespace {
+
+plot::Panel panel(const char* title, const char* y_label) {
+  plot::Panel made;
+  made.title = title;
+  made.x_label = "rate of rotation [rad/s]";
+  made.y_label = y_label;
+  return made;
+}
+
+plot::Curve branch_curve(std::size_t branch, std::string label) {
+  plot::Curve curve;
+  curve.style = static_cast<int>(branch);
+  curve.plain = true;
+  curve.label = std::move(label);
+  return curve;
+}
+
+std::string label_of(std::size_t number, const CampbellBranch& branch) {
+  const auto& last = branch.points.back().inertial;
+  return fmt::format("{}: {}{}", number, branch.name,
+                     !last         ? ""
+                     : *last < 0.0 ? ", backward"
+                                   : ", forward");
+}
+
+// With the line of one turn, on which speeds are critical.
+plot::Panel inertial_frequencies(const CampbellStudy& study) {
+  plot::Panel made = panel("Frequencies in inertial axes", "frequency [rad/s]");
   double top = 0.0;
   for (std::size_t b = 0; b < study.branches.size(); ++b) {
-    const CampbellBranch& branch = study.branches[b];
-    plot::Curve curve, seen;
-    curve.style = seen.style = static_cast<int>(b);
-    curve.plain = seen.plain = true;
-    const auto& last = branch.points.back().inertial;
-    curve.label = fmt::format("{}: {}{}", b + 1, branch.name,
-                              !last         ? ""
-                              : *last < 0.0 ? ", backward"
-                                            : ", forward");
-    seen.label = std::to_string(b + 1);
-    for (const CampbellPoint& p : branch.points) {
-      seen.trace.add({p.rate, std::abs(p.eigenvalue.imag())});
+    plot::Curve curve = branch_curve(b, label_of(b + 1, study.branches[b]));
+    for (const CampbellPoint& p : study.branches[b].points) {
       if (!p.inertial && p.has_orbit) continue;
       const double y = p.inertial ? std::abs(*p.inertial) : std::abs(p.eigenvalue.imag());
       curve.trace.add({p.rate, y});
       top = std::max(top, y);
     }
-    frequencies.curves.push_back(std::move(curve));
-    turning.curves.push_back(std::move(seen));
+    made.curves.push_back(std::move(curve));
   }
   plot::Curve once;
   once.label = "once per turn";
@@ -116,47 +129,55 @@ std::string campbell_svg(const CampbellStudy& study) {
   const double end = std::min(study.rates.back(), top);
   once.trace.add({0.0, 0.0});
   once.trace.add({end, end});
-  frequencies.curves.push_back(std::move(once));
+  made.curves.push_back(std::move(once));
   plot::Curve critical;
   critical.label = "critical speeds";
   critical.points_only = true;
   for (const SpecialSpeed& special : study.special)
     if (special.kind == SpecialSpeed::Kind::critical)
       critical.trace.add({special.rate, special.rate});
-  if (!critical.trace.points().empty()) frequencies.curves.push_back(std::move(critical));
+  if (!critical.trace.points().empty()) made.curves.push_back(std::move(critical));
+  return made;
+}
 
-  std::vector<plot::Panel> panels{std::move(frequencies)};
-  if (study.axes == ModeAxes::turning) panels.push_back(std::move(turning));
-  if (grows_or_decays(study)) {
-    plot::Panel growth;
-    growth.title = "Growth of small motions (above 0: unstable)";
-    growth.x_label = "rate of rotation [rad/s]";
-    growth.y_label = "Re [1/s]";
-    for (std::size_t b = 0; b < study.branches.size(); ++b) {
-      plot::Curve curve;
-      curve.style = static_cast<int>(b);
-      curve.plain = true;
-      curve.label = std::to_string(b + 1);
-      for (const CampbellPoint& p : study.branches[b].points)
-        curve.trace.add({p.rate, p.eigenvalue.real()});
-      growth.curves.push_back(std::move(curve));
-    }
-    panels.push_back(std::move(growth));
+// `value` of all points of each branch.
+template <class Value>
+plot::Panel of_branches(const CampbellStudy& study, plot::Panel made, const Value& value) {
+  for (std::size_t b = 0; b < study.branches.size(); ++b) {
+    plot::Curve curve = branch_curve(b, std::to_string(b + 1));
+    for (const CampbellPoint& p : study.branches[b].points)
+      curve.trace.add({p.rate, value(p.eigenvalue)});
+    made.curves.push_back(std::move(curve));
   }
-  double most = 0.0;
-  for (const double moved : study.displacements) most = std::max(most, moved);
-  if (most > 0.0) {
-    plot::Panel moved;
-    moved.title = "Largest displacement of the steady rotation";
-    moved.x_label = "rate of rotation [rad/s]";
-    moved.y_label = "displacement [m]";
-    plot::Curve curve;
-    curve.plain = true;
-    for (std::size_t i = 0; i < study.rates.size(); ++i)
-      curve.trace.add({study.rates[i], study.displacements[i]});
-    moved.curves.push_back(std::move(curve));
-    panels.push_back(std::move(moved));
-  }
+  return made;
+}
+
+plot::Panel displacements(const CampbellStudy& study) {
+  plot::Panel made = panel("Largest displacement of the steady rotation", "displacement [m]");
+  plot::Curve curve;
+  curve.plain = true;
+  for (std::size_t i = 0; i < study.rates.size(); ++i)
+    curve.trace.add({study.rates[i], study.displacements[i]});
+  made.curves.push_back(std::move(curve));
+  return made;
+}
+
+}  // namespace
+
+std::string campbell_svg(const CampbellStudy& study) {
+  using Eigenvalue = const std::complex<double>&;
+  std::vector<plot::Panel> panels{inertial_frequencies(study)};
+  if (study.axes == ModeAxes::turning)
+    panels.push_back(of_branches(study,
+                                 panel("Frequencies as seen from what turns", "frequency [rad/s]"),
+                                 [](Eigenvalue x) { return std::abs(x.imag()); }));
+  if (grows_or_decays(study))
+    panels.push_back(of_branches(study,
+                                 panel("Growth of small motions (above 0: unstable)", "Re [1/s]"),
+                                 [](Eigenvalue x) { return x.real(); }));
+  if (std::any_of(study.displacements.begin(), study.displacements.end(),
+                  [](double moved) { return moved > 0.0; }))
+    panels.push_back(displacements(study));
   plot::Layout layout;
   layout.title = study.model + ": Campbell diagram";
   return plot::to_svg(panels, layout);

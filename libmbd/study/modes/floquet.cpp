@@ -71,10 +71,9 @@ std::string node_that_moves_most(const System& system, const PeriodicMotion& mot
   return system.node_name(most + 1);
 }
 
-}  // namespace
-
-FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
-                           const std::filesystem::path& motion_file) {
+// `apart`: how far the run is from the motion that was found, where that begins, of the scene's size or rad.
+FloquetStudy study_from_run(const Scene& given, const FloquetOptions& options,
+                            const std::filesystem::path& motion_file, double& apart) {
   if (!(options.period > 0.0) || !std::isfinite(options.period))
     throw Error(given.source, "floquet: the period must be a positive number of seconds");
   const stop::Scope scope(options.interrupted);
@@ -168,6 +167,7 @@ FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
                     "be among the others",
                     found.modes.size()));
 
+  apart = motion_between(system, run.front(), motion->states().front());
   if (!motion_file.empty()) {
     const MotionBlocks blocks = motion_blocks(model);
     MotionWriter writer(motion_file, drawing(scene, model), blocks);
@@ -178,6 +178,45 @@ FloquetStudy study_floquet(const Scene& given, const FloquetOptions& options,
     }
     writer.close();
   }
+  return study;
+}
+
+}  // namespace
+
+// Newton's method may go from a run that has not settled to a motion that the run does not lead to, and which is unstable
+// then: it is looked for again, later in the run.
+FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
+                           const std::filesystem::path& motion_file) {
+  constexpr double led_to = 1e-3;  // `apart`
+  constexpr int most_settled = 32;
+  double apart = 0.0;
+  FloquetStudy study = study_from_run(scene, options, motion_file, apart);
+  const auto is_astray = [](const FloquetStudy& of, double how_far) {
+    return of.growth() > neutral_growth && how_far > led_to;
+  };
+  if (!is_astray(study, apart)) return study;
+  FloquetOptions longer = options;
+  while (longer.settle < most_settled) {
+    longer.settle = std::clamp(4 * longer.settle, 8, most_settled);
+    try {
+      double far = 0.0;
+      FloquetStudy other = study_from_run(scene, longer, {}, far);
+      if (is_astray(other, far)) continue;
+      if (!motion_file.empty()) other = study_from_run(scene, longer, motion_file, far);
+      other.notes.push_back(fmt::format(
+          "found from {} periods of the run: from {} another motion was found, to which the run "
+          "does not lead, and which is unstable (a factor {:.4g} in a period)",
+          longer.settle, options.settle, std::exp(study.growth())));
+      return other;
+    } catch (const Error&) {
+      if (options.interrupted != nullptr && *options.interrupted) throw;
+      break;
+    }
+  }
+  study.notes.push_back(
+      fmt::format("the run does not lead to this motion: after {} periods it is {:.2g} of the "
+                  "scene's size, or rad, away, and Newton's method went there",
+                  options.settle, apart));
   return study;
 }
 

@@ -34,34 +34,23 @@ LawVector scaled_law(const LawVector& laws, double factor, double stretch = 1.0)
           scaled_law(laws[2], factor, stretch)};
 }
 
-// The text with numbers in place of parameters, and t/stretch in place of t.
-std::string self_contained(const FieldExpression& field, double stretch) {
-  return field.reworded([&](std::string_view word) {
-    const auto parameter = field.parameters.find(word);
-    if (parameter != field.parameters.end()) return fmt::format("({})", parameter->second);
-    return word == "t" && stretch != 1.0 ? fmt::format("(t/{})", stretch) : std::string(word);
-  });
-}
-
 FieldVector scaled_law(const FieldVector& fields, double factor, double stretch) {
   FieldVector result;
   for (std::size_t i = 0; i < 3; ++i) {
-    result[i].text = fmt::format("{}*({})", factor, self_contained(fields[i], stretch));
-    result[i].parameters.inputs = fields[i].parameters.inputs;
+    const FieldExpression::Term one[] = {{factor, &fields[i]}};
+    result[i] = FieldExpression::sum(one, stretch);
   }
   return result;
 }
 
 FieldVector turned_law(const FieldVector& fields, const Mat3& R) {
   FieldVector result;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      result[i].parameters.inputs.insert(fields[k].parameters.inputs.begin(),
-                                         fields[k].parameters.inputs.end());
-      result[i].text += fmt::format("{}({})*({})", k == 0 ? "" : " + ",
-                                    R(static_cast<Index>(i), static_cast<Index>(k)),
-                                    self_contained(fields[k], 1.0));
-    }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Index>(i);
+    const FieldExpression::Term terms[] = {
+        {R(row, 0), &fields[0]}, {R(row, 1), &fields[1]}, {R(row, 2), &fields[2]}};
+    result[i] = FieldExpression::sum(terms);
+  }
   return result;
 }
 
