@@ -369,7 +369,7 @@ TEST(SignalsSlow, AtTwoHundredInstants) {
 
 // ---- faults, each call in turn -----------------------------------------------------------------------
 
-TEST(FaultsSlow, OfEachCallInTurn) {
+TEST(FailingCallsSlow, EachInTurn) {
   if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
   const TemporaryDirectory directory;
   const Undisturbed undisturbed(directory);
@@ -403,7 +403,7 @@ TEST(FaultsSlow, OfEachCallInTurn) {
 }
 
 // Each of some allocations: every part of their number, and the first ones.
-TEST(FaultsSlow, OfAllocationsBySampling) {
+TEST(FailingCallsSlow, AllocationsBySampling) {
   if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
   const TemporaryDirectory directory;
   const Undisturbed undisturbed(directory);

@@ -186,6 +186,25 @@ TEST(Springs, ForceAlongASlider) {
   EXPECT_NEAR(last(h, "drag.joint_force"), -8 * v, 1e-9);
 }
 
+// A free length that is given, not the distance of the points: F = k (l - l0), in equilibrium and as it is let go. Mutation: the distance
+// is taken for it (it lived before).
+TEST(Springs, FreeLengthIsTheOneGiven) {
+  const std::string model = R"(<mbd name="rest">
+      <body name="cart" at="0.5 0 0" mass="2" inertia="1 1 1"/>
+      <prismatic name="rail" between="ground cart" axis="1 0 0"/>
+      <spring name="coil" between="ground cart" at_a="0 0 0" stiffness="100" length="0.3"/>)";
+  const std::string records =
+      R"(<record name="coil" spring="coil" quantities="tension length"/></mbd>)";
+  const History hangs = run_to_table(
+      read_model_text(model + R"(<load at="cart" force="8 0 0"/><static/>)" + records));
+  EXPECT_NEAR(last(hangs, "coil.length"), 0.3 + 0.08, 1e-12);
+  const History swings = run_to_table(read_model_text(
+      model + R"(<transient duration="0.2" method="radau" step="0.01"/>)" + records));
+  ASSERT_TRUE(swings.report.complete()) << swings.report.failure;
+  EXPECT_NEAR(swings.table["coil.tension"].front(), 100.0 * (0.5 - 0.3), 1e-12);
+  EXPECT_NEAR(last(swings, "coil.length"), 0.3 + 0.2 * std::cos(std::sqrt(50.0) * 0.2), 1e-8);
+}
+
 // --- all of them ---
 
 constexpr const char* everything = R"xml(<mbd name="everything">
