@@ -452,13 +452,6 @@ struct Schur {
   Eigen::Matrix<Complex, 6, 6> q, t;
 };
 
-Mat6 transport_of(const Vec3& k) {  // Khat: S' = Khat S
-  Mat6 result = Mat6::Zero();
-  result.topLeftCorner<3, 3>() = result.bottomRightCorner<3, 3>() = -cross(k);
-  result.bottomLeftCorner<3, 3>() = -cross(Vec3::UnitX());
-  return result;
-}
-
 Schur schur_of(const Vec3& k) {
   const double size = k.norm();
   Eigen::Matrix<Complex, 3, 3> v = Eigen::Matrix<Complex, 3, 3>::Identity();
@@ -646,6 +639,13 @@ class CentralSolutions {
 };
 
 }  // namespace
+
+Mat6 transport_of(const Vec3& k) {
+  Mat6 result = Mat6::Zero();
+  result.topLeftCorner<3, 3>() = result.bottomRightCorner<3, 3>() = -cross(k);
+  result.bottomLeftCorner<3, 3>() = -cross(Vec3::UnitX());
+  return result;
+}
 
 Analysis analyse(const Mesh& mesh, const Vec3& curvature) {
   check(mesh);

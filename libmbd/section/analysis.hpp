@@ -27,6 +27,9 @@ struct Analysis {
   double largest_imbalance = 0.0;
 };
 
+// How resultants change along a line of that curvature that bears no loads: S' = transport S.
+Mat6 transport_of(const Vec3& curvature);
+
 // Throws Error where an element has no positive area or too few nodes, the metric sqrt(g) = 1 + k2 x3 - k3 x2 is not
 // positive somewhere, parts of the mesh are not joined, or a material is not positive definite.
 Analysis analyse(const Mesh& mesh, const Vec3& curvature = Vec3::Zero());

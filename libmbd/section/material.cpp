@@ -68,20 +68,23 @@ Mat3 ply_axes(double theta, double a) {
   return axes;
 }
 
-Stiffness in_section_axes(const Stiffness& material, double theta, double a) {
-  // Strain in material axes from that in section axes: e'_ij = q_ki q_lj e_kl, q the axes as columns.
-  const Mat3 q = ply_axes(theta, a);
+Mat6 strain_turned(const Mat3& axes) {
   constexpr std::array<std::array<int, 2>, 6> pairs{
       {{{0, 0}}, {{1, 1}}, {{2, 2}}, {{1, 2}}, {{0, 2}}, {{0, 1}}}};
-  Mat6 turn;
+  Mat6 turn;  // e'_ij = q_ki q_lj e_kl
   for (int r = 0; r < 6; ++r) {
     for (int c = 0; c < 6; ++c) {
       const auto [i, j] = pairs[static_cast<std::size_t>(r)];
       const auto [k, l] = pairs[static_cast<std::size_t>(c)];
-      const double both = q(k, i) * q(l, j) + (k != l ? q(l, i) * q(k, j) : 0.0);
+      const double both = axes(k, i) * axes(l, j) + (k != l ? axes(l, i) * axes(k, j) : 0.0);
       turn(r, c) = both * (r < 3 ? 1.0 : 2.0) * (c < 3 ? 1.0 : 0.5);
     }
   }
+  return turn;
+}
+
+Stiffness in_section_axes(const Stiffness& material, double theta, double a) {
+  const Mat6 turn = strain_turned(ply_axes(theta, a));
   return turn.transpose() * material * turn;
 }
 

@@ -35,6 +35,10 @@ EngineeringConstants transversely_isotropic(double e_l, double e_t, double g_lt,
 // and finite or the compliance is not positive definite.
 Stiffness stiffness_of(const EngineeringConstants& constants);
 
+// Strains along `axes` (columns, right-handed) from those along b1 b2 b3. Its transpose takes stresses along `axes` to those
+// along b1 b2 b3.
+Mat6 strain_turned(const Mat3& axes);
+
 // The stiffness along b1 b2 b3 of a ply of angle theta whose normal is at the angle a from b2 (radians).
 Stiffness in_section_axes(const Stiffness& material, double theta, double a);
 

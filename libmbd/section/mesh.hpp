@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "libmbd/section/failure.hpp"
 #include "libmbd/section/material.hpp"
 
 namespace mbd::section {
@@ -15,7 +17,8 @@ using Point = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;  // x2, x3 [m], alo
 // What an element is, with its nodes in this order, counter-clockwise seen against b1 (b2 to the right, b3 up):
 //   grid         order p >= 1: (p + 1)^2 Gauss-Lobatto nodes, node i + (p + 1) j at (xi_i, eta_j) in [-1, 1]^2
 //   serendipity  order 2: four corners from (-1, -1), then the middles of the sides from that between the first two
-//   triangle     order 1: three corners; order 2: and the middles of the sides, likewise
+//   triangle     order p >= 1: three corners, nodes of the sides from corner to corner (at the Gauss-Lobatto nodes of
+//                order p; of order 2 their middles), and those inside
 enum class Shape { grid, serendipity, triangle };
 
 struct Element {
@@ -30,9 +33,11 @@ struct Element {
 };
 
 struct MeshMaterial {
-  Stiffness stiffness;   // in its axes L T N
-  double density = 0.0;  // kg/m^3, not negative
-  std::string name;      // for messages
+  Stiffness stiffness;                      // in its axes L T N
+  double density = 0.0;                     // kg/m^3, not negative
+  std::string name;                         // for messages
+  std::optional<Strengths> strengths = {};  // along L T N
+  std::optional<double> yield = {};         // of an isotropic one [Pa]
 };
 
 struct Mesh {

@@ -9,7 +9,8 @@
 
 namespace mbd::section {
 
-// Tables of a kind of element, at its integration points: full Gauss (order + 1)^2, or of degree 2 and 5 on triangles.
+// Tables of a kind of element, at its integration points: full Gauss (order + 1)^2; on triangles of degree 2,
+// 5 and, from order 3, 2 order.
 struct ShapeTable {
   int nodes = 0;
   std::vector<double> weights;
@@ -33,6 +34,9 @@ class ShapeTables {
 };
 
 int nodes_of(Shape shape, int order);
+
+// Own coordinates (xi, eta) of the nodes of such an element, by rows.
+Eigen::MatrixX2d node_places(Shape shape, int order);
 
 // Shape functions at one place: columns n, d/dxi, d/deta.
 Eigen::MatrixX3d shape_functions(Shape shape, int order, double xi, double eta);

@@ -409,26 +409,26 @@ Mat6 error_of(const Mat6& d, const Mat6& now, const Mat6& before) {
 
 }  // namespace
 
-Converged converge(const Mesher& mesher, const Vec3& curvature, double tolerance,
-                   int most_unknowns) {
-  constexpr int most_levels = 9;  // beyond, grading comes near to round-off
+namespace {
+// From the level on where there is an estimate: from two changes, or where one will do from one.
+Converged refine(const Mesher& mesher, const Vec3& curvature, double tolerance, int most_unknowns,
+                 const std::vector<Fineness>& levels, std::size_t first_estimate) {
   Converged result;
   Mat6 last = Mat6::Zero(), change = Mat6::Zero();
-  for (int level = 0; level < most_levels; ++level) {
-    const Fineness fineness{level + 2, level + 1};
-    const Mesh mesh = mesher(fineness);
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    const Mesh mesh = mesher(levels[level]);
     const auto unknowns = 3 * static_cast<int>(mesh.nodes.size());
     if (level > 1 && unknowns > most_unknowns) break;
     result.analysis = analyse(mesh, curvature);
-    result.fineness = fineness;
+    result.fineness = levels[level];
     result.elements = static_cast<int>(mesh.elements.size());
     result.unknowns = unknowns;
     const Mat6& d = result.analysis.stiffness;
     const Vec6 root = d.diagonal().cwiseSqrt();
     const Mat6 scale = root * root.transpose();
     const Mat6 now = (d - last).cwiseAbs();
-    if (level > 1) {
-      result.error = error_of(d, now, change);
+    if (level >= first_estimate) {
+      result.error = error_of(d, now, level > 1 ? change : now);
       result.reached =
           (result.error.array() <= std::max(tolerance, round_off) * scale.array()).all();
       if (result.reached) break;
@@ -437,6 +437,21 @@ Converged converge(const Mesher& mesher, const Vec3& curvature, double tolerance
     change = now;
   }
   return result;
+}
+}  // namespace
+
+Converged converge(const Mesher& mesher, const Vec3& curvature, double tolerance,
+                   int most_unknowns) {
+  std::vector<Fineness> levels;  // beyond nine, grading comes near to round-off
+  for (int level = 0; level < 9; ++level) levels.push_back({level + 2, level + 1});
+  return refine(mesher, curvature, tolerance, most_unknowns, levels, 2);
+}
+
+Converged converge_orders(const Mesher& mesher, const Vec3& curvature, double tolerance,
+                          int most_unknowns) {
+  std::vector<Fineness> levels;
+  for (int order = 1; order <= 8; ++order) levels.push_back({order, 1});
+  return refine(mesher, curvature, tolerance, most_unknowns, levels, 1);
 }
 
 }  // namespace mbd::section

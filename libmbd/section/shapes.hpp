@@ -76,4 +76,9 @@ struct Converged {
 Converged converge(const Mesher& mesher, const Vec3& curvature = Vec3::Zero(),
                    double tolerance = 1e-6, int most_unknowns = 200'000);
 
+// The same with orders 1, 2, 3, ... (8 at most) of the elements of one mesh, of which `mesher` heeds the order only. The first two
+// orders know twice their change.
+Converged converge_orders(const Mesher& mesher, const Vec3& curvature, double tolerance,
+                          int most_unknowns);
+
 }  // namespace mbd::section
