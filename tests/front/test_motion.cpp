@@ -72,7 +72,7 @@ struct Kept {
   }
 };
 
-std::vector<std::size_t> columns_of(const History& history, const std::string& quantity) {
+std::vector<std::size_t> columns_of(const mbd::History& history, const std::string& quantity) {
   return choose_columns(history, std::vector{quantity});
 }
 
@@ -113,7 +113,7 @@ TEST_F(MotionOutput, PosesAreThoseOfTheHistory) {
     const Scene scene = read_model((models / c.model).string() + ".xml", c.set);
     const RunReport report = run_with(scene, c.model);
     const Kept kept(file(c.model));
-    const History history = read_history(directory_ / c.model);
+    const mbd::History history = read_history(directory_ / c.model);
     ASSERT_EQ(kept.rows.size(), history.rows());
     const auto columns = columns_of(history, std::string(c.record) + "." + c.quantity);
     ASSERT_EQ(columns.size(), 3U);
@@ -162,7 +162,7 @@ TEST_F(MotionOutput, PlacesAreInTheirNodes) {
     <record name="tool" at="tool" quantities="position"/></mbd>)");
   run_with(scene, "out");
   const Kept kept(file("out"));
-  const History history = read_history(directory_ / "out");
+  const mbd::History history = read_history(directory_ / "out");
   ASSERT_EQ(kept.rows.size(), history.rows());
   for (const std::string name : {"hub", "bar", "tip", "tool"}) {
     const auto columns = columns_of(history, name + ".position");
@@ -197,7 +197,7 @@ TEST_F(MotionOutput, JointsAndVelocitiesAreThoseOfTheHistory) {
     <record name="r" at="bob" quantities="velocity"/></mbd>)");
   run_with(scene, "out");
   const Kept kept(file("out"));
-  const History history = read_history(directory_ / "out");
+  const mbd::History history = read_history(directory_ / "out");
   const auto value = [&](const char* name, std::size_t row) {
     return history.values[choose_column(history, name)][row];
   };
@@ -254,7 +254,7 @@ TEST_F(MotionOutput, ResultantsHaveTheirViscousPart) {
                                         0.5 * (1.0 + xi)));
   run_with(scene, "out");
   const Kept kept(file("out"));
-  const History history = read_history(directory_ / "out");
+  const mbd::History history = read_history(directory_ / "out");
   const std::size_t N = choose_column(history, "in.force.1");
   ASSERT_EQ(kept.part("beam", "b").at("stations").size(), 3U);
   double most = 0.0;
