@@ -3,6 +3,7 @@
 #pragma once
 
 #include "elements/element_batch.hpp"
+#include "elements/element_list.hpp"
 #include "elements/node/base_motion.hpp"
 #include "elements/node/drag.hpp"
 #include "elements/node/gravity.hpp"
@@ -26,5 +27,10 @@ extern template class ElementBatch<LineDrag<false, true>>;
 extern template class ElementBatch<LineDrag<true, true>>;
 extern template class ElementBatch<PointDrag<false>>;
 extern template class ElementBatch<PointDrag<true>>;
+
+using NodalElements =
+    ElementList<Mass, MassNoGyroscopic, MassDamping, NodalGravity, BaseMotion, PointLoad,
+                FollowerLoad, DeadForceArm, LineDrag<false>, LineDrag<true>, LineDrag<false, true>,
+                LineDrag<true, true>, PointDrag<false>, PointDrag<true>>;
 
 }  // namespace mbd

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "elements/element_batch.hpp"
+#include "elements/element_list.hpp"
 #include "elements/pair/bushing.hpp"
 #include "elements/pair/bushing_damper.hpp"
 #include "elements/pair/damper.hpp"
@@ -14,5 +15,7 @@ extern template class ElementBatch<Spring>;
 extern template class ElementBatch<Damper>;
 extern template class ElementBatch<Bushing>;
 extern template class ElementBatch<BushingDamper>;
+
+using PairElements = ElementList<Spring, Damper, Bushing, BushingDamper>;
 
 }  // namespace mbd

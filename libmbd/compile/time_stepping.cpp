@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "libmbd/core/parts.hpp"
+#include "solvers/constraints/parts.hpp"
 #include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/time/free_momenta.hpp"

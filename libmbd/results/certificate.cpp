@@ -13,6 +13,7 @@
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/results/report.hpp"
 #include "libmbd/scene/scene.hpp"
+#include "solvers/linear/block_columns.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/time/stepper.hpp"

@@ -31,10 +31,10 @@
 #include <string_view>
 #include <vector>
 
-#include "libmbd/core/parts.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/results/time_error.hpp"
+#include "solvers/constraints/parts.hpp"
 #include "solvers/newton/report.hpp"
 
 namespace mbd {

@@ -1,7 +1,7 @@
 #include "solvers/constraints/mechanism.hpp"
 
-#include "libmbd/core/parts.hpp"
 #include "libmbd/core/se3.hpp"
+#include "solvers/constraints/parts.hpp"
 
 namespace mbd {
 namespace {

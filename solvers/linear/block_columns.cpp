@@ -1,5 +1,7 @@
 #include "solvers/linear/block_columns.hpp"
 
+#include "solvers/newton/increments.hpp"
+
 #include <algorithm>
 
 namespace mbd {
@@ -116,6 +118,17 @@ void PencilBlocks::multiply(int power, std::span<const double> x, std::span<doub
       }
     }
   }
+}
+
+double largest_stiffness(const System& system, const State& state, const TangentWeights& weights) {
+  BlockColumns columns;
+  columns.analyze(system.graph());
+  std::vector<double> values, trash;
+  std::vector<Slot> slots;
+  columns.allocate(values, trash, slots);
+  VecX r;
+  system.linearize(state, weights, r, slots);
+  return largest_stiffness(system, slots);
 }
 
 }  // namespace mbd

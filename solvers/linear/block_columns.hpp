@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libmbd/core/linear_solver.hpp"
+#include "libmbd/core/system.hpp"
 
 namespace mbd {
 
@@ -71,5 +72,9 @@ class PencilBlocks {
   std::array<std::vector<double>, 3> trash_;
   std::array<std::vector<Slot>, 3> slots_;
 };
+
+// largest_stiffness (solvers/newton/increments.hpp) of the tangent at a state, that of statics without weights.
+double largest_stiffness(const System& system, const State& state,
+                         const TangentWeights& weights = {});
 
 }  // namespace mbd

@@ -2,8 +2,6 @@
 
 #include <limits>
 
-#include "solvers/linear/block_columns.hpp"
-
 namespace mbd {
 
 IncrementNorm::IncrementNorm(const System& system, const NewtonOptions& options)
@@ -67,17 +65,6 @@ double IncrementNorm::operator()(std::span<const double> increment, double multi
 
 double largest_stiffness(const System& system, const LinearSolver& S) {
   return largest_stiffness(system, S.slots());
-}
-
-double largest_stiffness(const System& system, const State& state, const TangentWeights& weights) {
-  BlockColumns columns;
-  columns.analyze(system.graph());
-  std::vector<double> values, trash;
-  std::vector<Slot> slots;
-  columns.allocate(values, trash, slots);
-  VecX r;
-  system.linearize(state, weights, r, slots);
-  return largest_stiffness(system, slots);
 }
 
 double largest_stiffness(const System& system, std::span<const Slot> slots) {

@@ -55,9 +55,6 @@ inline bool has_converged(double e, double previous) {
 // and turns count by the scene's length [N/m, or kg of a mass matrix]; not after factor().
 double largest_stiffness(const System& system, std::span<const Slot> slots);
 double largest_stiffness(const System& system, const LinearSolver& S);
-// The same of the tangent at a state, that of statics without weights.
-double largest_stiffness(const System& system, const State& state,
-                         const TangentWeights& weights = {});
 
 // What to say of the element or joint that System::out_of_range names.
 std::string range_failure(const std::string& name);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libmbd/core/parts.hpp"
+#include "solvers/constraints/parts.hpp"
 #include "solvers/newton/increments.hpp"
 
 namespace mbd {

@@ -3,8 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "libmbd/core/parts.hpp"
 #include "libmbd/core/se3.hpp"
+#include "solvers/constraints/parts.hpp"
 #include "solvers/time/archive.hpp"
 
 namespace mbd {

@@ -15,7 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "elements/element_list.hpp"
+#include "elements/node/batches.hpp"
+#include "elements/pair/batches.hpp"
 #include "joints/coordinate_batches.hpp"
 #include "tests/elements/laws.hpp"
 

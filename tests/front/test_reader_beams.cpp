@@ -96,7 +96,7 @@ TEST(ReaderOfBeams, Loads) {
 TEST(ReaderOfBeams, FieldsOfPartsAndInOtherAxes) {
   const Scene scene =
       read(bar + R"xml(<function name="g" value="sin(3*t)"/><parameter name="q" value="2"/>
-    <distributed beam="bar" force="q*s*t (1-s)*g(t) kN s<0.5?1:7*t"/>)xml");
+    <distributed beam="bar" force="q*s*t (1-s)*g(t) s<0.5?1:7*t kN"/>)xml");
   const std::array<FieldExpression, 3>& f = *scene.distributed_loads.at(0).force;
   EXPECT_NEAR(f[1].at(0.25)(0.3).v, 750.0 * std::sin(0.9), 1e-12);
   const FieldExpression::Term terms[] = {{0.6, &f[0]}, {-0.8, &f[1]}};
@@ -106,14 +106,14 @@ TEST(ReaderOfBeams, FieldsOfPartsAndInOtherAxes) {
     for (const double t : {0.0, 0.7, 5.0}) {
       const double place = 0.2 + 0.4 * s, then = t / 10.0;
       const Taylor2 is = turned.at(s)(t);
-      EXPECT_NEAR(is.v, 0.6 * 2.0 * place * then - 800.0 * (1.0 - place) * std::sin(3.0 * then),
+      EXPECT_NEAR(is.v, 1200.0 * place * then - 800.0 * (1.0 - place) * std::sin(3.0 * then),
                   1e-12 * 800.0);
-      EXPECT_NEAR(is.d, (1.2 * place - 2400.0 * (1.0 - place) * std::cos(3.0 * then)) / 10.0,
+      EXPECT_NEAR(is.d, (1200.0 * place - 2400.0 * (1.0 - place) * std::cos(3.0 * then)) / 10.0,
                   1e-11);
     }
   const FieldExpression half = f[2].on_part(0.2, 0.6).on_part(0.5, 1.0);  // 0.4 to 0.6
-  EXPECT_EQ(half.at(0.4).value(), 1.0);
-  EXPECT_EQ(half.at(0.6)(2.0).v, 14.0);
+  EXPECT_EQ(half.at(0.4).value(), 1000.0);
+  EXPECT_EQ(half.at(0.6)(2.0).v, 14000.0);
 }
 
 TEST(ReaderOfBeams, Refuses) {

@@ -441,13 +441,14 @@ TEST(Loads, WorkIsTheGainInEnergy) {
   EXPECT_GT(fitted_order(h, error), 1.8) << testing::PrintToString(error);
 }
 
-// Weight is a dead force at the mass centre, of a body too. Detects a body's load without its offset.
+// Weight is a dead force at the mass centre, of a body too. By Radau: from when on generalized-alpha projects velocities
+// hangs on the last bits. Detects a body's load without its offset.
 TEST(Loads, WeightIsADeadForceAtTheMassCentre) {
   const auto top = [](const std::string& load) {
     return solve(
         scene_of(R"xml(<body name="top" mass="2" center="0.3 0.1 0.4" inertia="0.1 0.2 0.25"
         angular_velocity="1 2 9"/><spherical name="O" between="ground top"/>)xml" +
-                 load + R"xml(<transient duration="0.5" step="0.01"/>
+                 load + R"xml(<transient method="radau" duration="0.5" step="0.01"/>
         <record name="top" at="top" quantities="rotation angular_velocity"/>)xml"));
   };
   const Result a = top("<gravity acceleration=\"0 1 -9\"/>"),

@@ -1,4 +1,4 @@
-#include "libmbd/core/parts.hpp"
+#include "solvers/constraints/parts.hpp"
 
 #include <algorithm>
 
