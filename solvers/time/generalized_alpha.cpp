@@ -433,6 +433,14 @@ void GeneralizedAlpha::forget() {
   history_ = 0;
 }
 
+// At end_, the state accepted last.
+void GeneralizedAlpha::pass_kink() {
+  A_ = end_.Vdot;
+  for (Momentum& m : momentum_) m.a = m.f;
+  free_.scale(0.0);
+  history_ = 0;
+}
+
 // The filtered error (5).
 double GeneralizedAlpha::estimated_error(bool) {
   const double h = h_, c = h * h * (a_.beta - 1.0 / 6.0 - 0.5 * (a_.gamma - 0.5));

@@ -43,8 +43,9 @@
 // fails, are made consistent anew. Beyond rho = 0.91 a step that fails is taken for ringing. A run in which nothing rings is
 // what it would be without.
 //
-// Where the step changes, A - Vdot, which is proportional to h, is scaled with it. Landings, steps that fail, and
-// rank-tolerant ones, with -eps I in place of the zero block of (2): one_step.hpp.
+// Where the step changes, A - Vdot, which is proportional to h, is scaled with it; at a kink of a law it is 0, as the step
+// after a short load may be many times one of those that resolved it, and A - Vdot from within it times h a kick.
+// Landings, steps that fail, and rank-tolerant ones, with -eps I in place of the zero block of (2): one_step.hpp.
 //
 // Adaptive steps. With A(t) = Vdot(t + (alpha_m - alpha_f) h) to first order, (1) leaves of the motion
 //   e = h^2 (beta - 1/6 - (gamma - 1/2)/2) (Vdot_f - Vdot_i) + O(h^4)                              (5)
@@ -103,6 +104,7 @@ class GeneralizedAlpha final : public OneStep {
   void accept() override;
   void settle() override;
   void forget() override;
+  void pass_kink() override;
   const State& solved() const override { return end_; }
 
   std::string signature() const override;

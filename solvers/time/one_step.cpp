@@ -370,6 +370,7 @@ StepReport OneStep::adaptive_step(State& state) {
     ++counters_.steps;
     if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))
       return report;
+    if (last && landing.breakpoint && !landing.restart) pass_kink();
     report.converged = true;
     return report;
   }

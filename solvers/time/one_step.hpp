@@ -109,6 +109,8 @@ class OneStep : public Stepper {
   virtual void accept() = 0;
   // After a step has failed, or was rank-tolerant: its tangents are not kept.
   virtual void settle() = 0;
+  // After an adaptive step that ended where a law has a kink: what follows from the past, before it, does not go on.
+  virtual void pass_kink() {}
   // Other rows are idle: neither tangents nor multipliers of the past are of use.
   virtual void forget() = 0;
   // The end of the step that has been solved.

@@ -2,15 +2,15 @@
 // would run to another solution are halved. References: Newton's and Euler's laws in closed form, conservation, and the same
 // motion seen from a carriage.
 //
-// Tried, and killed: the balance of momenta of every node as the default (a ball spins by 0.45 rad/s, the chain on the
-// carriage ends at its second step); no correction (momenta drift); moments of momentum about the origin in place of the
-// centre; no halving of what surprises (the chains end with 1e3 to 1e5 J put in).
+// Seen before it was so, and failing here: the balance of momenta of every node as the default (a ball spins by 0.45 rad/s, the
+// chain on the carriage ends at its second step); no halving of what surprises (the chains end with 1e3 to 1e5 J put in).
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -139,6 +139,22 @@ TEST(LargeSteps, ChainsDoNotRunToAnotherSolution) {
     const double falls = 0.5 * 9.81 * 0.1 * 0.1 * c.rods * c.rods;  // until it hangs straight [J]
     EXPECT_LT(-report.dissipated(), 10.0 * falls);  // it whips, and with rho = 1 nothing is damped
   }
+}
+
+// A blow of 20 us in adaptive steps: the steps after it are six times as long as those within it. Reference: impulse over mass,
+// 2 F T/(pi m); its ten steps of order two leave 3 %. Mutation: what accelerations lag behind by at the kink is scaled with the
+// step (14 % off).
+TEST(ShortLoads, AreNotMagnifiedByTheStepsAfterThem) {
+  const History blow = run_to_table(scene_of(R"(
+      <body name="a" mass="1" inertia="1 1 1"/> <body name="b" at="1 0 0" mass="2" inertia="1 1 1"/>
+      <prismatic name="p" between="ground a" axis="1 0 0"/> <prismatic name="q" between="ground b" axis="1 0 0"/>
+      <spring name="s" between="a b" stiffness="1e6"/>
+      <load at="a" force="t>0.01234?(0.01236>t?5e4*sin(pi*(t-0.01234)/2e-5):0):0 0 0"/>
+      <transient duration="0.05" tolerance="1e-4" output="0.005"/>
+      <record name="all" quantities="linear_momentum"/>)"));
+  ASSERT_TRUE(blow.report.complete()) << blow.report.failure;
+  const double impulse = 2.0 * 5e4 * 2e-5 / std::numbers::pi;
+  EXPECT_NEAR(blow.table["all.linear_momentum.1"].back(), impulse, 0.04 * impulse);
 }
 
 // A scene of which nothing moves is not judged by round-off of its rates.

@@ -188,7 +188,7 @@ FloquetStudy study_from_run(const Scene& given, const FloquetOptions& options,
 FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
                            const std::filesystem::path& motion_file) {
   constexpr double led_to = 1e-3;  // `apart`
-  constexpr int most_settled = 32;
+  constexpr int settled = 8;
   double apart = 0.0;
   FloquetStudy study = study_from_run(scene, options, motion_file, apart);
   const auto is_astray = [](const FloquetStudy& of, double how_far) {
@@ -196,22 +196,20 @@ FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
   };
   if (!is_astray(study, apart)) return study;
   FloquetOptions longer = options;
-  while (longer.settle < most_settled) {
-    longer.settle = std::clamp(4 * longer.settle, 8, most_settled);
-    try {
-      double far = 0.0;
-      FloquetStudy other = study_from_run(scene, longer, {}, far);
-      if (is_astray(other, far)) continue;
+  longer.settle = std::max(settled, 2 * options.settle);
+  try {
+    double far = 0.0;
+    FloquetStudy other = study_from_run(scene, longer, {}, far);
+    if (!is_astray(other, far)) {
       if (!motion_file.empty()) other = study_from_run(scene, longer, motion_file, far);
       other.notes.push_back(fmt::format(
           "found from {} periods of the run: from {} another motion was found, to which the run "
           "does not lead, and which is unstable (a factor {:.4g} in a period)",
           longer.settle, options.settle, std::exp(study.growth())));
       return other;
-    } catch (const Error&) {
-      if (options.interrupted != nullptr && *options.interrupted) throw;
-      break;
     }
+  } catch (const Error&) {
+    if (options.interrupted != nullptr && *options.interrupted) throw;
   }
   study.notes.push_back(
       fmt::format("the run does not lead to this motion: after {} periods it is {:.2g} of the "

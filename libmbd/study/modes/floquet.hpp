@@ -14,8 +14,8 @@ namespace mbd {
 
 struct FloquetOptions {
   double period = 0.0;  // [s]; of loads, drives and motion
-  // Periods that are integrated before the one that Newton's method starts from. More, up to 32, where what is found is
-  // unstable and not where the run goes.
+  // Periods that are integrated before the one that Newton's method starts from. Once more with twice as many, 8 at least, where
+  // what is found is unstable and not where the run goes.
   int settle = 2;
   int harmonics = 0;  // of the period; 0: as many as the motion needs
   int count = 10;     // exponents shown, the least stable
