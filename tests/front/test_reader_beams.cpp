@@ -96,7 +96,7 @@ TEST(ReaderOfBeams, Loads) {
 TEST(ReaderOfBeams, FieldsOfPartsAndInOtherAxes) {
   const Scene scene =
       read(bar + R"xml(<function name="g" value="sin(3*t)"/><parameter name="q" value="2"/>
-    <distributed beam="bar" force="q*s*t (1-s)*g(t) s<0.5?1:7*t kN"/>)xml");
+    <distributed beam="bar" force="q*s*t (1-s)*g(t) s<0.5?1:7*t kN/m"/>)xml");
   const std::array<FieldExpression, 3>& f = *scene.distributed_loads.at(0).force;
   EXPECT_NEAR(f[1].at(0.25)(0.3).v, 750.0 * std::sin(0.9), 1e-12);
   const FieldExpression::Term terms[] = {{0.6, &f[0]}, {-0.8, &f[1]}};
