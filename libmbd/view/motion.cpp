@@ -111,7 +111,8 @@ Motion read_motion(const std::filesystem::path& file) {
   if (!stream)
     throw Error(file.string() + ": cannot be read (" + std::strerror(errno) +
                 "); run the model with --motion, or state <motion_output/> in it");
-  Motion motion{file, {}, {}, 0};
+  Motion motion;
+  motion.file = file;
   std::getline(stream, motion.head);
   if (stream.eof()) fail("is cut short, or not the motion of a run");
   const Json head = Json::parse(motion.head, nullptr, false);
