@@ -361,7 +361,9 @@ class ElementBatch : public Base {
   }
 
   // Where there are packs, all residuals are theirs: the same with and without the tangent.
-  bool run_packs(const State& state, VecX& r) const requires has_packs<E> {
+  // (A template of its own: clang 14 instantiates members whose constraints do not hold, with the class.)
+  template <class Of = E>
+  bool run_packs(const State& state, VecX& r) const requires has_packs<Of> {
     if (packs_.data.empty() && !data_.empty())  // not yet connected
       return run_packs(state, r, E::packed(shared_, data_));
     return run_packs(state, r, packs_);

@@ -129,13 +129,13 @@ TEST(SingularSlow, WindowsByFixedStepsOfAnySize) {
     scene.transient->duration = std::floor(10.0 / step) * step;
     RunReport report;
     const double error = windows_error(table_of(scene, &report), 2) / (step * step * 1e6);
-    EXPECT_LT(error, 2e-4) << "step " << step << ", retries " << report.transient_counters.retries;
+    EXPECT_LT(error, 3e-4) << "step " << step << ", retries " << report.transient_counters.retries;
     worst = std::max(worst, error);
     ++runs;
   }
   hard::record({"2e", "two windows by generalized-alpha, 25 steps from 0.75 to 1 ms",
                 "models/windows.xml, step=…", "one pendulum, integrated in the test",
-                bounded(worst, 2e-4) + " m at 1 ms, scaled by the square of the step", "see 2a"});
+                bounded(worst, 3e-4) + " m at 1 ms, scaled by the square of the step", "see 2a"});
 }
 
 TEST(Singular, DeadCentre) {
