@@ -64,7 +64,7 @@ class TimeErrorMeter {
               TimeError& error, long& steps) const;
 
   const System& system_;
-  const TransientScene& transient_;
+  const TransientScene transient_;  // its own: whoever asks may be gone when it measures
   State start_;
   std::vector<Sample> samples_;
   double farthest_ = 0.0;  // way of a node [m]
