@@ -15,7 +15,7 @@ namespace {
 // With a floor of 1e-3 a stale contraction let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per
 // cent of the iterations.
 constexpr KeptTangent::Policy tangent_policy{
-    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3, .cost = 0};
+    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3};
 // Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 3;

@@ -16,7 +16,7 @@ namespace mbd {
 namespace {
 
 constexpr KeptTangent::Policy tangent_policy{
-    .floor = 0.02, .memory = 0.3, .renew = 0.35, .fresh = 0.05, .iterations = 6, .cost = 0};
+    .floor = 0.02, .memory = 0.3, .renew = 0.35, .fresh = 0.05, .iterations = 6};
 constexpr double stagnation = 0.3;  // increments below round-off that fall no faster are round-off
 // The tolerance of fixed steps is near the round-off of stiff scenes: what stalls this close to it is accepted.
 constexpr double stalled_fixed = 20.0;
