@@ -192,16 +192,9 @@ class JointBatch final : public AnyJointBatch {
   // the part of gddot without Vdot. Without laws of time they are sums over rows (evaluate_rates).
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const override {
     if constexpr (packed) {
-      each_pack(0, data_.size(), [&](const PackOf& pack) {
-        Rates<Pack> rates;
-        evaluate_rates(state, pack, true, rates);
-        for (int k = 0; k < pack.count(); ++k) {
-          const Index row = data_[pack[k]].multiplier;
-          for (Index i = 0; i < m; ++i) {
-            gdot(row + i) = rates.gdot(i)[k];
-            gddot_rest(row + i) = rates.gddot_rest(i)[k];
-          }
-        }
+      each_row_of_packs(state, true, [&](Index row, const Rates<Pack>& rates, Index i, int k) {
+        gdot(row) = rates.gdot(i)[k];
+        gddot_rest(row) = rates.gddot_rest(i)[k];
       });
       return;
     }
@@ -220,16 +213,9 @@ class JointBatch final : public AnyJointBatch {
 
   void constraints(const State& state, VecX& g, VecX& gdot) const override {
     if constexpr (packed) {
-      each_pack(0, data_.size(), [&](const PackOf& pack) {
-        Rates<Pack> rates;
-        evaluate_rates(state, pack, false, rates);
-        for (int k = 0; k < pack.count(); ++k) {
-          const Index row = data_[pack[k]].multiplier;
-          for (Index i = 0; i < m; ++i) {
-            g(row + i) = rates.g(i)[k];
-            gdot(row + i) = rates.gdot(i)[k];
-          }
-        }
+      each_row_of_packs(state, false, [&](Index row, const Rates<Pack>& rates, Index i, int k) {
+        g(row) = rates.g(i)[k];
+        gdot(row) = rates.gdot(i)[k];
       });
       return;
     }
@@ -547,6 +533,16 @@ class JointBatch final : public AnyJointBatch {
     const Vector3<S> zu = linear(z), zp = angular(z), wu = linear(w), wp = angular(w);
     along(six<S>(zp.cross(wu) + zu.cross(wp), zp.cross(wp)), rates.gddot_rest);
     rates.gddot_rest += curvature_along<J, S>(g, given, z);
+  }
+  // put(row of g, rates, i, lane) for the rows i of all joints.
+  template <class Put>
+  void each_row_of_packs(const State& state, bool second, const Put& put) const {
+    each_pack(0, data_.size(), [&](const PackOf& pack) {
+      Rates<Pack> rates;
+      evaluate_rates(state, pack, second, rates);
+      for (int k = 0; k < pack.count(); ++k)
+        for (Index i = 0; i < m; ++i) put(data_[pack[k]].multiplier + i, rates, i, k);
+    });
   }
   void evaluate_rates(const State& state, const PackOf& pack, bool second,
                       Rates<Pack>& rates) const {

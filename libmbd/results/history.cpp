@@ -293,10 +293,9 @@ std::string new_run_id() {
 }
 
 std::string run_id_in(std::string_view history) {
-  constexpr std::string_view key = "# run: ";
   while (history.starts_with('#')) {
     const std::string_view line = history.substr(0, history.find('\n'));
-    if (line.starts_with(key)) return std::string(trimmed(line.substr(key.size())));
+    if (line.starts_with(run_line)) return std::string(trimmed(line.substr(run_line.size())));
     history.remove_prefix(std::min(line.size() + 1, history.size()));
   }
   return {};
