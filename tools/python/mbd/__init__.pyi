@@ -1436,9 +1436,10 @@ class Scene(Element):
                              frequency; 0 damps most, 1 nothing
           balance            acceleration or momentum, optional
                              of inertia, of generalized_alpha: accelerations in body
-                             axes, or momenta in inertial axes, which keeps those of
-                             free systems to round-off (default: momentum where no part
-                             is tied to the ground, else acceleration)
+                             axes, or momenta of every node in inertial axes (default:
+                             acceleration, and each part that nothing ties to the
+                             ground, without added mass, keeps its momenta as a whole to
+                             round-off)
           newton_tolerance   number > 0, optional
                              of Newton's increments, relative (default: the integrator's
                              own)
