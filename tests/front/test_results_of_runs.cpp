@@ -37,10 +37,10 @@
 #include "libmbd/text/files.hpp"
 #include "libmbd/view/motion.hpp"
 #include "tests/support/faults.hpp"
-#include "tests/support/this_build.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/this_build.hpp"
 
 namespace mbd::test::test_results_of_runs {
 namespace {
