@@ -106,19 +106,22 @@ std::string name_of(std::size_t place) {
   return std::to_string(place) + "_" + name;
 }
 
+template <class E>
+constexpr bool scales = requires {
+  E::scales_with_load;
+};
+
+template <class E>
+std::unique_ptr<Sample> make(Rng& rng, int i) {
+  return std::make_unique<SampleOf<E>>(rng, log_uniform(rng, 1e-2, 1e2), i);
+}
+
 template <class... E>
 void add_types(ElementList<E...>, std::vector<Type>& all) {
-  (all.push_back({name_of<E>(all.size()), E::nodes, E::has_K, E::has_D,
-                  requires { E::scales_with_load;
-}
-, work_of<E>(), [](Rng& rng, int i) -> std::unique_ptr<Sample> {
-  const double length = log_uniform(rng, 1e-2, 1e2);
-  return std::make_unique<SampleOf<E>>(rng, length, i);
-}
-}  // namespace
-),
+  (all.push_back(
+       {name_of<E>(all.size()), E::nodes, E::has_K, E::has_D, scales<E>, work_of<E>(), make<E>}),
    ...);
-}  // namespace mbd::test::test_laws
+}
 
 std::vector<Type> types() {
   std::vector<Type> all;

@@ -118,7 +118,9 @@ TEST(SingularSlow, FortyWindowsOfRevoluteJoints) {
   windows_case("2d", "hard/windows_parallel", 40, 1e-7, 1e-4, 1.5);
 }
 
-// Generalized-alpha with steps that fall anywhere about the change points: always second order, never elsewhere.
+// Generalized-alpha with steps that fall anywhere about the change points: always second order, never elsewhere. Most reach
+// 1.4e-4; of a hundred steps, two fall so near to a change point that rates of gaps ring below what is projected away, and
+// reach 2.6e-4: which ones do hangs on the last bits.
 TEST(SingularSlow, WindowsByFixedStepsOfAnySize) {
   double worst = 0.0;
   int runs = 0;
