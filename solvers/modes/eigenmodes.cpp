@@ -22,6 +22,7 @@ constexpr double infinite = 1e-13;   // theta of an infinite eigenvalue, of the 
 constexpr double converged = 1e-12;  // of Arnoldi's method: residual, relative
 constexpr double tiny = 1e-4;        // |l| that is not well seen, of the shift
 constexpr double aside = 1e-3;       // shift, of a frequency that is expected
+constexpr double blinds = 1e-5;      // slowest, of the fastest, beside which 0 is no good shift
 constexpr double unseen = 1e-14;     // share of what cancels in K that is round-off
 constexpr int most_starts = 40;
 
@@ -332,6 +333,18 @@ void leave_independent_rigid_ones(std::vector<Mode>& modes) {
   modes = std::move(kept);
 }
 
+// Whether modes found about 0 are as many as were asked for, and none is so slow that round-off of its 1/l hides others: a free
+// motion, of which the spin of a rotor is one with a single shape, leaves them digits only as far as it is from the shift.
+bool sees_all(const ModesFound& found, int count) {
+  if (!found.failure.empty() || found.modes.size() < static_cast<std::size_t>(count)) return false;
+  double slowest = std::numeric_limits<double>::infinity(), fastest = 0.0;
+  for (const Mode& mode : found.modes) {
+    slowest = std::min(slowest, std::abs(mode.eigenvalue));
+    fastest = std::max(fastest, std::abs(mode.eigenvalue));
+  }
+  return slowest > blinds * fastest;
+}
+
 }  // namespace
 
 double Mode::frequency() const {
@@ -388,9 +401,8 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   // then about something of the size of the slowest that is answered.
   result = at(0.0, options.count);
   if (!options.rigid_motions) {
-    // A free motion is all that one sees from 0.
-    if (!result.failure.empty() || result.modes.size() < static_cast<std::size_t>(options.count))
-      result = at(aside * omega, options.count);
+    if (!sees_all(result, options.count))
+      result = at(options.beside > 0.0 ? options.beside : aside * omega, options.count);
     cut(result);
     return result;
   }

@@ -38,6 +38,9 @@ struct ModeOptions {
   // Whether free motions are looked for, and given the eigenvalue 0; false: what is near 0 is to be known to its last
   // digit, as near a critical speed.
   bool rigid_motions = true;
+  // Without rigid_motions: the shift [rad/s] where 0 hides modes, as half the slowest frequency; 0: of `expected` a
+  // thousandth.
+  double beside = 0.0;
 };
 
 struct ModesFound {

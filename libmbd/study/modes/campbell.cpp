@@ -20,6 +20,8 @@ constexpr double lost = 0.3;                  // below it there is none
 constexpr double smallest_step = 1.0 / 64.0;  // of the distance between points
 constexpr double first_rate =
     1e-4;  // of the range, in place of 0: what is alike in all directions has no shapes there
+constexpr double is_slow =
+    1e-3;  // of the largest frequency: that of a mode near its critical speed
 constexpr double nothing = 1e-8;  // growth beside the frequencies that is round-off
 constexpr std::size_t spare = 6;  // modes more than are followed
 
@@ -74,6 +76,7 @@ class Follower {
     options.count = static_cast<int>(count);
     options.expected = expected_;
     options.rigid_motions = is_first;
+    options.beside = beside_;
     std::vector<Candidate> result;
     for (NamedMode& mode : motions_.modes(options)) {
       if (mode.rigid) continue;
@@ -103,7 +106,8 @@ class Follower {
   const Scene& scene_;
   MotionsOfScene motions_;
   SteadyRotation rotation_;
-  double expected_ = 0.0;
+  double expected_ = 0.0,
+         beside_ = 0.0;  // [rad/s] largest frequency; half the slowest that is not near 0
   double least_ = 1.0, least_at_ = 0.0;  // overlap, and the rate there
   CampbellStudy study_;
 };
@@ -111,6 +115,10 @@ class Follower {
 // The modes that go on from those of another rate.
 Follower::Found Follower::follow(const std::vector<Candidate>& last) {
   Found found;
+  beside_ = expected_;
+  for (const Candidate& c : last)
+    if (std::abs(c.eigenvalue) > is_slow * expected_)
+      beside_ = std::min(beside_, 0.5 * std::abs(c.eigenvalue));
   std::size_t count = last.size() + spare;
   for (int wider = 0; wider < 3; ++wider, count *= 2) {
     std::vector<Candidate> all;
