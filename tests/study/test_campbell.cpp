@@ -169,6 +169,108 @@ TEST(Campbell, UnequalBearings) {
   }
 }
 
+// Rotors of ROSS (petrobras/ross, rotor3, rotor5 and rotor6 of its test_rotor_assembly.py): a steel shaft of 50 mm, two disks,
+// two bearings. Its elements are cubic, 0.25 m long, and make frequencies somewhat too large: by 1e-4 at most of those here.
+struct RossRotor {
+  double length;
+  int elements;
+  std::vector<std::string> bearings;                  // s of the shaft
+  std::vector<std::pair<std::string, double>> disks;  // s, outer diameter [m]
+  double ky = 1e6, kz = 1e6;                          // of both bearings [N/m]
+};
+const RossRotor two_disks{1.5, 6, {"0", "1"}, {{"1/3", 0.28}, {"2/3", 0.35}}, 0.8e6, 1e6};
+const RossRotor inside{2.5, 10, {"0.2", "0.8"}, {{"0.4", 0.28}, {"0.6", 0.35}}};
+const RossRotor overhung{2.5, 10, {"0.2", "0.8"}, {{"0.5", 0.28}, {"1", 0.35}}};
+
+// Nothing holds the spin, and nothing takes energy out.
+Scene scene_of(const RossRotor& rotor) {
+  constexpr double E = 211e9, G = 81.2e9, rho = 7810.0, d = 0.05;
+  constexpr double nu = E / (2.0 * G) - 1.0;
+  constexpr double shear = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu);  // Cowper, a circle
+  const double A = pi * d * d / 4.0, I = pi * d * d * d * d / 64.0;
+  std::string text = fmt::format(
+      R"(<section name="s"><stiffness EA="{0}" GA2="{1}" GA3="{1}" GJ="{2}" EI2="{3}" EI3="{3}"/>
+         <mass per_length="{4}" inertia="{5} {6} {6}"/></section>
+         <beam name="b" section="s" from="0 0 0" to="{7} 0 0" normal="0 0 1" elements="{8}" order="4"/>
+         <static/>)",
+      E * A, shear * G * A, 2.0 * G * I, E * I, rho * A, 2.0 * rho * I, rho * I, rotor.length,
+      rotor.elements);
+  const auto place = [](const std::string& s) {
+    return s == "0" ? "b.start" : s == "1" ? "b.end" : "b@" + s;
+  };
+  int disk = 0;
+  for (const auto& [s, outer] : rotor.disks) {
+    constexpr double width = 0.07;
+    const double o2 = outer * outer, i2 = d * d, m = rho * pi * width * (o2 - i2) / 4.0,
+                 polar = m * (o2 + i2) / 8.0, across = 0.5 * polar + m * width * width / 12.0;
+    text +=
+        fmt::format(R"(<body name="disk{0}" attached_to="{1}" mass="{2}" inertia="{3} {4} {4}"/>)",
+                    disk++, place(s), m, polar, across);
+  }
+  for (std::size_t i = 0; i < rotor.bearings.size(); ++i)  // the first holds it along its axis
+    text += fmt::format(
+        R"(<body name="h{0}" at="{1}*{2} 0 0" mass="1e-9" inertia="1e-12 1e-12 1e-12"/>
+           <bushing name="k{0}" between="ground h{0}" at="{1}*{2} 0 0" stiffness="{3} {4} {5}"
+                    angular_stiffness="1e4 1e4 1e4"/>
+           <spherical name="j{0}" between="h{0} {6}" at="{1}*{2} 0 0"/>)",
+        i, rotor.bearings[i], rotor.length, i == 0 ? 1e6 : 0.0, rotor.ky, rotor.kz,
+        place(rotor.bearings[i]));
+  return read(text);
+}
+CampbellStudy study_of(const RossRotor& rotor, double to, int points, int count) {
+  CampbellOptions options;
+  options.to = to;
+  options.points = points;
+  options.count = count;
+  options.at_rest = {"h0", "h1"};
+  return study_campbell(scene_of(rotor), options);
+}
+
+// Mutation seen: modes of all rates about 0, where the free spin hides their digits: real parts up to 2/s, and some thirty
+// limits of stability of a rotor that has none.
+TEST(CampbellSlow, RotorsOfRoss) {
+  for (const auto& [rotor, forward] :
+       {std::pair{inside, std::vector{86.60492546, 207.97165539, 250.53522782}},
+        std::pair{overhung, std::vector{63.72862198, 118.55829416, 236.40346235}}}) {
+    const CampbellStudy result = study_of(rotor, 260.0, 6, 7);
+    std::vector<double> criticals;
+    for (const SpecialSpeed& special : result.special) {
+      EXPECT_EQ(special.kind, Kind::critical) << special.rate;  // no limits of stability
+      criticals.push_back(special.rate);
+    }
+    ASSERT_EQ(criticals.size(), forward.size());
+    for (std::size_t k = 0; k < forward.size(); ++k) {
+      EXPECT_LT(criticals[k], forward[k]);
+      EXPECT_NEAR(criticals[k], forward[k], 1e-4 * forward[k]);
+    }
+    for (const CampbellBranch& branch : result.branches)
+      for (const CampbellPoint& p : branch.points)
+        EXPECT_LT(std::abs(p.eigenvalue.real()), 1e-8 * std::abs(p.eigenvalue));
+  }
+}
+
+TEST(CampbellSlow, TwoDisksOfRossOnUnequalBearings) {
+  const CampbellStudy result = study_of(two_disks, 300.0, 3, 7);
+  EXPECT_EQ(result.axes, ModeAxes::resting);
+  const std::vector<std::vector<double>> wanted{
+      {82.65303734, 86.65811435, 254.52047828, 274.31285391, 679.48903239},
+      {82.60929602, 86.68625235, 251.70037114, 276.87787937, 652.85679897},
+      {82.48132723, 86.76734307, 245.49092844, 282.33294699, 614.05536277}};
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    for (const double w : wanted[k]) {
+      const double rate = 150.0 * static_cast<double>(k);
+      std::size_t at = 0;  // steps may have been halved
+      for (std::size_t i = 0; i < result.rates.size(); ++i)
+        if (std::abs(result.rates[i] - rate) < std::abs(result.rates[at] - rate)) at = i;
+      double nearest = 1.0;
+      for (const CampbellBranch& branch : result.branches)
+        nearest = std::min(nearest,
+                           std::abs(std::abs(branch.points[at].inertial.value_or(0.0)) / w - 1.0));
+      EXPECT_LT(nearest, 3e-4) << w << " at " << rate;
+    }
+  for (const SpecialSpeed& special : result.special) EXPECT_EQ(special.kind, Kind::critical);
+}
+
 TEST(Campbell, RefusesRatesThatDoNotRise) {
   EXPECT_THROW(study(balanced_shaft(), 0.0, 5, 3), Error);
   EXPECT_THROW(study(balanced_shaft(), 10.0, 1, 3), Error);
