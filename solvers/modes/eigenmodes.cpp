@@ -21,8 +21,6 @@ constexpr Index few = 120;           // unknowns of T: all its eigenvalues are f
 constexpr double infinite = 1e-13;   // theta of an infinite eigenvalue, of the largest
 constexpr double converged = 1e-12;  // of Arnoldi's method: residual, relative
 constexpr double tiny = 1e-4;        // |l| that is not well seen, of the shift
-constexpr double aside = 1e-3;       // shift, of a frequency that is expected
-constexpr double blinds = 1e-5;      // slowest, of the fastest, beside which 0 is no good shift
 constexpr double unseen = 1e-14;     // share of what cancels in K that is round-off
 constexpr int most_starts = 40;
 
@@ -333,18 +331,6 @@ void leave_independent_rigid_ones(std::vector<Mode>& modes) {
   modes = std::move(kept);
 }
 
-// Whether modes found about 0 are as many as were asked for, and none is so slow that round-off of its 1/l hides others: a free
-// motion, of which the spin of a rotor is one with a single shape, leaves them digits only as far as it is from the shift.
-bool sees_all(const ModesFound& found, int count) {
-  if (!found.failure.empty() || found.modes.size() < static_cast<std::size_t>(count)) return false;
-  double slowest = std::numeric_limits<double>::infinity(), fastest = 0.0;
-  for (const Mode& mode : found.modes) {
-    slowest = std::min(slowest, std::abs(mode.eigenvalue));
-    fastest = std::max(fastest, std::abs(mode.eigenvalue));
-  }
-  return slowest > blinds * fastest;
-}
-
 }  // namespace
 
 double Mode::frequency() const {
@@ -397,23 +383,28 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
     return result;
   }
 
-  // About 0 first. Motions that nothing answers make that singular, or nearly, and hide the others, or give them any shape:
-  // then about something of the size of the slowest that is answered.
-  result = at(0.0, options.count);
-  if (!options.rigid_motions) {
-    if (!sees_all(result, options.count))
-      result = at(options.beside > 0.0 ? options.beside : aside * omega, options.count);
+  // Motions that nothing answers make 0 singular, or nearly, and hide the others, or give them any shape: a spin without a
+  // drive, one shape for a double eigenvalue, takes all but a few of their digits.
+  if (options.free_motions == FreeMotions::some) {
+    result = at(omega, options.count);
     cut(result);
     return result;
   }
+  // About 0 first, and then, if it is so, about something of the size of the slowest that is answered.
+  result = at(0.0, options.count);
   const Eigen::SparseMatrix<double> sizes = motions.sizes_of_stiffness();
-  const auto find_rigid = [&](ModesFound& found, double at_shift) {
-    for (Mode& mode : found.modes) mode.rigid = is_rigid(motions, sizes, mode, at_shift);
-  };
   const bool is_clear =
       result.failure.empty() && result.modes.size() >= static_cast<std::size_t>(options.count) &&
       std::none_of(result.modes.begin(), result.modes.end(),
                    [&](const Mode& mode) { return is_hidden(motions, sizes, mode, 0.0); });
+  if (options.free_motions == FreeMotions::none) {
+    if (!is_clear) result = at(omega, options.count);
+    cut(result);
+    return result;
+  }
+  const auto find_rigid = [&](ModesFound& found, double at_shift) {
+    for (Mode& mode : found.modes) mode.rigid = is_rigid(motions, sizes, mode, at_shift);
+  };
   if (!is_clear) {
     double shift = omega;
     ModesFound better;

@@ -31,16 +31,16 @@ struct Mode {
   double damping_ratio() const;  // -Re l/|l|; of a rigid mode 0
 };
 
+// Motions that nothing answers: looked for, and given the eigenvalue 0; or not, where one knows whether there are some, and
+// what is near 0 is to be known to its last digit, as near a critical speed.
+enum class FreeMotions { looked_for, none, some };
+
 struct ModeOptions {
-  int count = 10;         // conjugate pairs count as one
-  double near = 0.0;      // [rad/s] modes nearest to this frequency
-  double expected = 0.0;  // [rad/s] a typical frequency, if one is known: scales (3)
-  // Whether free motions are looked for, and given the eigenvalue 0; false: what is near 0 is to be known to its last
-  // digit, as near a critical speed.
-  bool rigid_motions = true;
-  // Without rigid_motions: the shift [rad/s] where 0 hides modes, as half the slowest frequency; 0: of `expected` a
-  // thousandth.
-  double beside = 0.0;
+  int count = 10;     // conjugate pairs count as one
+  double near = 0.0;  // [rad/s] modes nearest to this frequency
+  // [rad/s] below the frequencies, if they are known about: scales (3), and is the shift where free motions hide modes from 0.
+  double expected = 0.0;
+  FreeMotions free_motions = FreeMotions::looked_for;
 };
 
 struct ModesFound {

@@ -70,16 +70,20 @@ class Follower {
     rotation_.rate = rate;
     motions_.turn(rotation_);
   }
-  // At the first rate without free motions, as the spin of a rotor that no drive holds.
-  std::vector<Candidate> candidates(std::size_t count, bool is_first = false) {
+  // `beneath`: below the frequencies at the rate before [rad/s], 0 at the first, which tells whether there are free motions, as
+  // the spin of a rotor that no drive holds: those are left out.
+  std::vector<Candidate> candidates(std::size_t count, double beneath) {
     ModeOptions options;
     options.count = static_cast<int>(count);
-    options.expected = expected_;
-    options.rigid_motions = is_first;
-    options.beside = beside_;
+    options.expected = beneath;
+    options.free_motions = free_motions_;
+    if (free_motions_ == FreeMotions::looked_for) free_motions_ = FreeMotions::none;
     std::vector<Candidate> result;
     for (NamedMode& mode : motions_.modes(options)) {
-      if (mode.rigid) continue;
+      if (mode.rigid) {
+        free_motions_ = FreeMotions::some;
+        continue;
+      }
       Candidate c;
       c.eigenvalue = mode.eigenvalue;
       c.shape = std::move(mode.shape);
@@ -106,8 +110,8 @@ class Follower {
   const Scene& scene_;
   MotionsOfScene motions_;
   SteadyRotation rotation_;
-  double expected_ = 0.0,
-         beside_ = 0.0;  // [rad/s] largest frequency; half the slowest that is not near 0
+  FreeMotions free_motions_ = FreeMotions::looked_for;
+  double fastest_ = 0.0;                 // [1/s] at the first rate
   double least_ = 1.0, least_at_ = 0.0;  // overlap, and the rate there
   CampbellStudy study_;
 };
@@ -115,14 +119,14 @@ class Follower {
 // The modes that go on from those of another rate.
 Follower::Found Follower::follow(const std::vector<Candidate>& last) {
   Found found;
-  beside_ = expected_;
+  double beneath = fastest_;
   for (const Candidate& c : last)
-    if (std::abs(c.eigenvalue) > is_slow * expected_)
-      beside_ = std::min(beside_, 0.5 * std::abs(c.eigenvalue));
+    if (std::abs(c.eigenvalue) > is_slow * fastest_)
+      beneath = std::min(beneath, 0.5 * std::abs(c.eigenvalue));
   std::size_t count = last.size() + spare;
   for (int wider = 0; wider < 3; ++wider, count *= 2) {
     std::vector<Candidate> all;
-    for (const Candidate& c : candidates(count)) {
+    for (const Candidate& c : candidates(count, beneath)) {
       all.push_back(c);
       all.push_back(c.conjugate());
     }
@@ -195,7 +199,7 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   } else if (oscillates(la) != oscillates(lb) && square(la, a) * square(lb, b) < 0.0) {
     events.push_back({SpecialSpeed::Kind::critical, square});
   }
-  const double least = std::max(1e-6 * expected_, nothing * size);
+  const double least = std::max(1e-6 * fastest_, nothing * size);
   if (la.real() * lb.real() < 0.0 && std::max(std::abs(la.real()), std::abs(lb.real())) > least &&
       oscillates(la) && oscillates(lb))
     events.push_back(
@@ -247,12 +251,12 @@ std::vector<Candidate> Follower::begin(double rate) {
   turn(rate);
   study_.axes = motions_.axes();
   const auto count = static_cast<std::size_t>(options_.count);
-  std::vector<Candidate> first = candidates(count + spare, true);
+  std::vector<Candidate> first = candidates(count + spare, 0.0);
   if (first.empty())
     throw Error(scene_.source, "nothing but free motions: there are no modes to follow");
   if (first.size() > count) first.resize(count);
   for (const Candidate& c : first) {
-    expected_ = std::max(expected_, std::abs(c.eigenvalue));
+    fastest_ = std::max(fastest_, std::abs(c.eigenvalue));
     study_.branches.push_back({c.name, {point(rate, c, 1.0)}});
   }
   keep(rate);
