@@ -65,6 +65,18 @@ std::string of_beam(std::string kind, const std::string& part) {
   return kind.substr(0, blank) + " of " + part + rest;
 }
 
+// Where digits are lost that a reader would believe; empty if none are.
+std::string note_on_round_off(const std::vector<NamedMode>& modes) {
+  constexpr double believed = 1e-6;
+  const auto worst = std::ranges::max_element(modes, {}, &Mode::round_off);
+  if (worst == modes.end() || !(worst->round_off > believed)) return "";
+  return fmt::format(
+      "round-off leaves about {:.0e} of mode {} unknown, in whose stiffness nearly all cancels: "
+      "the mesh is finer than it "
+      "needs to be; fewer elements, of a higher order, keep more digits",
+      worst->round_off, worst - modes.begin() + 1);
+}
+
 }  // namespace
 
 std::optional<double> NamedMode::whirl(double rate, ModeAxes axes) const {
@@ -351,6 +363,8 @@ ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
     study.poses.push_back(scene_motions.state().pose[static_cast<std::size_t>(n)]);
   }
   study.notes = scene_motions.notes();
+  if (const std::string note = note_on_round_off(study.modes); !note.empty())
+    study.notes.push_back(note);
   return study;
 }
 

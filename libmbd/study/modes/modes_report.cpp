@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -14,8 +16,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr double round_off = 1e-7;  // growth beside frequency
 
-std::string hertz(double rad_per_second) {
-  return fmt::format("{:.10g}", rad_per_second / (2.0 * std::numbers::pi));
+// Digits of an eigenvalue that round-off leaves, at most so many.
+int digits_of(const Mode& mode, int most) {
+  if (!(mode.round_off > 0.0)) return most;
+  return std::clamp(static_cast<int>(-std::log10(mode.round_off)), 1, most);
+}
+
+std::string hertz(double rad_per_second, int digits = 10) {
+  return fmt::format("{:.{}g}", rad_per_second / (2.0 * std::numbers::pi), digits);
 }
 
 double rate_of(const ModesStudy& study) { return study.rotation ? study.rotation->rate : 0.0; }
@@ -67,8 +75,8 @@ std::string to_text(const ModesStudy& study) {
     if (mode.rigid) {
       row.insert(row.end(), {"0", "0"});
     } else if (mode.eigenvalue.imag() > 0.0) {
-      row.insert(row.end(),
-                 {hertz(mode.eigenvalue.imag()), fmt::format("{:.12g}", mode.eigenvalue.imag())});
+      row.insert(row.end(), {hertz(mode.eigenvalue.imag(), digits_of(mode, 10)),
+                             fmt::format("{:.{}g}", mode.eigenvalue.imag(), digits_of(mode, 12))});
     } else {
       row.insert(row.end(), {"0", "0"});
     }
@@ -87,16 +95,17 @@ std::string to_text(const ModesStudy& study) {
 std::string to_csv(const ModesStudy& study) {
   std::string text =
       "mode,re_eigenvalue,im_eigenvalue,frequency,damping_ratio,orbit,inertial_frequency,residual,"
-      "rigid,name\n"
-      "# -,1/s,1/s,Hz,-,-,Hz,-,-,-\n";
+      "round_off,rigid,name\n"
+      "# -,1/s,1/s,Hz,-,-,Hz,-,-,-,-\n";
   for (std::size_t i = 0; i < study.modes.size(); ++i) {
     const NamedMode& mode = study.modes[i];
     const std::optional<double> whirl = mode.whirl(rate_of(study), study.axes);
-    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3g},{},{}\n", i + 1,
-                        mode.eigenvalue.real(), mode.eigenvalue.imag(), mode.frequency(),
-                        mode.damping_ratio(), mode.orbit ? fmt::format("{:.6f}", *mode.orbit) : "",
-                        whirl ? fmt::format("{:.17g}", *whirl / (2.0 * std::numbers::pi)) : "",
-                        mode.residual, mode.rigid ? 1 : 0, study::csv_cell(mode.name));
+    text +=
+        fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3g},{:.3g},{},{}\n", i + 1,
+                    mode.eigenvalue.real(), mode.eigenvalue.imag(), mode.frequency(),
+                    mode.damping_ratio(), mode.orbit ? fmt::format("{:.6f}", *mode.orbit) : "",
+                    whirl ? fmt::format("{:.17g}", *whirl / (2.0 * std::numbers::pi)) : "",
+                    mode.residual, mode.round_off, mode.rigid ? 1 : 0, study::csv_cell(mode.name));
   }
   return text;
 }
@@ -130,6 +139,7 @@ std::string to_json(const ModesStudy& study) {
     one["frequency"] = mode.frequency();
     one["damping_ratio"] = mode.damping_ratio();
     one["residual"] = mode.residual;
+    one["round_off"] = mode.round_off;
     one["rigid"] = mode.rigid;
     if (mode.orbit) one["orbit"] = *mode.orbit;
     if (const auto whirl = mode.whirl(rate_of(study), study.axes))
