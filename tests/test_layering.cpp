@@ -56,7 +56,8 @@ const std::vector<Room>& rooms() {
     const auto newton = with(joints, {"solvers/newton/"});
     const auto constraints = with(newton, {"solvers/linear/", "solvers/constraints/"});
     const auto scene = with(core, {"libmbd/text/", "libmbd/scene/"});
-    const auto language = with(scene, {"joints/", "libmbd/section/", "libmbd/language/"});
+    const auto material = with(scene, {"libmbd/section/", "libmbd/material/"});
+    const auto language = with(material, {"joints/", "libmbd/language/"});
     const auto compile = with(language, {"elements/", "elements/beam/", "elements/node/",
                                          "elements/pair/", solvers, "libmbd/compile/"});
     const auto results = with(compile, {"libmbd/results/"});
@@ -82,6 +83,7 @@ const std::vector<Room>& rooms() {
         {"solvers/time/", constraints},
         {"solvers/modes/", with(constraints, {"solvers/statics/"})},
         {"libmbd/scene/", scene},
+        {"libmbd/material/", material},
         {"libmbd/language/", language},
         {"libmbd/compile/", compile},
         {"libmbd/results/", results},

@@ -23,6 +23,7 @@
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/nodal_terms.hpp"
 #include "libmbd/compile/redundancy.hpp"
+#include "libmbd/compile/section_point.hpp"
 #include "libmbd/compile/springs.hpp"
 #include "libmbd/core/stop.hpp"
 #include "libmbd/language/check_scene.hpp"
@@ -1029,6 +1030,7 @@ class Compiler {
         record.at->kind == Place::Kind::beam ? find_beam(record.at->name) : nullptr;
     std::function<Vec6(const State&)> forces;
     bool moves = false, rates = false;
+    std::shared_ptr<const schema::SectionPointReading> point;
     for (const schema::Quantity* const q : quantities) {
       if (q->from == From::strain)
         forces = resultants(record, beam);
@@ -1039,8 +1041,10 @@ class Compiler {
     // Rates are zero in a scene without a transient.
     PlaceReader motion;
     if (moves) motion = motion_of(record, beam, rates && scene_.transient);
-    return [motion, forces, quantities](const State& s, std::span<double> out) {
+    if (record.section_point && forces) point = section_points_.of(scene_, record, *beam->scene);
+    return [motion, forces, point, quantities](const State& s, std::span<double> out) {
       schema::PlaceReading at;
+      at.section_point = point.get();
       if (motion) motion(s, at);
       if (forces) at.resultants = forces(s);
       for (const schema::Quantity* const q : quantities) {
@@ -1152,6 +1156,7 @@ class Compiler {
   std::unordered_map<std::string_view, const BodyScene*> body_of_;  // by name
   std::optional<JointCompiler> joints_;
   std::optional<Springs> springs_;
+  mutable SectionPoints section_points_;
   std::vector<Mat6> masses_{Mat6::Zero()};  // by node, without added mass
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
   std::vector<Vec3> points_;

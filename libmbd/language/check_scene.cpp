@@ -511,7 +511,20 @@ void check(const Checked& item, const RecordScene& record, const Scene&) {
         found->of == schema::Quantity::Of::beam_place && record.at->kind != Place::Kind::beam,
         "quantities: " + in_quotes(quantity) +
             " is a resultant of a beam; record it at a beam (beam@0.5) or of a joint");
+    item.fail_if(found->of_section_point() && !record.section_point,
+                 "quantities: " + in_quotes(quantity) +
+                     " is of a point of a section; give section_point=\"x2 x3\"");
   }
+  item.fail_if(record.section_point && !(record.at && record.at->kind == Place::Kind::beam),
+               "section_point is of a place of a beam; give at=\"beam@0.5\", or leave it out");
+  item.fail_if(
+      record.section_point &&
+          std::ranges::none_of(record.quantities,
+                               [&](const std::string& name) {
+                                 return schema::find_quantity(known, name)->of_section_point();
+                               }),
+      "section_point is of stresses and strains, of which quantities hold none; leave it "
+      "out or add one, such as ply_stress");
 }
 
 void check(const Checked& item, const MotionOutputScene& motion, const Scene& scene) {

@@ -297,7 +297,7 @@ equilibria damping does nothing.
   <record name="top" at="mast.end" quantities="displacement"/>
 </mbd>
 )xml"},
-    {"Sections from material", "material layup ply tube bar rectangle box I C",
+    {"Sections from material", "material layup ply tube bar rectangle box I C mesh region",
      R"md(In place of `<stiffness>` and `<mass>` a section, or each of its stations, may have a shape. D and M
 are then computed when the model is read, by finite elements over the section with three displacements
 of warping a node; the mesh is refined until every entry ij of D changes by less than `tolerance`
@@ -315,13 +315,57 @@ D and M are about the reference line, x2 = x3 = 0; `x2`, `x3` and `turn` place t
 `curvature` is that of the stress-free beam along b1 b2 b3: a straight beam has none, an arc of radius R
 whose centre lies on the side of b2 has k3 = 1/R. A beam does not hand its own to its section.
 
+A `<mesh>` is read from a file of Gmsh, each of whose physical surfaces is a `<region>` of a material; triangles have
+3 or 6 nodes, quadrilaterals 4, 8 or 9. Its elements stay, and their order is raised from 1 to 8 until D changes less than
+`tolerance`; where stresses are singular, make the mesh finer there. Overlapping or inverted elements, parts that
+are not joined along sides, and seams with two sets of nodes are refused.
+
+Stresses and strains in plies: `<record at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress tsai_wu"/>` at a
+point x2 x3 of the section, from the resultants there; `mbd section MODEL --stress "N Q2 Q3 M1 M2 M3"`, or `--run DIR
+--record NAME`, over all of a section. They are along the axes L T N of the ply. Where plies meet, stresses jump, so a point
+must lie in one of them. They leave out what dies out near ends of a beam and near loads. A section that varies
+is known at its stations only.
+
+Failure indices max_stress, tsai_hill, tsai_wu and hashin need the strengths of a material. An index of 1 is failure, and all are in
+proportion to the load: at an index of 0.5 twice the load is borne. (The sum that books call Tsai-Hill is the
+square of the index.) Isotropic materials have a `yield` stress and the yield_index.
+
 Materials are linear and elastic. A material is refused where its constants are not those of a positive
 definite one: -1 < nu < 0.5, |nuLT| < sqrt(EL/ET). Units are those of all attributes: `E="210 GPa"`,
 `rho="1.6 g/cm3"`.
+
+`block.msh`:
+
+```text
+$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+1
+2 1 "core"
+$EndPhysicalNames
+$Nodes
+6
+1 -10 -5 0
+2 0 -5 0
+3 10 -5 0
+4 -10 5 0
+5 0 5 0
+6 10 5 0
+$EndNodes
+$Elements
+3
+1 3 2 1 1 1 2 5 4
+2 2 2 1 1 2 3 6
+3 2 2 1 1 2 6 5
+$EndElements
+```
+
 )md",
      R"xml(<mbd name="composite_tube">
   <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-  <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+  <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+            Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
   <layup name="wall" listed="inside">
     <ply material="graphite_epoxy" thickness="1 mm"/>
     <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -334,6 +378,7 @@ definite one: -1 < nu < 0.5, |nuLT| < sqrt(EL/ET). Units are those of all attrib
   </defaults>
   <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
   <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+  <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
   <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
   <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
   <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -342,6 +387,7 @@ definite one: -1 < nu < 0.5, |nuLT| < sqrt(EL/ET). Units are those of all attrib
   <load at="arm.end" force="0 0 -100"/>
   <static/>
   <record name="tip" at="arm.end" quantities="displacement rotation"/>
+  <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
 </mbd>
 )xml"},
     {"Beams", "beam arc curve point",

@@ -21,6 +21,13 @@ Vec6 momentum(const Whole& whole, const State& s) {
   return whole.rates ? whole.system->momentum(s) : Vec6(Vec6::Zero());
 }
 
+Vec6 ply_stress(const Place& at) { return at.section_point->stress * at.resultants; }
+Vec6 ply_strain(const Place& at) { return at.section_point->strain * at.resultants; }
+template <section::Criterion criterion>
+void failure(const Place& at, const State&, Out out) {
+  out[0] = section::failure_index(criterion, ply_stress(at), at.section_point->strengths);
+}
+
 constexpr Quantity of_places[] = {
     {"position", "m", 3, "inertial axes", Of::any_place, Axes::inertial, Moved::as_point,
      From::pose, [](const Place& at, const State&, Out out) { put(at.H.r, out); }},
@@ -60,6 +67,39 @@ constexpr Quantity of_places[] = {
     {"moment", "N.m", 3, "resultants M1 M2 M3 of a beam, section axes", Of::beam_place, Axes::own,
      Moved::unchanged, From::strain,
      [](const Place& at, const State&, Out out) { put(angular(at.resultants), out); }},
+    {"ply_stress", "Pa", 3, "normal stresses LL TT NN at the record's point, axes of its ply",
+     Of::section_point, Axes::of_ply, Moved::unchanged, From::strain,
+     [](const Place& at, const State&, Out out) { put(ply_stress(at).head<3>(), out); }},
+    {"ply_shear_stress", "Pa", 3, "shear stresses TN LN LT there, axes of its ply",
+     Of::section_point, Axes::of_ply, Moved::unchanged, From::strain,
+     [](const Place& at, const State&, Out out) { put(ply_stress(at).tail<3>(), out); }},
+    {"ply_strain", "", 3, "strains LL TT NN there, axes of its ply", Of::section_point,
+     Axes::of_ply, Moved::unchanged, From::strain,
+     [](const Place& at, const State&, Out out) { put(ply_strain(at).head<3>(), out); }},
+    {"ply_shear_strain", "", 3,
+     "shear strains there, axes of its ply: changes of the angles TN LN LT", Of::section_point,
+     Axes::of_ply, Moved::unchanged, From::strain,
+     [](const Place& at, const State&, Out out) { put(ply_strain(at).tail<3>(), out); }},
+    {"von_mises", "Pa", 1, "stress of von Mises there", Of::section_point, Axes::none,
+     Moved::unchanged, From::strain,
+     [](const Place& at, const State&, Out out) { out[0] = section::von_mises(ply_stress(at)); }},
+    {"yield_index", "", 1, "that over the yield stress of an isotropic material",
+     Of::section_point_that_yields, Axes::none, Moved::unchanged, From::strain,
+     [](const Place& at, const State&, Out out) {
+       out[0] = section::von_mises(ply_stress(at)) / at.section_point->yield;
+     }},
+    {"max_stress", "", 1,
+     "failure index there, the largest of the stresses over their strengths; of this and the next "
+     "three: 1 is failure, and it grows in proportion to the load",
+     Of::section_point_of_plies, Axes::none, Moved::unchanged, From::strain,
+     failure<section::Criterion::max_stress>},
+    {"tsai_hill", "", 1, "failure index of Tsai and Hill there", Of::section_point_of_plies,
+     Axes::none, Moved::unchanged, From::strain, failure<section::Criterion::tsai_hill>},
+    {"tsai_wu", "", 1, "failure index of Tsai and Wu there", Of::section_point_of_plies, Axes::none,
+     Moved::unchanged, From::strain, failure<section::Criterion::tsai_wu>},
+    {"hashin", "", 1, "failure index of Hashin there, of fibres and matrix the larger one",
+     Of::section_point_of_plies, Axes::none, Moved::unchanged, From::strain,
+     failure<section::Criterion::hashin>},
 };
 
 constexpr Quantity of_joints[] = {
@@ -170,6 +210,8 @@ std::string_view in_words(Quantity::Axes axes) {
       return "axes of the joint on b";
     case Axes::of_bushing:
       return "axes of the bushing on b";
+    case Axes::of_ply:
+      return "axes of the ply";
     case Axes::none:
       break;
   }

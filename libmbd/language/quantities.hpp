@@ -14,16 +14,25 @@
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
 #include "libmbd/scene/scene.hpp"
+#include "libmbd/section/failure.hpp"
 
 namespace mbd::schema {
+
+// A point of a section, of one material: strains and stresses from resultants (libmbd/section/stress.hpp).
+struct SectionPointReading {
+  Mat6 strain = Mat6::Zero(), stress = Mat6::Zero();
+  section::Strengths strengths;
+  double yield = 0.0;
+};
 
 // What quantities are read from. Of a place at a state, once for all quantities of a record, since it may have to be
 // interpolated; zero where none of them needs it (Quantity::From), or there are no rates.
 struct PlaceReading {
   Pose<double> start;  // reference configuration
   Pose<double> H;
-  Vec6 V = Vec6::Zero(), Vdot = Vec6::Zero();  // own axes
-  Vec6 resultants = Vec6::Zero();              // of a flexible beam, section axes
+  Vec6 V = Vec6::Zero(), Vdot = Vec6::Zero();          // own axes
+  Vec6 resultants = Vec6::Zero();                      // of a flexible beam, section axes
+  const SectionPointReading* section_point = nullptr;  // where the record has one
 };
 // Of others how compile reads them from a state. Functions are empty where there is none of that: Quantity::Of says
 // where there is.
@@ -55,6 +64,9 @@ struct Quantity {
   enum class Of {
     any_place,
     beam_place,
+    section_point,              // of a beam place
+    section_point_of_plies,     // of a material with strengths along its axes
+    section_point_that_yields,  // of an isotropic material with a yield stress
     any_joint,
     joint_with_angle,
     joint_with_displacement,
@@ -65,7 +77,7 @@ struct Quantity {
     whole_system
   };
   // Axes of its components.
-  enum class Axes { none, inertial, own, of_joint, of_bushing };
+  enum class Axes { none, inertial, own, of_joint, of_bushing, of_ply };
   // What a rigid motion of the whole scene, R and a shift, makes of it; that of the axes of a joint, which may
   // follow inertial ones, comes on top of R.
   enum class Moved {
@@ -90,6 +102,10 @@ struct Quantity {
                SampleOf<SystemReading>>
       sample;
 
+  constexpr bool of_section_point() const {
+    return of == Of::section_point || of == Of::section_point_of_plies ||
+           of == Of::section_point_that_yields;
+  }
   // Its three components turn with the scene.
   constexpr bool turns() const {
     return moved == Moved::as_point || moved == Moved::as_vector || moved == Moved::as_momentum;

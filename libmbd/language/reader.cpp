@@ -9,10 +9,10 @@
 
 #include "libmbd/language/item.hpp"
 #include "libmbd/language/read_tree.hpp"
-#include "libmbd/language/reading_limits.hpp"
-#include "libmbd/language/shaped_sections.hpp"
+#include "libmbd/material/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/laws.hpp"
+#include "libmbd/scene/reading_limits.hpp"
 #include "libmbd/text/spelling.hpp"
 
 namespace mbd {
@@ -406,15 +406,17 @@ class Reader {
     return station;
   }
 
-  static SectionShape shape(const Item& item) {
+  SectionShape shape(const Item& item) {
     SectionShape made;
     made.source = item.source();
     const auto kind = std::find(std::begin(SectionShape::kinds), std::end(SectionShape::kinds),
                                 item.element().name);
     made.kind = static_cast<SectionShape::Kind>(kind - std::begin(SectionShape::kinds));
     SectionShape::each_field([&](const auto& field) {
-      if (field.is_there == nullptr || field.is_there(made)) read_field(item, made, field);
+      if constexpr (requires { field.is_there; })
+        if (field.is_there == nullptr || field.is_there(made)) read_field(item, made, field);
     });
+    each(item, [&](const Item& part) { made.regions.push_back(read<MeshRegionScene>(part)); });
     return made;
   }
 
@@ -425,7 +427,7 @@ class Reader {
 
   // <stiffness>, <mass> or a shape of a section or station.
   template <class Of>
-  static void matrix(const Item& item, const Item& part, Of& of, bool& stiff) {
+  void matrix(const Item& item, const Item& part, Of& of, bool& stiff) {
     const bool is_mass = part.element().name == "mass", is_shape = is_a_shape(part);
     const std::string owner(item.element().name);
     if (is_shape ? stiff : !is_mass && of.shape.has_value())

@@ -120,10 +120,12 @@ Element shape_element(SectionShape::Kind kind) {
   const auto k = static_cast<std::size_t>(kind);
   Element element{SectionShape::kinds[k], "section station defaults", SectionShape::docs[k], {}};
   SectionShape::each_field([&](const auto& field) {
-    if (field.is_there != nullptr && !field.is_there(shape)) return;
-    Attribute a = field.about.attribute;
-    if (a.fallback == preset) a.fallback = kept(text_of(shape.*field.member));
-    element.attributes.push_back(a);
+    if constexpr (requires { field.is_there; }) {
+      if (field.is_there != nullptr && !field.is_there(shape)) return;
+      Attribute a = field.about.attribute;
+      if (a.fallback == preset) a.fallback = kept(text_of(shape.*field.member));
+      element.attributes.push_back(a);
+    }
   });
   return element;
 }
@@ -204,6 +206,7 @@ const std::vector<Element>& table() {
           {"index", Kind::name, "", "i",
            "parameter that counts from 0; {i+1} in names and places becomes its value"}}},
         element_of<PlyScene>("layup repeat defaults"),
+        element_of<MeshRegionScene>("mesh defaults"),
         element_of<Station>("section repeat defaults"),
         {"stiffness", "section station defaults",
          "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "

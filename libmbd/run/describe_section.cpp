@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "libmbd/language/schema.hpp"
-#include "libmbd/language/shaped_sections.hpp"
+#include "libmbd/material/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/section_table.hpp"
 #include "libmbd/text/spelling.hpp"

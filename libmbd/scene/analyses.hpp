@@ -184,6 +184,7 @@ struct RecordScene {
   std::optional<std::string> joint;
   std::vector<std::string> quantities;
   std::optional<std::string> spring = {};
+  std::optional<std::array<double, 2>> section_point = {};  // of `at`: x2, x3
 
   static constexpr field::ItemKind item{"record", "Columns of history.csv.", "records",
                                         field::of_records};
@@ -196,6 +197,10 @@ struct RecordScene {
     f(Field(&S::joint, "joint", "", optional,
             "name of a joint or a motion (one of at, joint, spring)"));
     f(Field(&S::spring, "spring", "", optional, "name of a spring, a bushing or a joint_spring"));
+    f(Field(&S::section_point, "section_point", "m", optional,
+            "of a place of a beam: x2 x3 along b2 b3 from the reference line, of stresses and "
+            "strains of a "
+            "section that is stated by material"));
     f(Field(&S::quantities, "quantities", "", required, "what to write, separated by blanks"));
   }
 };

@@ -1,6 +1,6 @@
 // Materials of a scene, walls of their plies, and sections by their dimensions.
 //
-// What they come to, the D and M of a section, is computed when a model is read (libmbd/language/shaped_sections.hpp);
+// What they come to, the D and M of a section, is computed when a model is read (libmbd/material/shaped_sections.hpp);
 // angles and normals of plies are those of libmbd/section/material.hpp.
 #pragma once
 
@@ -32,6 +32,9 @@ struct MaterialScene {
   std::optional<double> young, poisson;
   std::optional<double> e_l, e_t, e_n, g_lt, g_ln, g_tn, nu_lt, nu_ln, nu_tn;
   std::optional<double> density;  // without one, sections of it have no mass
+  std::optional<double> yield;    // of an isotropic one
+  // Of one that is not: all of the first six, or none; those of N and of L and N are as of T where they are not given.
+  std::optional<double> xt, xc, yt, yc, s_lt, s_tn, zt, zc, s_ln;
 
   static constexpr field::ItemKind item{
       "material",
@@ -60,6 +63,18 @@ struct MaterialScene {
     f(Field(&S::nu_tn, "nuTN", pure_number, optional, "contraction along N by a stress along T"));
     f(Field(&S::density, "rho", "kg/m3", optional,
             "density; without one, sections of it have no mass", positive));
+    f(Field(&S::yield, "yield", "Pa", optional,
+            "yield stress of an isotropic material, for the quantity yield_index", positive));
+    f(Field(&S::xt, "Xt", "Pa", optional, "strength along L, the fibres, in tension", positive));
+    f(Field(&S::xc, "Xc", "Pa", optional, "along L in compression, as a positive number",
+            positive));
+    f(Field(&S::yt, "Yt", "Pa", optional, "along T in tension", positive));
+    f(Field(&S::yc, "Yc", "Pa", optional, "along T in compression, positive", positive));
+    f(Field(&S::s_lt, "SLT", "Pa", optional, "in shear in the ply", positive));
+    f(Field(&S::s_tn, "STN", "Pa", optional, "in shear of T and N", positive));
+    f(Field(&S::zt, "Zt", "Pa", optional, "along N in tension (default: Yt)", positive));
+    f(Field(&S::zc, "Zc", "Pa", optional, "along N in compression (default: Yc)", positive));
+    f(Field(&S::s_ln, "SLN", "Pa", optional, "in shear of L and N (default: SLT)", positive));
   }
 };
 
@@ -100,10 +115,31 @@ struct LayupScene {
   }
 };
 
+// What the elements of a physical surface of a mesh consist of.
+struct MeshRegionScene {
+  Source source;
+  std::string name, material;
+  double angle = 0.0;
+  double normal = 1.5707963267948966;
+
+  static constexpr field::ItemKind item{
+      "region", "What the elements of a physical surface of a mesh consist of."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = MeshRegionScene;
+    f(Field(&S::name, "name", "", required,
+            "of the physical surface in the file, or its number where it has no name"));
+    f(Field(&S::material, "material", "", required, "name of its material"));
+    f(Field(&S::angle, "angle", "rad", preset, "theta, of its L from b1, as of a ply"));
+    f(Field(&S::normal, "normal", "rad", preset,
+            "direction of its N: angle from b2 towards b3, before the section is turned"));
+  }
+};
+
 // A section by its dimensions, which gives D, and M unless a <mass> stands beside it. Its centre lies at (x2, x3) and it is turned about it.
 struct SectionShape {
-  enum class Kind { tube, bar, rectangle, box, I, C };
-  static constexpr std::string_view kinds[] = {"tube", "bar", "rectangle", "box", "I", "C"};
+  enum class Kind { tube, bar, rectangle, box, I, C, mesh };
+  static constexpr std::string_view kinds[] = {"tube", "bar", "rectangle", "box", "I", "C", "mesh"};
   static constexpr std::string_view docs[] = {
       "A tube: its plies lie round it, their normals point outward.",
       "A solid round bar of one material, whose N is b3.",
@@ -111,7 +147,11 @@ struct SectionShape {
       "A box with walls all round; the normals of its plies point outward.",
       "An I: flanges across b3 at top and bottom go through, normals away from the middle; the web "
       "stands between them, its normal b2.",
-      "A C: as an I, with the web at the side of -b2, its outer face at x2 = 0, its normal -b2."};
+      "A C: as an I, with the web at the side of -b2, its outer face at x2 = 0, its normal -b2.",
+      "A mesh of triangles and quadrilaterals in a file of Gmsh (.msh of format 2.2 or 4.1): x and "
+      "y of the file are x2 "
+      "and x3. Orders of the elements are raised until the tolerance is met; the mesh itself "
+      "stays."};
 
   Source source;
   Kind kind = Kind::tube;
@@ -124,19 +164,26 @@ struct SectionShape {
   BoxCorners corners = BoxCorners::mitred;
   double x2 = 0.0, x3 = 0.0, turn = 0.0;
   Vec3 curvature = Vec3::Zero();
-  double tolerance = 1e-5;
+  double tolerance = 1e-5, mesh_tolerance = 1e-3;
+  std::string file;  // of a mesh: beside the model, or an absolute path
+  double unit = 1.0;
+  std::vector<MeshRegionScene> regions;
 
   static bool is_tube(const SectionShape& s) { return s.kind == Kind::tube; }
   static bool is_bar(const SectionShape& s) { return s.kind == Kind::bar; }
   static bool is_round(const SectionShape& s) { return is_tube(s) || is_bar(s); }
-  static bool is_wide(const SectionShape& s) { return !is_round(s); }
+  static bool is_wide(const SectionShape& s) { return !is_round(s) && s.kind != Kind::mesh; }
   static bool is_rectangle(const SectionShape& s) { return s.kind == Kind::rectangle; }
   static bool is_high(const SectionShape& s) { return is_wide(s) && !is_rectangle(s); }
   static bool is_box(const SectionShape& s) { return s.kind == Kind::box; }
   static bool is_flanged(const SectionShape& s) { return s.kind == Kind::I || s.kind == Kind::C; }
-  static bool has_layup(const SectionShape& s) { return !is_flanged(s) && !is_bar(s); }
+  static bool has_layup(const SectionShape& s) {
+    return !is_flanged(s) && !is_bar(s) && s.kind != Kind::mesh;
+  }
   static bool is_wall(const SectionShape& s) { return is_tube(s) || is_box(s); }
-  static bool may_be_plies(const SectionShape& s) { return !is_bar(s); }
+  static bool is_mesh(const SectionShape& s) { return s.kind == Kind::mesh; }
+  static bool is_drawn(const SectionShape& s) { return !is_mesh(s); }
+  static bool may_be_plies(const SectionShape& s) { return is_drawn(s) && !is_bar(s); }
 
   static constexpr field::ItemKind item{"", "A section by its dimensions."};
   static void each_field(const auto& f) {
@@ -154,6 +201,12 @@ struct SectionShape {
     f(Field(&S::material, "material", "", required, "name of its material", is_bar));
     f(Field(&S::material, "material", "", optional, "name of its material, in place of plies",
             may_be_plies));
+    f(Field(&S::file, "file", "", required,
+            "the .msh file; a relative path is from the model's directory", is_mesh));
+    f(Field(&S::unit, "unit", "m", preset, "length of one unit of the file, such as 1 mm", positive,
+            is_mesh));
+    f(Field(&S::material, "material", "", optional,
+            "of elements of no <region>, their angle 0 and their N b3", is_mesh));
     f(Field(&S::thickness, "thickness", "m", optional, "of its wall, where that is of one material",
             positive, is_wall));
     f(Field(&S::flange_thickness, "flange_thickness", "m", optional,
@@ -161,7 +214,7 @@ struct SectionShape {
     f(Field(&S::web_thickness, "web_thickness", "m", optional,
             "of its web, where it is of one material", positive, is_flanged));
     f(Field(&S::angle, "angle", "rad", preset,
-            "theta of a material that is given by itself, as of a ply"));
+            "theta of a material that is given by itself, as of a ply", is_drawn));
     f(Field(&S::corners, "corners", "", preset,
             "mitred: plies turn round them; butt: walls across b3 go through, those across b2 "
             "stand between them",
@@ -175,7 +228,12 @@ struct SectionShape {
             "which D and M take into account. They are not taken from the beam"));
     f(Field(&S::tolerance, "tolerance", pure_number, preset,
             "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
-            Range{1e-10, 0.1}));
+            Range{1e-10, 0.1}, is_drawn));
+    f(Field(&S::mesh_tolerance, "tolerance", pure_number, preset,
+            "the order of the elements is raised until every entry ij of D changes less, over "
+            "sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_mesh));
+    f(Parts(&S::regions));
   }
 };
 

@@ -165,11 +165,20 @@ std::vector<Example> examples() {
   return all;
 }
 
+// The file of Gmsh that an example reads: the block after "`block.msh`:".
+Example example_mesh() {
+  const std::string page = to_markdown(), head = "\n`block.msh`:\n\n```text\n";
+  const std::size_t begin = page.find(head) + head.size();
+  return {"block.msh", page.substr(begin, page.find("\n```\n", begin) + 1 - begin)};
+}
+
 TEST(Manual, ExamplesRunAndAreAsExpected) {
   const test::TemporaryDirectory directory;
   const std::vector<Example> all = examples();
   EXPECT_EQ(all.size(), manual::groups().size() + 4);
   for (const Example& example : all) write_text(directory.path() / example.file, example.text);
+  const Example mesh = example_mesh();
+  write_text(directory.path() / mesh.file, mesh.text);
   for (const Example& example : all) {
     SCOPED_TRACE(example.text);
     try {

@@ -50,7 +50,8 @@ Scene with_records(Scene scene) {
     RecordScene record{
         {}, "within_" + beam.name, Place{Place::Kind::beam, beam.name, 0.37}, {}, {}};
     for (const schema::Quantity& q : schema::place_quantities())
-      if (q.of == schema::Quantity::Of::any_place || rigid_with(scene, beam.name) == nullptr)
+      if (!q.of_section_point() &&
+          (q.of == schema::Quantity::Of::any_place || rigid_with(scene, beam.name) == nullptr))
         record.quantities.emplace_back(q.name);
     scene.records.push_back(std::move(record));
   }
@@ -262,10 +263,12 @@ TEST(Quantities, SayTheAxesTheyHave) {
       EXPECT_EQ(says(q, "joint axes"), q.axes == Axes::of_joint);
       EXPECT_EQ(says(q, "bushing") && !says(q, "strain") && !says(q, "beams"),
                 q.axes == Axes::of_bushing);
+      EXPECT_EQ(says(q, "axes of its ply"), q.axes == Axes::of_ply);
+      EXPECT_TRUE(q.axes != Axes::of_ply || q.of_section_point());
       EXPECT_EQ(q.turns(), q.axes == Axes::inertial || q.axes == Axes::of_joint);
       EXPECT_EQ(schema::find_quantity(all, q.name), &q);
     }
-  EXPECT_EQ(count, 33u);
+  EXPECT_EQ(count, 43u);
 }
 
 TEST(Quantities, AreFoundFromColumns) {

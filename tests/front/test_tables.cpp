@@ -52,7 +52,17 @@ TEST(Tables, EveryUnitOfAQuantity) {
                                      {"angular_velocity_local", {"rad/s", 3}},
                                      {"acceleration", {"m/s2", 3}},
                                      {"force", {"N", 3}},
-                                     {"moment", {"N.m", 3}}});
+                                     {"moment", {"N.m", 3}},
+                                     {"ply_stress", {"Pa", 3}},
+                                     {"ply_shear_stress", {"Pa", 3}},
+                                     {"ply_strain", {"", 3}},
+                                     {"ply_shear_strain", {"", 3}},
+                                     {"von_mises", {"Pa", 1}},
+                                     {"yield_index", {"", 1}},
+                                     {"max_stress", {"", 1}},
+                                     {"tsai_hill", {"", 1}},
+                                     {"tsai_wu", {"", 1}},
+                                     {"hashin", {"", 1}}});
   check(schema::joint_quantities(), {{"angle", {"rad", 1}},
                                      {"rate", {"rad/s", 1}},
                                      {"displacement", {"m", 1}},

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "libmbd/language/shaped_sections.hpp"
+#include "libmbd/material/shaped_sections.hpp"
 #include "libmbd/run/describe.hpp"
 #include "libmbd/run/describe_section.hpp"
 #include "libmbd/study/trust/transform.hpp"

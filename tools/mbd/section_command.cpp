@@ -2,13 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
+#include "libmbd/results/history.hpp"
 #include "libmbd/run/describe_section.hpp"
+#include "libmbd/run/describe_stress.hpp"
+#include "libmbd/scene/label.hpp"
 #include "libmbd/text/files.hpp"
+#include "libmbd/text/text.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/overrides.hpp"
 
@@ -16,12 +25,93 @@ namespace mbd {
 namespace {
 
 struct SectionArguments {
-  std::string model, name, csv;
+  std::string model, name, csv, stress, run, record, point;
+  std::optional<double> station;
   std::vector<std::string> set;
   bool json = false;
 };
 
+// So many numbers, separated by blanks.
+std::vector<double> numbers_of(const std::string& text, std::size_t count, std::string_view option,
+                               std::string_view what) {
+  std::vector<double> numbers;
+  std::istringstream stream(text);
+  for (double x = 0.0; stream >> x;) numbers.push_back(x);
+  if (!stream.eof() || numbers.size() != count ||
+      !std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }))
+    throw Error(fmt::format("{} \"{}\": give {} numbers, {}", option, excerpt(text), count, what));
+  return numbers;
+}
+
+// Resultants of a record, by rows of a run.
+std::vector<SectionLoad> loads_of(const History& history, const std::string& record) {
+  std::array<std::size_t, 6> columns{};
+  for (std::size_t i = 0; i < 6; ++i)
+    columns[i] = choose_column(
+        history, fmt::format("{}.{}.{}", record, i < 3 ? "force" : "moment", i % 3 + 1));
+  std::vector<SectionLoad> loads(history.rows());
+  for (std::size_t row = 0; row < loads.size(); ++row) {
+    loads[row].at = history.values[0][row];
+    for (std::size_t i = 0; i < 6; ++i)
+      loads[row].resultants(static_cast<Index>(i)) = history.values[columns[i]][row];
+  }
+  return loads;
+}
+
+// Of the load under which the stress of von Mises is the largest.
+SectionLoad worst(const StressReport& report) {
+  for (const StressReport::Largest& x : report.largest)
+    if (x.quantity == "von_mises") return x.load;
+  throw Error("the record has no rows");
+}
+
+void recover(const SectionArguments& arguments) {
+  if (arguments.stress.empty() == arguments.run.empty())
+    throw Error(
+        "stresses are of resultants, --stress \"N Q2 Q3 M1 M2 M3\", or of a run, --run DIR "
+        "--record "
+        "NAME; give one of both");
+  if (arguments.run.empty() != arguments.record.empty())
+    throw Error(
+        "--run and --record belong together: a directory of results, and a record in it with the "
+        "quantities force and moment");
+  const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  std::vector<SectionLoad> loads;
+  std::string at_name;
+  if (arguments.run.empty()) {
+    const std::vector<double> x =
+        numbers_of(arguments.stress, 6, "--stress", "N Q2 Q3 M1 M2 M3 in N and N.m");
+    loads.push_back({{}, Vec6(x.data())});
+  } else {
+    const History history = read_history(arguments.run);
+    loads = loads_of(history, arguments.record);
+    at_name = history.columns.front().name;
+  }
+  StressReport report = describe_stress(scene, arguments.name, arguments.station, loads);
+  report.at_name = at_name;
+  if (arguments.point.empty()) {
+    fmt::print("{}", arguments.json ? to_json(report) : to_text(report));
+  } else {
+    const std::vector<double> x = numbers_of(arguments.point, 2, "--point", "x2 x3 in m");
+    const SectionLoad shown = worst(report);
+    const PointStress point =
+        describe_point(scene, report.section, arguments.station, shown, {x[0], x[1]});
+    if (!arguments.json && shown.at) fmt::print("{} {}: ", at_name, *shown.at);
+    fmt::print("{}", arguments.json ? to_json(point) : to_text(point));
+  }
+  if (!arguments.csv.empty()) write_file(arguments.csv, to_csv(report));
+}
+
 void describe(const SectionArguments& arguments) {
+  if (!arguments.stress.empty() || !arguments.run.empty() || !arguments.record.empty()) {
+    recover(arguments);
+    return;
+  }
+  if (!arguments.point.empty() || arguments.station)
+    throw Error(
+        "--point and --station are of stresses; give --stress \"N Q2 Q3 M1 M2 M3\", or "
+        "--run "
+        "and --record");
   const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   const std::vector<SectionReport> reports = describe_sections(scene, arguments.name);
   if (!arguments.csv.empty()) write_file(arguments.csv, to_csv(reports));
@@ -40,17 +130,45 @@ void add_section_command(CLI::App& app, int& status) {
   CLI::App* const command = app.add_subcommand(
       "section",
       "Stiffness D and mass M of sections, their centres and principal axes, and, of sections by "
-      "shape and material, an error estimate of every entry; no run.");
+      "shape and material, an error estimate of every entry. With --stress or --run: stresses and "
+      "failure indices over "
+      "such a section.");
   command->add_option("MODEL", arguments->model, "model file (XML)")->required();
   command->add_option("NAME", arguments->name, "of one section; default: all of them");
   add_set_option(*command, arguments->set);
   command->add_flag("--json", arguments->json, "the same as JSON");
-  command->add_option("-o,--out", arguments->csv, "write the matrices to this file, as CSV")
+  command
+      ->add_option("-o,--out", arguments->csv,
+                   "write the matrices, or the largest indices and stresses by rows of the run, to "
+                   "this file, as CSV")
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--stress", arguments->stress,
+          "stresses under these resultants N Q2 Q3 M1 M2 M3 about the reference line [N, N.m]")
+      ->type_name("NUMBERS");
+  command
+      ->add_option("--run", arguments->run, "stresses under the resultants of a run: its results")
+      ->type_name("DIR");
+  command
+      ->add_option(
+          "--record", arguments->record,
+          "of that run: a record at a place of a beam, with the quantities force and moment")
+      ->type_name("NAME");
+  command
+      ->add_option("--station", arguments->station, "of a section that varies: one of its stations")
+      ->type_name("S");
+  command
+      ->add_option(
+          "--point", arguments->point,
+          "stresses and strains at this point x2 x3 [m]; of a run, when the stress of von Mises "
+          "over the section is the largest")
+      ->type_name("POINT");
   set_examples(*command,
                "mbd section models/shaft_tube.xml\n"
                "mbd section models/four_bar_boxes.xml box16 --json\n"
-               "mbd section models/shaft_tube.xml tube --out tube.csv");
+               "mbd section models/shaft_tube.xml tube --out tube.csv\n"
+               "mbd section models/shaft_tube.xml tube --stress \"0 0 1000 0 500 0\"");
   command->callback([arguments, &status] {
     describe(*arguments);
     status = 0;

@@ -279,7 +279,9 @@ void leave_out_records(Scene& scene) {
       continue;
     std::erase_if(record.quantities, [&](const std::string& q) {
       const schema::Quantity* const known = schema::find_quantity(schema::place_quantities(), q);
-      if (known == nullptr || known->of != schema::Quantity::Of::beam_place) return false;
+      if (known == nullptr ||
+          (known->of != schema::Quantity::Of::beam_place && !known->of_section_point()))
+        return false;
       gone.push_back(record.name + "." + q);
       return true;
     });

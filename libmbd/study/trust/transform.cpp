@@ -208,6 +208,9 @@ Transformed rescaled(const Scene& scene, const UnitChange& units) {
   change_values(
       s, [&](double& x, const About& about) { x *= factor(about); },
       [&](Vec3& x, const About& about) { x *= factor(about); },
+      [&](std::array<double, 2>& x, const About& about) {
+        for (double& component : x) component *= factor(about);
+      },
       [&](Mat3& M, const About& about) { M *= factor(about); },
       [&](Mat6& M, const About& about) {
         const double mixed = units.factor(about.blocks[1]);

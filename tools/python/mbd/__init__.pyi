@@ -183,8 +183,8 @@ class Sweep:
 
 class Scene(Element):
     """A model built in Python, with the names of model files: scene.beam(name="b", from_=(0, 0, 0), …). Values are
-    numbers, sequences or arrays of them, or texts as in files (expressions, numbers with units). An attribute `from` is
-    written from_. What has parts returns an Element to which they are added:
+    numbers, sequences or arrays of them, or texts as in files (expressions, numbers with units). Attributes `from`
+    and `yield` are written from_ and yield_. What has parts returns an Element to which they are added:
 
         section = scene.section(name="strip")
         section.stiffness(EA=1e6, GA2=4e5, GA3=4e5, GJ=80, EI2=100, EI3=100)
@@ -260,9 +260,9 @@ class Scene(Element):
           <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
           <joint_torque>, <drag>, <added_mass>, <base_motion>, <gravity>, <static>,
           <path>, <mark>, <stop>, <transient>, <record>, <motion_output>, <plot>,
-          <expect>, <input>, <function>, <controller>, <fixed>, <rigid_link>,
-          <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>, <spherical>,
-          <planar>, <point_on_line>, <distance>.
+          <expect>, <region>, <input>, <function>, <controller>, <mesh>, <fixed>,
+          <rigid_link>, <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>,
+          <spherical>, <planar>, <point_on_line>, <distance>.
 
         For example:
           <mbd name="balls" version="1">
@@ -282,7 +282,7 @@ class Scene(Element):
           </mbd>
         """
         ...
-    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None) -> MaterialElement:
+    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None, yield_: Value = None, Xt: Value = None, Xc: Value = None, Yt: Value = None, Yc: Value = None, SLT: Value = None, STN: Value = None, Zt: Value = None, Zc: Value = None, SLN: Value = None) -> MaterialElement:
         """<material>
           A linear elastic material, of which sections are made: isotropic by E and nu;
           else along its axes, L along the fibres, N across the ply, T = N x L, by EL,
@@ -317,11 +317,33 @@ class Scene(Element):
                              contraction along N by a stress along T
           rho                number > 0 [kg/m3], optional
                              density; without one, sections of it have no mass
+          yield              number > 0 [Pa], optional
+                             yield stress of an isotropic material, for the quantity
+                             yield_index
+          Xt                 number > 0 [Pa], optional
+                             strength along L, the fibres, in tension
+          Xc                 number > 0 [Pa], optional
+                             along L in compression, as a positive number
+          Yt                 number > 0 [Pa], optional
+                             along T in tension
+          Yc                 number > 0 [Pa], optional
+                             along T in compression, positive
+          SLT                number > 0 [Pa], optional
+                             in shear in the ply
+          STN                number > 0 [Pa], optional
+                             in shear of T and N
+          Zt                 number > 0 [Pa], optional
+                             along N in tension (default: Yt)
+          Zc                 number > 0 [Pa], optional
+                             along N in compression (default: Yc)
+          SLN                number > 0 [Pa], optional
+                             in shear of L and N (default: SLT)
 
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -334,6 +356,7 @@ class Scene(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -342,6 +365,7 @@ class Scene(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -361,7 +385,8 @@ class Scene(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -374,6 +399,7 @@ class Scene(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -382,6 +408,7 @@ class Scene(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -389,7 +416,7 @@ class Scene(Element):
         """<section>
           Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3.
           Stands in <mbd>, <repeat>, <defaults>. Holds <station>, <stiffness>, <mass>,
-          <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>, <repeat>.
+          <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>, <repeat>, <mesh>.
 
         Attributes:
           name               name, required
@@ -1470,7 +1497,7 @@ class Scene(Element):
           </mbd>
         """
         ...
-    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, quantities: Value = None) -> RecordElement:
+    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, section_point: Value = None, quantities: Value = None) -> RecordElement:
         """<record>
           Columns of history.csv.
           Stands in <mbd>, <repeat>, <defaults>.
@@ -1484,6 +1511,10 @@ class Scene(Element):
                              name of a joint or a motion (one of at, joint, spring)
           spring             text, optional
                              name of a spring, a bushing or a joint_spring
+          section_point      2 numbers [m], optional
+                             of a place of a beam: x2 x3 along b2 b3 from the reference
+                             line, of stresses and strains of a section that is stated
+                             by material
           quantities         words, required
                              what to write, separated by blanks
 
@@ -1506,6 +1537,22 @@ class Scene(Element):
                                  axes
           moment                 [N.m] 3 columns, resultants M1 M2 M3 of a beam, section
                                  axes
+          ply_stress             [Pa] 3 columns, normal stresses LL TT NN at the
+                                 record's point, axes of its ply
+          ply_shear_stress       [Pa] 3 columns, shear stresses TN LN LT there, axes of
+                                 its ply
+          ply_strain             [] 3 columns, strains LL TT NN there, axes of its ply
+          ply_shear_strain       [] 3 columns, shear strains there, axes of its ply:
+                                 changes of the angles TN LN LT
+          von_mises              [Pa] stress of von Mises there
+          yield_index            [] that over the yield stress of an isotropic material
+          max_stress             [] failure index there, the largest of the stresses
+                                 over their strengths; of this and the next three: 1 is
+                                 failure, and it grows in proportion to the load
+          tsai_hill              [] failure index of Tsai and Hill there
+          tsai_wu                [] failure index of Tsai and Wu there
+          hashin                 [] failure index of Hashin there, of fibres and matrix
+                                 the larger one
 
         Quantities of a joint or a motion:
           angle                  [rad] rotation of b relative to a, unwrapped
@@ -2440,7 +2487,7 @@ class IncludeElement(Element):
     ...
 
 class DefaultsElement(Element):
-    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None) -> MaterialElement:
+    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None, yield_: Value = None, Xt: Value = None, Xc: Value = None, Yt: Value = None, Yc: Value = None, SLT: Value = None, STN: Value = None, Zt: Value = None, Zc: Value = None, SLN: Value = None) -> MaterialElement:
         """A linear elastic material, of which sections are made: isotropic by E and nu; else along its axes, L along the fibres, N across the ply, T = N x L, by EL, ET, GLT, nuLT, nuTN, and what differs along N."""
         ...
     def layup(self, *, name: Value = None, listed: Value = None) -> LayupElement:
@@ -2463,7 +2510,8 @@ class DefaultsElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -2476,6 +2524,7 @@ class DefaultsElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -2484,6 +2533,7 @@ class DefaultsElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -2494,7 +2544,7 @@ class DefaultsElement(Element):
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
           Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
-          <bar>, <rectangle>, <box>, <I>, <C>.
+          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -2759,7 +2809,8 @@ class DefaultsElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -2772,6 +2823,7 @@ class DefaultsElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -2780,6 +2832,7 @@ class DefaultsElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -2813,7 +2866,8 @@ class DefaultsElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -2826,6 +2880,7 @@ class DefaultsElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -2834,6 +2889,7 @@ class DefaultsElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -2872,7 +2928,8 @@ class DefaultsElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -2885,6 +2942,7 @@ class DefaultsElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -2893,6 +2951,7 @@ class DefaultsElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -2935,7 +2994,8 @@ class DefaultsElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -2948,6 +3008,7 @@ class DefaultsElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -2956,6 +3017,7 @@ class DefaultsElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3000,7 +3062,8 @@ class DefaultsElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3013,6 +3076,7 @@ class DefaultsElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3021,6 +3085,7 @@ class DefaultsElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3065,7 +3130,8 @@ class DefaultsElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3078,6 +3144,7 @@ class DefaultsElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3086,6 +3153,7 @@ class DefaultsElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3257,7 +3325,7 @@ class DefaultsElement(Element):
     def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
         """Integration in time, in fixed steps or in steps that follow an estimated error."""
         ...
-    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, quantities: Value = None) -> RecordElement:
+    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, section_point: Value = None, quantities: Value = None) -> RecordElement:
         """Columns of history.csv."""
         ...
     def motion_output(self, *, frames: Value = None) -> MotionOutputElement:
@@ -3269,6 +3337,53 @@ class DefaultsElement(Element):
     def expect(self, *, quantity: Value = None, of: Value = None, number: Value = None, at: Value = None, value: Value = None, tolerance: Value = None, source: Value = None, when: Value = None) -> ExpectElement:
         """A number the run must give."""
         ...
+    def region(self, *, name: Value = None, material: Value = None, angle: Value = None, normal: Value = None) -> RegionElement:
+        """<region>
+          What the elements of a physical surface of a mesh consist of.
+          Stands in <mesh>, <defaults>.
+
+        Attributes:
+          name               text, required
+                             of the physical surface in the file, or its number where it
+                             has no name
+          material           text, required
+                             name of its material
+          angle              number [rad], default 0
+                             theta, of its L from b1, as of a ply
+          normal             number [rad], default 1.5707963267948966
+                             direction of its N: angle from b2 towards b3, before the
+                             section is turned
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
     def input(self, *, name: Value = None, unit: Value = None, value: Value = None) -> InputElement:
         """A value that a program sets while the model runs; the laws of loads, joint torques, flows and drives use it by its name, as they use t. In a run of `mbd run` it keeps its `value`."""
         ...
@@ -3277,6 +3392,66 @@ class DefaultsElement(Element):
         ...
     def controller(self, *, name: Value = None, period: Value = None) -> ControllerElement:
         """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
+        ...
+    def mesh(self, *, file: Value = None, unit: Value = None, material: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> MeshElement:
+        """<mesh>
+          A mesh of triangles and quadrilaterals in a file of Gmsh (.msh of format 2.2
+          or 4.1): x and y of the file are x2 and x3. Orders of the elements are raised
+          until the tolerance is met; the mesh itself stays.
+          Stands in <section>, <station>, <defaults>. Holds <region>.
+
+        Attributes:
+          file               text, required
+                             the .msh file; a relative path is from the model's
+                             directory
+          unit               number > 0 [m], default 1
+                             length of one unit of the file, such as 1 mm
+          material           text, optional
+                             of elements of no <region>, their angle 0 and their N b3
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 0.001
+                             the order of the elements is raised until every entry ij of
+                             D changes less, over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
@@ -3333,7 +3508,8 @@ class LayupElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3346,6 +3522,7 @@ class LayupElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3354,6 +3531,7 @@ class LayupElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3369,7 +3547,7 @@ class SectionElement(Element):
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
           Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
-          <bar>, <rectangle>, <box>, <I>, <C>.
+          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -3634,7 +3812,8 @@ class SectionElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3647,6 +3826,7 @@ class SectionElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3655,6 +3835,7 @@ class SectionElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3688,7 +3869,8 @@ class SectionElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3701,6 +3883,7 @@ class SectionElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3709,6 +3892,7 @@ class SectionElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3747,7 +3931,8 @@ class SectionElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3760,6 +3945,7 @@ class SectionElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3768,6 +3954,7 @@ class SectionElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3810,7 +3997,8 @@ class SectionElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3823,6 +4011,7 @@ class SectionElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3831,6 +4020,7 @@ class SectionElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3875,7 +4065,8 @@ class SectionElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3888,6 +4079,7 @@ class SectionElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3896,6 +4088,7 @@ class SectionElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -3940,7 +4133,8 @@ class SectionElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -3953,6 +4147,7 @@ class SectionElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -3961,11 +4156,72 @@ class SectionElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
     def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
         """Reads its contents several times."""
+        ...
+    def mesh(self, *, file: Value = None, unit: Value = None, material: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> MeshElement:
+        """<mesh>
+          A mesh of triangles and quadrilaterals in a file of Gmsh (.msh of format 2.2
+          or 4.1): x and y of the file are x2 and x3. Orders of the elements are raised
+          until the tolerance is met; the mesh itself stays.
+          Stands in <section>, <station>, <defaults>. Holds <region>.
+
+        Attributes:
+          file               text, required
+                             the .msh file; a relative path is from the model's
+                             directory
+          unit               number > 0 [m], default 1
+                             length of one unit of the file, such as 1 mm
+          material           text, optional
+                             of elements of no <region>, their angle 0 and their N b3
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 0.001
+                             the order of the elements is raised until every entry ij of
+                             D changes less, over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
         ...
 
 class StationElement(Element):
@@ -4120,7 +4376,8 @@ class StationElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -4133,6 +4390,7 @@ class StationElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -4141,6 +4399,7 @@ class StationElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -4174,7 +4433,8 @@ class StationElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -4187,6 +4447,7 @@ class StationElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -4195,6 +4456,7 @@ class StationElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -4233,7 +4495,8 @@ class StationElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -4246,6 +4509,7 @@ class StationElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -4254,6 +4518,7 @@ class StationElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -4296,7 +4561,8 @@ class StationElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -4309,6 +4575,7 @@ class StationElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -4317,6 +4584,7 @@ class StationElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -4361,7 +4629,8 @@ class StationElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -4374,6 +4643,7 @@ class StationElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -4382,6 +4652,7 @@ class StationElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -4426,7 +4697,8 @@ class StationElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -4439,6 +4711,7 @@ class StationElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -4447,6 +4720,67 @@ class StationElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def mesh(self, *, file: Value = None, unit: Value = None, material: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> MeshElement:
+        """<mesh>
+          A mesh of triangles and quadrilaterals in a file of Gmsh (.msh of format 2.2
+          or 4.1): x and y of the file are x2 and x3. Orders of the elements are raised
+          until the tolerance is met; the mesh itself stays.
+          Stands in <section>, <station>, <defaults>. Holds <region>.
+
+        Attributes:
+          file               text, required
+                             the .msh file; a relative path is from the model's
+                             directory
+          unit               number > 0 [m], default 1
+                             length of one unit of the file, such as 1 mm
+          material           text, optional
+                             of elements of no <region>, their angle 0 and their N b3
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 0.001
+                             the order of the elements is raised until every entry ij of
+                             D changes less, over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -4839,7 +5173,7 @@ class ExpectElement(Element):
     ...
 
 class RepeatElement(Element):
-    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None) -> MaterialElement:
+    def material(self, *, name: Value = None, E: Value = None, nu: Value = None, EL: Value = None, ET: Value = None, EN: Value = None, GLT: Value = None, GLN: Value = None, GTN: Value = None, nuLT: Value = None, nuLN: Value = None, nuTN: Value = None, rho: Value = None, yield_: Value = None, Xt: Value = None, Xc: Value = None, Yt: Value = None, Yc: Value = None, SLT: Value = None, STN: Value = None, Zt: Value = None, Zc: Value = None, SLN: Value = None) -> MaterialElement:
         """A linear elastic material, of which sections are made: isotropic by E and nu; else along its axes, L along the fibres, N across the ply, T = N x L, by EL, ET, GLT, nuLT, nuTN, and what differs along N."""
         ...
     def layup(self, *, name: Value = None, listed: Value = None) -> LayupElement:
@@ -4862,7 +5196,8 @@ class RepeatElement(Element):
         For example:
           <mbd name="composite_tube">
             <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"/>
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
             <layup name="wall" listed="inside">
               <ply material="graphite_epoxy" thickness="1 mm"/>
               <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
@@ -4875,6 +5210,7 @@ class RepeatElement(Element):
             </defaults>
             <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
             <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
@@ -4883,6 +5219,7 @@ class RepeatElement(Element):
             <load at="arm.end" force="0 0 -100"/>
             <static/>
             <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -4893,7 +5230,7 @@ class RepeatElement(Element):
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
           Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
-          <bar>, <rectangle>, <box>, <I>, <C>.
+          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -5078,7 +5415,7 @@ class RepeatElement(Element):
           </mbd>
         """
         ...
-    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, quantities: Value = None) -> RecordElement:
+    def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, section_point: Value = None, quantities: Value = None) -> RecordElement:
         """Columns of history.csv."""
         ...
     def plot(self, *, x: Value = None, y: Value = None, x_scale: Value = None, y_scale: Value = None, x_label: Value = None, y_label: Value = None, title: Value = None, x_range: Value = None) -> PlotElement:
@@ -5132,6 +5469,9 @@ class RepeatElement(Element):
     def distance(self, *, name: Value = None, between: Value = None, at_a: Value = None, at_b: Value = None) -> DistanceElement:
         """A massless rod with ball joints at its ends."""
         ...
+
+class RegionElement(Element):
+    ...
 
 class StateElement(Element):
     ...
@@ -5343,6 +5683,55 @@ class ControllerElement(Element):
             <record name="wagon" joint="track" quantities="displacement speed"/>
             <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
             <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
+          </mbd>
+        """
+        ...
+
+class MeshElement(Element):
+    def region(self, *, name: Value = None, material: Value = None, angle: Value = None, normal: Value = None) -> RegionElement:
+        """<region>
+          What the elements of a physical surface of a mesh consist of.
+          Stands in <mesh>, <defaults>.
+
+        Attributes:
+          name               text, required
+                             of the physical surface in the file, or its number where it
+                             has no name
+          material           text, required
+                             name of its material
+          angle              number [rad], default 0
+                             theta, of its L from b1, as of a ply
+          normal             number [rad], default 1.5707963267948966
+                             direction of its N: angle from b2 towards b3, before the
+                             section is turned
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...

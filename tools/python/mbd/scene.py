@@ -1,6 +1,7 @@
 """Scenes built in Python. Elements, attributes, units, defaults and what is said of them come from the table that model
 files, manual and grammar have (libmbd/scene: the lists of fields)."""
 
+import keyword
 import os
 import sys
 from xml.sax.saxutils import escape, quoteattr
@@ -23,8 +24,8 @@ def _caller():
 
 
 def python_name(attribute):
-    """Of an attribute: "from" is a word of Python, so it is from_."""
-    return attribute + "_" if attribute == "from" else attribute
+    """Of an attribute: from and yield are words of Python, so they are from_ and yield_."""
+    return attribute + "_" if keyword.iskeyword(attribute) else attribute
 
 
 class Element:
@@ -73,8 +74,8 @@ class Element:
 
 class Scene(Element):
     """A model built in Python, with the names of model files: scene.beam(name="b", from_=(0, 0, 0), …). Values are
-    numbers, sequences or arrays of them, or texts as in files (expressions, numbers with units). An attribute `from` is
-    written from_. What has parts returns an Element to which they are added:
+    numbers, sequences or arrays of them, or texts as in files (expressions, numbers with units). Attributes `from`
+    and `yield` are written from_ and yield_. What has parts returns an Element to which they are added:
 
         section = scene.section(name="strip")
         section.stiffness(EA=1e6, GA2=4e5, GA3=4e5, GJ=80, EI2=100, EI3=100)

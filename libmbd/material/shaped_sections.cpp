@@ -1,18 +1,19 @@
-#include "libmbd/language/shaped_sections.hpp"
+#include "libmbd/material/shaped_sections.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <utility>
 #include <vector>
 
-#include "libmbd/language/reading_limits.hpp"
-#include "libmbd/language/schema.hpp"
 #include "libmbd/scene/label.hpp"
+#include "libmbd/scene/reading_limits.hpp"
+#include "libmbd/section/gmsh.hpp"
 #include "libmbd/text/spelling.hpp"
 
 namespace mbd {
@@ -50,7 +51,7 @@ EngineeringConstants constants_of(const MaterialScene& m) {
     if (!m.young) fail(m, "attribute \"E\" is missing: Young's modulus [Pa]");
     if (!m.poisson) fail(m, "attribute \"nu\" is missing: Poisson's ratio");
     if (!(*m.poisson > -1.0 && *m.poisson < 0.5))
-      fail(m, fmt::format("nu is {}, must lie between -1 and 0.5", schema::shortest(*m.poisson)));
+      fail(m, fmt::format("nu is {}, must lie between -1 and 0.5", *m.poisson));
     return section::isotropic(*m.young, *m.poisson);
   }
   if (of_axes == along_axes.end())
@@ -63,7 +64,7 @@ EngineeringConstants constants_of(const MaterialScene& m) {
                           "ET, GLT, nuLT and nuTN at least",
                           constant.name));
   if (!m.g_tn && !(*m.nu_tn > -1.0))
-    fail(m, fmt::format("nuTN is {}, must be greater than -1", schema::shortest(*m.nu_tn)));
+    fail(m, fmt::format("nuTN is {}, must be greater than -1", *m.nu_tn));
   return {*m.e_l,
           *m.e_t,
           m.e_n.value_or(*m.e_t),
@@ -73,6 +74,46 @@ EngineeringConstants constants_of(const MaterialScene& m) {
           *m.nu_lt,
           m.nu_ln.value_or(*m.nu_lt),
           *m.nu_tn};
+}
+
+// None where the material has none. Throws Error where some are missing, or are of the other kind of material.
+std::optional<section::Strengths> strengths_of(const MaterialScene& m) {
+  struct Strength {
+    std::string_view name;
+    const std::optional<double>& value;
+  };
+  const std::array<Strength, 9> all{{{"Xt", m.xt},
+                                     {"Xc", m.xc},
+                                     {"Yt", m.yt},
+                                     {"Yc", m.yc},
+                                     {"SLT", m.s_lt},
+                                     {"STN", m.s_tn},
+                                     {"Zt", m.zt},
+                                     {"Zc", m.zc},
+                                     {"SLN", m.s_ln}}};
+  const auto given = [](const Strength& s) { return s.value.has_value(); };
+  const auto first = std::ranges::find_if(all, given);
+  if (m.young && first != all.end())
+    fail(m, fmt::format("{} is of a material with axes, this one is isotropic; give yield",
+                        first->name));
+  if (!m.young && m.yield)
+    fail(m,
+         "yield is of an isotropic material; give strengths along its axes: Xt Xc Yt Yc SLT STN");
+  if (first == all.end()) return std::nullopt;
+  for (std::size_t i = 0; i < 6; ++i)
+    if (!given(all[i]))
+      fail(m, fmt::format("attribute \"{}\" is missing: strengths are given by Xt Xc Yt Yc SLT STN "
+                          "at least, or not at all",
+                          all[i].name));
+  return section::Strengths{*m.xt,
+                            *m.xc,
+                            *m.yt,
+                            *m.yc,
+                            m.zt.value_or(*m.yt),
+                            m.zc.value_or(*m.yc),
+                            *m.s_lt,
+                            m.s_ln.value_or(*m.s_lt),
+                            *m.s_tn};
 }
 
 // Of materials or layups.
@@ -121,6 +162,13 @@ class Shaped {
                             s_.curvature(1),
                             s_.curvature(2),
                             s_.tolerance};
+    all.push_back(s_.mesh_tolerance);
+    all.insert(all.end(), mesh_key_.begin(), mesh_key_.end());
+    if (SectionShape::is_mesh(s_))
+      for (const section::MeshMaterial& m : materials_) {
+        all.push_back(m.density);
+        all.insert(all.end(), m.stiffness.data(), m.stiffness.data() + m.stiffness.size());
+      }
     for (const section::Layup& layup : layups_) {
       all.push_back(static_cast<double>(layup.size()));
       for (const section::Ply& ply : layup) {
@@ -160,6 +208,8 @@ class Shaped {
             section::box, s_.width, s_.height, wall,
             s_.corners == BoxCorners::butt ? section::Corners::butt : section::Corners::mitred);
       }
+      case SectionShape::Kind::mesh:
+        return meshed();
       default:
         break;
     }
@@ -179,6 +229,60 @@ class Shaped {
     } catch (const Error& error) {
       fail(error.what());
     }
+  }
+
+  // Of a file; its groups are given materials by regions, or by the mesh's own.
+  section::Mesher meshed() {
+    std::filesystem::path file = s_.file;
+    if (file.is_relative()) file = std::filesystem::path(s_.source.file).parent_path() / file;
+    section::GmshMesh read;
+    try {
+      read = section::read_gmsh(file, s_.unit);
+    } catch (const Error& error) {
+      fail(error.what());
+    }
+    std::vector<std::string_view> names;
+    for (const std::string& group : read.groups) names.push_back(group);
+    std::vector<section::MeshPart> parts(read.groups.size());
+    std::vector<bool> stated(read.groups.size(), false);
+    for (const MeshRegionScene& region : s_.regions) {
+      const auto found = std::ranges::find(read.groups, region.name);
+      if (found == read.groups.end())
+        throw Error(region.source, fmt::format("{}, region: {} has no physical surface {}{}", of_,
+                                               file.string(), in_quotes(excerpt(region.name)),
+                                               suggest(region.name, names, "physical surfaces")));
+      const auto g = static_cast<std::size_t>(found - read.groups.begin());
+      if (stated[g])
+        throw Error(region.source,
+                    fmt::format("{}, region: {} has been stated before; leave one out", of_,
+                                in_quotes(region.name)));
+      stated[g] = true;
+      if (!std::isfinite(region.angle) || !std::isfinite(region.normal))
+        throw Error(region.source, fmt::format("{}, region {}: angle or normal is not finite", of_,
+                                               in_quotes(region.name)));
+      parts[g] = {number_of(region.material, region.source, of_ + ", region"), region.angle,
+                  region.normal};
+    }
+    for (std::size_t g = 0; g < parts.size(); ++g) {
+      if (stated[g]) continue;
+      if (s_.material.empty() && read.groups[g].empty())
+        fail(
+            "what is of no physical surface has no material: give material, which elements of no "
+            "<region> have");
+      if (s_.material.empty())
+        fail(
+            fmt::format("physical surface {0} has no material: give <region name={0} "
+                        "material=…/>, or material",
+                        in_quotes(read.groups[g])));
+      parts[g].material = number_of(s_.material, s_.source, of_);
+    }
+    for (std::size_t g = 0; g < parts.size(); ++g)
+      mesh_key_.insert(mesh_key_.end(),
+                       {parts[g].angle, parts[g].normal, static_cast<double>(parts[g].material)});
+    read.each_number([this](double x) { mesh_key_.push_back(x); });
+    return made([&](const std::vector<section::MeshMaterial>& all) {
+      return section::mesher_of(read, parts, all);
+    });
   }
 
   section::Mesher in_place(section::Mesher drawn) const {
@@ -241,7 +345,8 @@ class Shaped {
     if (const auto at = std::ranges::find(used_, &m); at != used_.end())
       return static_cast<int>(at - used_.begin());
     used_.push_back(&m);
-    materials_.push_back({stiffness_of(m), m.density.value_or(0.0), m.name});
+    materials_.push_back(
+        {stiffness_of(m), m.density.value_or(0.0), m.name, strengths_of(m), m.yield});
     return static_cast<int>(used_.size()) - 1;
   }
 
@@ -262,6 +367,7 @@ class Shaped {
   std::vector<const MaterialScene*> used_;
   std::vector<section::MeshMaterial> materials_;  // of used_
   std::vector<section::Layup> layups_;
+  std::vector<double> mesh_key_;  // all numbers of a mesh
 };
 
 // The entry of D whose error is the largest.
@@ -287,6 +393,7 @@ section::Converged analysed(const SectionShape& shape, Shaped& shaped) {
   static std::mutex mutex;
   static std::map<std::vector<double>, section::Converged> known;
   const int most_unknowns = reading_limits().section_unknowns;
+  const double tolerance = SectionShape::is_mesh(shape) ? shape.mesh_tolerance : shape.tolerance;
   constexpr std::size_t most_known = 100;
   const section::Mesher mesher = shaped.mesher();
   const std::vector<double> key = shaped.key();
@@ -296,7 +403,9 @@ section::Converged analysed(const SectionShape& shape, Shaped& shaped) {
   }
   section::Converged result;
   try {
-    result = section::converge(mesher, shape.curvature, shape.tolerance, most_unknowns);
+    result = SectionShape::is_mesh(shape)
+                 ? section::converge_orders(mesher, shape.curvature, tolerance, most_unknowns)
+                 : section::converge(mesher, shape.curvature, tolerance, most_unknowns);
   } catch (const Error& error) {
     shaped.fail(error.what());
   }
@@ -307,9 +416,12 @@ section::Converged analysed(const SectionShape& shape, Shaped& shaped) {
                               most_unknowns));
     shaped.fail(
         fmt::format("tolerance {} is not reached with {} unknowns: {} is known to {:.1e} only; ask "
-                    "for a tolerance above that, or put plies together",
-                    schema::shortest(shape.tolerance), result.unknowns, entry, error));
+                    "for a tolerance above that, or {}",
+                    tolerance, result.unknowns, entry, error,
+                    SectionShape::is_mesh(shape) ? "make the mesh finer where stresses are singular"
+                                                 : "put plies together"));
   }
+  result.analysis.warping.resize(0, 0);
   const std::scoped_lock lock(mutex);
   if (known.size() >= most_known) known.clear();
   return known[key] = result;
@@ -353,16 +465,41 @@ section::Converged analysed(const Scene& scene, const SectionShape& shape, const
   return analysed(shape, shaped);
 }
 
+namespace {
+std::shared_ptr<const section::StressField> field_of(const SectionShape& shape,
+                                                     const section::Mesher& mesher,
+                                                     const section::Fineness& fineness) {
+  section::Mesh mesh = mesher(fineness);
+  const section::Analysis analysis = section::analyse(mesh, shape.curvature);
+  return std::make_shared<section::StressField>(std::move(mesh), shape.curvature, analysis);
+}
+}  // namespace
+
+std::shared_ptr<const section::StressField> stress_field(const Scene& scene,
+                                                         const SectionShape& shape,
+                                                         const std::string& of) {
+  return field_of(shape, mesher_of(scene, shape, of), analysed(scene, shape, of).fineness);
+}
+
+StressFields stress_fields(const Scene& scene, const SectionShape& shape, const std::string& of) {
+  const section::Mesher mesher = mesher_of(scene, shape, of);
+  const section::Fineness fine = analysed(scene, shape, of).fineness;
+  return {field_of(shape, mesher, fine),
+          field_of(shape, mesher, {std::max(fine.order - 1, 1), std::max(fine.layers - 1, 1)})};
+}
+
 void analyse_shapes(Scene& scene) {
-  for (const MaterialScene& material : scene.materials) stiffness_of(material);
+  for (const MaterialScene& material : scene.materials) {
+    stiffness_of(material);
+    strengths_of(material);
+  }
   for (const LayupScene& layup : scene.layups)
     for (const PlyScene& ply : layup.plies)
       named(scene.materials, ply.material, ply.source, label(layup) + ", ply", "materials");
   for (Section& section : scene.sections) {
     analyse_shape(scene, section, label(section));
     for (Station& station : section.stations)
-      analyse_shape(scene, station,
-                    fmt::format("{}, station at {}", label(section), schema::shortest(station.at)));
+      analyse_shape(scene, station, fmt::format("{}, station at {}", label(section), station.at));
   }
 }
 
