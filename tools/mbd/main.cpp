@@ -16,6 +16,7 @@
 #include "tools/mbd/explain_command.hpp"
 #include "tools/mbd/export_command.hpp"
 #include "tools/mbd/floquet_command.hpp"
+#include "tools/mbd/import_command.hpp"
 #include "tools/mbd/linearize_command.hpp"
 #include "tools/mbd/modes_command.hpp"
 #include "tools/mbd/plot_command.hpp"
@@ -46,6 +47,7 @@ int run_commands(int argc, char** argv) {
   mbd::add_torture_command(app, status);
   mbd::add_view_command(app, status);
   mbd::add_export_command(app, status);
+  mbd::add_import_command(app, status);
   mbd::add_plot_command(app, status);
   mbd::add_compare_command(app, status);
   mbd::add_schema_command(app, status);
