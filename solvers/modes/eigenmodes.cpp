@@ -448,4 +448,6 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   return result;
 }
 
+VecXc eigenvalues_of(const Eigen::MatrixXd& matrix) { return matrix.eigenvalues(); }
+
 }  // namespace mbd
