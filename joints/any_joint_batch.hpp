@@ -47,4 +47,8 @@ class AnyJointBatch : public Batch {
 // A batch of the joint type or prescribed motion with that name; nullptr if there is none.
 std::unique_ptr<AnyJointBatch> make_joint_batch(std::string_view name);
 
+// The same of a type of joint_list.hpp. Compiled in joint_types.cpp: the kernels of all types take long.
+template <class J>
+std::unique_ptr<AnyJointBatch> make_batch_of();
+
 }  // namespace mbd::joint

@@ -8,17 +8,9 @@
 
 #include "libmbd/results/history.hpp"
 #include "libmbd/view/motion.hpp"
+#include "libmbd/view/page_parts.hpp"
 
 namespace mbd {
-
-// What a page is made of. The first three are ours (libmbd/view/page); the program has them all embedded
-// (tools/mbd/view_assets.hpp).
-struct PageParts {
-  std::string_view html;  // with @TITLE@, @STYLE@, … where the others go
-  std::string_view style, script;
-  std::string_view three, controls;  // three.js and its OrbitControls
-  std::string_view licence;          // of three.js
-};
 
 struct PageOptions {
   std::size_t most_bytes = 20'000'000;  // of the page

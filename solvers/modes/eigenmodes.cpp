@@ -479,4 +479,6 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   return found;
 }
 
+VecXc eigenvalues_of(const Eigen::MatrixXd& matrix) { return matrix.eigenvalues(); }
+
 }  // namespace mbd

@@ -60,4 +60,7 @@ ModesFound find_modes_near(MotionPencil& motions, std::complex<double> shift, do
 // Modes of what `motions` has been assembled about; its factors are used.
 ModesFound find_modes(SmallMotions& motions, const ModeOptions& options);
 
+// Of a dense matrix, all of them. (Eigen's solver takes long to compile: once.)
+VecXc eigenvalues_of(const Eigen::MatrixXd& matrix);
+
 }  // namespace mbd

@@ -59,6 +59,17 @@ if(NOT new STREQUAL "point_in_plane.hpp" OR NOT changed STREQUAL "joint_list.hpp
 endif()
 
 # ---- it works ----
+# Kernels of the types that there were are those of the library: declared here, they are not compiled again.
+string(REGEX MATCHALL "List<[^>]*>;" lists "${text}")
+string(REGEX REPLACE "//|List<|>;|[ ,;\n]+" " " names "${lists}")
+string(REGEX REPLACE " +" ";" names "${names}")
+list(REMOVE_ITEM names "" PointInPlane)
+set(built "#include \"joints/any_joint_batch.hpp\"\n#include \"joints/joint_list.hpp\"\n\nnamespace mbd::joint {\n")
+foreach(name IN LISTS names)
+  string(APPEND built "extern template std::unique_ptr<AnyJointBatch> make_batch_of<${name}>();\n")
+endforeach()
+file(WRITE "${SCRATCH}/built.hpp" "${built}}  // namespace mbd::joint\n")
+
 execute_process(COMMAND "${CMAKE_COMMAND}" --build "${BUILD}" --target mbd_new_joint
                 OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE status)
 if(NOT status EQUAL 0)

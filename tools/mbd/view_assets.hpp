@@ -1,7 +1,7 @@
 // What pages are made of, embedded in the program when it is built (tools/cmake/view_assets.cpp.in).
 #pragma once
 
-#include "libmbd/view/page.hpp"
+#include "libmbd/view/page_parts.hpp"
 
 namespace mbd {
 

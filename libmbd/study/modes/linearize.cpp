@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/text/tables.hpp"
+#include "solvers/modes/eigenmodes.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/time/stepper.hpp"
 
@@ -257,7 +257,7 @@ std::string to_text(const Linearization& linear) {
                       linear.ports.outputs.size());
   if (linear.reduced) {
     const ReducedMotion& r = *linear.reduced;
-    const VecXc poles = Eigen::PartialPivLU<MatX>(r.E).solve(r.A).eigenvalues();
+    const VecXc poles = eigenvalues_of(Eigen::PartialPivLU<MatX>(r.E).solve(r.A));
     constexpr double round_off = 1e-9;  // of the fastest pole
     const double growth = poles.size() > 0 ? poles.real().maxCoeff() : 0.0,
                  fastest = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0.0;
