@@ -1,5 +1,9 @@
 // Mixed Newton in time (solvers/time/kept_resultants.hpp): its residual and tangent, its rate, and that stretching and shear
 // cost steps nothing however stiff they are.
+//
+// Mutations tried, in kept_resultants.cpp: no advance fails AtTheStateOfTheTangent and ResidualIsThatOfTheSaddle; no geometric
+// stiffness of S - D E fails TangentIsTheDerivative…, RateIsQuadratic and StiffStretchingCostsNothing; S = D E at each residual fails
+// ResidualIsThatOfTheSaddle, TangentIsTheDerivative…, SolutionIsThatOfThePlainResidual and StiffStretchingCostsNothing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -245,8 +249,6 @@ TEST(MixedInTime, StiffStretchingCostsNothing) {
       const Counters c = run(f, method.transient).counters;
       const double a_step = static_cast<double>(c.iterations) / static_cast<double>(c.substeps);
       RecordProperty(fmt::format("{} {}", method.transient, f), testing::PrintToString(a_step));
-      printf("%s %g: %ld steps, %.2f, %ld tangents\n", method.transient, f, c.substeps, a_step,
-             c.tangents);
       if (method.steps > 0) {
         EXPECT_LE(c.substeps, 1.1 * method.steps) << f;
       }
@@ -284,7 +286,6 @@ TEST(MixedInTime, SolutionIsThatOfThePlainResidual) {
     solver->solve({x.data(), static_cast<std::size_t>(x.size())});
     largest = std::max(largest, x.head(motions).cwiseAbs().maxCoeff());
   }
-  printf("largest %g\n", largest);
   EXPECT_LE(largest, 2e-9);
 }
 
@@ -363,7 +364,6 @@ TEST(KeptResultants, RateIsQuadratic) {
     }
     EXPECT_LE(k, 7) << law.name();
   }
-  printf("pairs %zu order %g constant %g\n", from.size(), fitted_order(from, to), constant);
   ASSERT_GE(from.size(), 20u);
   EXPECT_GE(fitted_order(from, to), 1.8);
   EXPECT_LE(constant, 1e2);
