@@ -81,18 +81,10 @@ class ElementBatch : public Base {
     if constexpr (Mixed<E>) {
       const auto points = static_cast<std::size_t>(E::point_count(shared_));
       NodeStates x;
-      std::array<Vec6, static_cast<std::size_t>(max_nodes)> U;
+      Increments U;
       for (std::size_t e = 0; e < data_.size(); ++e) {
         gather(state, e, x);
-        const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
-        for (int a = 0; a < count(); ++a) {
-          Vec6& u = U[static_cast<std::size_t>(a)];
-          u.setZero();
-          if (!dU.empty() && node[a] > 0)
-            u = Eigen::Map<const Vec6>(&dU[6 * static_cast<std::size_t>(node[a] - 1)]);
-        }
-        if constexpr (may_be_offset)
-          if (const Offset* const offset = offsets_of(e)) move_increments(offset, U);
+        gather_increments(dU, e, U);
         E::linearized_resultants(shared_, data_[e], x.data(), U.data(), &S[e * points]);
       }
     }
@@ -266,6 +258,7 @@ class ElementBatch : public Base {
 
   static constexpr int max_nodes = E::template Output<double>::Vector::MaxRowsAtCompileTime / 6;
   using NodeStates = std::array<NodeState<double>, static_cast<std::size_t>(max_nodes)>;
+  using Increments = std::array<Vec6, static_cast<std::size_t>(max_nodes)>;
 
   void gather(const State& state, std::size_t e, NodeStates& x) const {
     const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
@@ -312,8 +305,7 @@ class ElementBatch : public Base {
     }
   }
 
-  void move_increments(const Offset* offset,
-                       std::array<Vec6, static_cast<std::size_t>(max_nodes)>& U) const {
+  void move_increments(const Offset* offset, Increments& U) const {
     for (int a = 0; a < count(); ++a)
       if (!offset[a].none) {
         Vec6& u = U[static_cast<std::size_t>(a)];
@@ -321,6 +313,7 @@ class ElementBatch : public Base {
       }
   }
 
+ protected:
   // Takes what the element made to the nodes of the batch.
   template <Want want>
   void carry(std::size_t e, typename E::template Output<double>& out) const {
@@ -334,6 +327,8 @@ class ElementBatch : public Base {
       }
     }
   }
+
+ private:
   [[gnu::noinline]] void carry_residual(const Offset* offset,
                                         typename E::template Output<double>& out) const {
     for (int a = 0; a < count(); ++a)
@@ -379,16 +374,23 @@ class ElementBatch : public Base {
       const double m = smallest_of(E::Packed::template evaluate<Want::residual>(
           packs.shared, packs.data[pack.first / lane_count], x.data(), env, {}, out));
       margin = m < margin ? m : margin;
-      for (int k = 0; k < pack.count(); ++k) {
-        typename E::template Output<double> one;
-        one.r.resize(out.r.size());
-        for (Index i = 0; i < out.r.size(); ++i) one.r(i) = out.r(i)[k];
-        carry<Want::residual>(pack[k], one);
-        add_residual(one, pack[k], r);
-      }
+      add_residuals(out, pack, r);
     });
     return margin > 0.0;
   }
+
+ protected:
+  MBD_INLINE void add_residuals(const auto& out, const PackOf& pack, VecX& r) const {
+    for (int k = 0; k < pack.count(); ++k) {
+      typename E::template Output<double> one;
+      one.r.resize(out.r.size());
+      for (Index i = 0; i < out.r.size(); ++i) one.r(i) = out.r(i)[k];
+      carry<Want::residual>(pack[k], one);
+      add_residual(one, pack[k], r);
+    }
+  }
+
+  const auto& packs() const { return packs_; }  // of a connected batch
 
   void gather(const State& state, const PackOf& pack,
               std::array<NodeState<Pack>, static_cast<std::size_t>(max_nodes)>& x) const {
@@ -427,6 +429,33 @@ class ElementBatch : public Base {
     }
   }
 
+  // Increments of an element's own nodes, or of those of a pack, of dU as linearized_resultants() has it.
+  void gather_increments(std::span<const double> dU, std::size_t e, Increments& U) const {
+    const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
+    for (int a = 0; a < count(); ++a) {
+      Vec6& u = U[static_cast<std::size_t>(a)];
+      u.setZero();
+      if (!dU.empty() && node[a] > 0)
+        u = Eigen::Map<const Vec6>(&dU[6 * static_cast<std::size_t>(node[a] - 1)]);
+    }
+    if constexpr (may_be_offset)
+      if (const Offset* const offset = offsets_of(e)) move_increments(offset, U);
+  }
+  template <class S>
+  void gather_increments(std::span<const double> dU, const PackOf& pack,
+                         std::array<Vector6<S>, static_cast<std::size_t>(max_nodes)>& U) const {
+    if constexpr (is_pack<S>) {
+      std::array<Increments, lane_count> own;
+      for (int k = 0; k < lane_count; ++k)
+        gather_increments(dU, pack[k], own[static_cast<std::size_t>(k)]);
+      for (std::size_t a = 0; a < static_cast<std::size_t>(count()); ++a)
+        pack_into(U[a], [&](int k) { return own[static_cast<std::size_t>(k)][a].data(); });
+    } else {
+      gather_increments(dU, pack.first, U);
+    }
+  }
+
+ private:
   std::size_t bytes_of_packs() const {
     if constexpr (has_packs<E>)
       return packs_.data.size() * sizeof(packs_.data[0]);
@@ -458,6 +487,7 @@ class ElementBatch : public Base {
     return in_range && margin > 0.0;
   }
 
+ protected:
   void add_residual(const typename E::template Output<double>& out, std::size_t e, VecX& r) const {
     const int* node = &nodes_[e * static_cast<std::size_t>(n_)];
     for (int a = 0; a < count(); ++a) rows_at<6>(r, 6 * node[a]) += rows_at<6>(out.r, 6 * a);
@@ -486,6 +516,7 @@ class ElementBatch : public Base {
     }
   }
 
+ private:
   std::string type_;
   typename E::Shared shared_;
   int n_;

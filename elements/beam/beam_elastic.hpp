@@ -160,6 +160,125 @@ struct Elastic {
                                strain(data, i, order * (order + 1) / 2, motion));
   }
 
+  // --- resultants as iterates with a tangent that is kept, in time (NOTATION.md 5) ---
+  // Of elements side by side, numbers of type S one after the other: of a tangent T^-1(q_p) by pairs (A, B) and, in the
+  // paper's form, K_i by points; of an iterate S_i and D E_i by points.
+  static std::size_t kept_count(const Shared& shared) {
+    const int order = shared.table.order();
+    return static_cast<std::size_t>(kept_of_pairs(order) +
+                                    (is_energy ? 0 : 6 * shared.table.points));
+  }
+
+  // B^T S + B0^T (D E - S), in the paper's form its weights in place of B^T; sets D E.
+  template <class S>
+  [[gnu::noinline, gnu::flatten]] static S residual_kept(const Shared& shared, const Data& data,
+                                                         const NodeState<S>* x, const double* kept,
+                                                         const double* given, double* linear,
+                                                         Output<S>& out) {
+    const int order = shared.table.order(), points = shared.table.points;
+    Work<S> work;
+    work.motion.set(order, [x](int k) -> const Pose<S>& { return x[k].H; });
+    std::array<Vector6<S>, Z::max_points> rest;  // D E - S
+    for (int i = 0; i < points; ++i) {
+      const auto I = static_cast<std::size_t>(i);
+      const Vector6<S> K = curvature<N, S>(data, i, order * (order + 1) / 2, work.motion.q);
+      const Vector6<S> E = K - data.K0[I].template cast<S>();
+      const Vector6<S> DE = times<S>(D_at(shared, data, i).template cast<S>(), E);
+      put(DE, linear, i);
+      work.force[I] = taken<Vector6<S>>(given, i);
+      rest[I] = DE - work.force[I];
+      if constexpr (!is_energy) work.full[I] = K;
+    }
+    if constexpr (is_energy) {
+      std::array<Vector6<S>, Z::max_points> weighted;
+      for (int i = 0; i < points; ++i) {
+        const auto I = static_cast<std::size_t>(i);
+        weighted[I] = S(data.wJ[I]) * work.force[I];
+        rest[I] *= S(data.wJ[I]);
+      }
+      assemble_pairs<N, S>(data, order, points, work.motion, weighted, work.W, out);
+      add_kept_pairs<N, S>(data, order, points, kept, rest, out);
+    } else {
+      assemble_paper(shared.table, data, work.force, work.full, out);
+      const typename Output<S>::Vector first = out.r;
+      for (int i = 0; i < points; ++i)
+        work.full[static_cast<std::size_t>(i)] = taken<Vector6<S>>(kept + kept_of_pairs(order), i);
+      assemble_paper(shared.table, data, rest, work.full, out);
+      out.r += first;
+    }
+    return work.motion.margin;
+  }
+
+  // Of a tangent at x: sets what is kept of it, unless there is no place for it, and D E.
+  template <class S>
+  static void keep(const Shared& shared, const Data& data, const NodeState<S>* x, double* kept,
+                   double* linear) {
+    const int order = shared.table.order(), pairs = order * (order + 1) / 2;
+    Motion<Metric, N, S> motion;
+    motion.set(order, [x](int k) -> const Pose<S>& { return x[k].H; });
+    for (int p = 0; kept != nullptr && p < pairs; ++p) {
+      const DualMatrix<S> T = motion.pair[static_cast<std::size_t>(p)].T_inverse();
+      put(T.A, kept, 2 * p);
+      put(T.B, kept, 2 * p + 1);
+    }
+    for (int i = 0; i < shared.table.points; ++i) {
+      const Vector6<S> K = curvature<N, S>(data, i, pairs, motion.q);
+      const Vector6<S> E = K - data.K0[static_cast<std::size_t>(i)].template cast<S>();
+      const Vector6<S> DE = times<S>(D_at(shared, data, i).template cast<S>(), E);
+      put(DE, linear, i);
+      if (!is_energy && kept != nullptr) put(K, kept + kept_of_pairs(order), i);
+    }
+  }
+
+  // S = D E + D B0 dU.
+  template <class S>
+  [[gnu::noinline, gnu::flatten]] static void advance(const Shared& shared, const Data& data,
+                                                      const double* kept, const Vector6<S>* dU,
+                                                      const double* linear, double* resultants) {
+    const int order = shared.table.order(), pairs = order * (order + 1) / 2;
+    std::array<Vector6<S>, Z::max_pairs> dq;
+    int p = 0;
+    for (int j = 0; j < order; ++j)
+      for (int k = j + 1; k <= order; ++k, ++p) {
+        const DualMatrix<S> T{taken<Matrix3<S>>(kept, 2 * p), taken<Matrix3<S>>(kept, 2 * p + 1)};
+        dq[static_cast<std::size_t>(p)] = T * dU[k] - T.transposed_parts() * dU[j];
+      }
+    for (int i = 0; i < shared.table.points; ++i) {
+      const Vector6<S> dE = curvature<N, S>(data, i, pairs, dq);
+      const Vector6<S> dS = times<S>(D_at(shared, data, i).template cast<S>(), dE);
+      put(Vector6<S>(taken<Vector6<S>>(linear, i) + dS), resultants, i);
+    }
+  }
+
+  // out.K = d(B^T S)/dU at fixed S of the resultants S - D E, S_i in place of S_i where the geometry varies.
+  static void geometric_stiffness(const Shared& shared, const Data& data,
+                                  const NodeState<double>* x, const Vec6* difference,
+                                  Output<double>& out) {
+    const int order = shared.table.order(), points = shared.table.points;
+    const int rows = 6 * (order + 1);
+    Work<double> work;
+    residual(shared, data, x, work, out);
+    if constexpr (is_energy) {
+      std::array<DualMatrix<double>, Z::max_pairs> T;
+      for (std::size_t p = 0; p < static_cast<std::size_t>(order * (order + 1) / 2); ++p) {
+        T[p] = work.motion.pair[p].T_inverse();
+        work.W[p].setZero();
+        for (std::size_t i = 0; i < static_cast<std::size_t>(points); ++i)
+          work.W[p] += data.c[i * Z::max_pairs + p] * data.wJ[i] * difference[i];
+      }
+      out.K.setZero(rows, rows);
+      add_geometric_stiffness<N, double>(order, work.motion, T, work.W, out.K);
+    } else {  // the tangent is linear in S
+      tangent(shared, data, work, out);
+      const typename Output<double>::Square of_DE = out.K;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(points); ++i)
+        work.force[i] += difference[i];
+      tangent(shared, data, work, out);
+      out.K -= of_DE;
+    }
+    out.r.setZero();
+  }
+
   template <class S>
   static S energy(const Shared& shared, const Data& data, const NodeState<S>* x) {
     const int order = shared.table.order();
@@ -193,6 +312,8 @@ struct Elastic {
   }
 
  private:
+  static constexpr int kept_of_pairs(int order) { return 18 * (order * (order + 1) / 2); }
+
   // Not inlined, so that the residual is the same machine code, and the same to the last bit, with and
   // without the tangent.
   template <class S>

@@ -159,6 +159,44 @@ MBD_INLINE void assemble_pairs(const Data& data, int order, int points, const Mo
   }
 }
 
+// Matrix `n` of a row of them, numbers or packs one after the other.
+template <class M>
+MBD_INLINE M taken(const double* from, int n) {
+  using S = typename M::Scalar;
+  M m;
+  std::memcpy(static_cast<void*>(m.data()),
+              from + static_cast<std::size_t>(n) * sizeof(M) / sizeof(double), sizeof(M));
+  static_assert(sizeof(M) == sizeof(S) * static_cast<std::size_t>(M::SizeAtCompileTime));
+  return m;
+}
+template <class M>
+MBD_INLINE void put(const M& m, double* to, int n) {
+  std::memcpy(to + static_cast<std::size_t>(n) * sizeof(M) / sizeof(double),
+              static_cast<const void*>(m.data()), sizeof(M));
+}
+
+// Adds (1) of weighted forces with T^-1(q_p) that are kept, in a row (A, B) by pairs.
+template <int N, class S, class Data, class Output>
+MBD_INLINE void add_kept_pairs(const Data& data, int order, int points, const double* kept,
+                               const std::array<Vector6<S>, Sizes<N>::max_points>& weighted,
+                               Output& out) {
+  int p = 0;
+  for (int j = 0; j < order; ++j) {
+    for (int k = j + 1; k <= order; ++k, ++p) {
+      Vector6<S> W = Vector6<S>::Zero();
+      for (int i = 0; i < points; ++i)
+        W += S(data.c[static_cast<std::size_t>(i * Sizes<N>::max_pairs + p)]) *
+             weighted[static_cast<std::size_t>(i)];
+      const Vector3<S> n = linear(W), m = angular(W);
+      const auto A = taken<Matrix3<S>>(kept, 2 * p), B = taken<Matrix3<S>>(kept, 2 * p + 1);
+      rows_at<3>(out.r, 6 * k) += A.transpose() * n;
+      rows_at<3>(out.r, 6 * k + 3) += B.transpose() * n + A.transpose() * m;
+      rows_at<3>(out.r, 6 * j) -= A * n;
+      rows_at<3>(out.r, 6 * j + 3) -= B * n + A * m;
+    }
+  }
+}
+
 // The geometric part of (2).
 template <int N, class S, class Motion, class Square>
 MBD_INLINE void add_geometric_stiffness(int order, const Motion& motion,

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/spectral.hpp"
 #include "libmbd/core/stop.hpp"
 
 namespace mbd {
@@ -55,7 +56,8 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
     : OneStep(system, std::move(solver), settings_of(options), error_order),
       a_(generalized_alpha_parameters(options.rho_infinity)),
       kept_(tangent_policy),
-      dense_(system, HermiteStep::Degree::cubic) {
+      dense_(system, HermiteStep::Degree::cubic),
+      mixed_(system) {
   if (!(options.rho_infinity >= 0.0 && options.rho_infinity <= 1.0))
     throw Error(fmt::format("rho_infinity must lie in [0, 1], not {}", options.rho_infinity));
   const auto n = static_cast<std::size_t>(system.nodes());
@@ -87,14 +89,14 @@ BlockGraph GeneralizedAlpha::own_graph(bool tolerant) const {
 
 std::string GeneralizedAlpha::signature() const {
   const double balance = !momentum_.empty() ? 1.0 : free_.empty() ? 0.0 : 2.0;
-  return signature_of("generalized-alpha", {a_.alpha_m, a_.alpha_f, balance});
+  return signature_of("generalized-alpha", {a_.alpha_m, a_.alpha_f, balance, mixed_.signature()});
 }
 
 void GeneralizedAlpha::archive(Archive& a) {
   OneStep::archive(a);
   a(kept_, h_, starting_, stiffness_, A_, history_, t_old_, t_older_, Vdot_old_, lambda_old_,
-    lambda_older_, power_, gdot_old_, alternations_, steps_since_start_, projects_, damps_little_,
-    calm_next_);
+    lambda_older_, mixed_, S_, S_old_, S_older_, power_, gdot_old_, alternations_,
+    steps_since_start_, projects_, damps_little_, calm_next_);
   for (Momentum& m : momentum_) a(m.mu, m.f, m.a, m.past, m.at_start);
   free_.archive(a);
 }
@@ -129,6 +131,8 @@ void GeneralizedAlpha::begin_at(State& state) {
   Vdot_old_ = state.Vdot;
   lambda_old_ = state.lambda;
   lambda_older_ = state.lambda;
+  mixed_.set(state, S_);
+  S_old_ = S_older_ = S_;
   power_ = system_.power(state);
   history_ = 0;
   h_ = 0.0;
@@ -206,14 +210,25 @@ void GeneralizedAlpha::predict(double t, bool extrapolate) {
   end_ = state;
   system_.set_time(end_, t, Side::left);  // what acts during the step, if it ends on a jump
   const double ahead = extrapolate && history_ >= 1 ? h / (state.t - t_old_) : 0.0;
+  if (mixed_.should_begin(counters_)) {
+    mixed_.begin();
+    mixed_.set(state, S_);
+    S_old_ = S_older_ = S_;
+    refactor_next_ = true;
+  }
+  resultants_.S = S_;
   if (extrapolate && history_ >= 2) {
     // Not by lagrange<3>, which differs in the last bits: windows is sensitive to them where it is singular.
     const double t0 = state.t, t1 = t_old_, t2 = t_older_;
     end_.lambda = ((t - t1) * (t - t2) / ((t0 - t1) * (t0 - t2))) * state.lambda +
                   ((t - t0) * (t - t2) / ((t1 - t0) * (t1 - t2))) * lambda_old_ +
                   ((t - t0) * (t - t1) / ((t2 - t0) * (t2 - t1))) * lambda_older_;
+    const auto w = lagrange<3>({t0, t1, t2}, t);
+    for (std::size_t i = 0; i < S_.size(); ++i)
+      resultants_.S[i] = w[0] * S_[i] + w[1] * S_old_[i] + w[2] * S_older_[i];
   } else if (ahead > 0.0) {
     end_.lambda = state.lambda + ahead * (state.lambda - lambda_old_);
+    for (std::size_t i = 0; i < S_.size(); ++i) resultants_.S[i] += ahead * (S_[i] - S_old_[i]);
   }
   for (std::size_t n = 1; n < Q_.size(); ++n) {
     const Vec6& Vdot_i = state.Vdot[n];
@@ -260,7 +275,7 @@ void GeneralizedAlpha::predict(double t, bool extrapolate) {
 
 // r of (1), or of (3), at the present iterate. False if an element is out of its range.
 bool GeneralizedAlpha::residual() {
-  const bool in_range = system_.residual(end_, r_);
+  const bool in_range = mixed_.residual(end_, resultants_, r_);
   for (std::size_t n = 1; n < momentum_.size(); ++n)
     r_.segment<6>(6 * static_cast<Index>(n)) -=
         body_wrench<double>(end_.pose[n], momentum_[n].past);
@@ -275,6 +290,7 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
       end_,
       {.U = s, .V = a_.gamma * h, .A = (1.0 - a_.alpha_m) / (1.0 - a_.alpha_f), .T_inv = T_inv_},
       r_, solver());
+  mixed_.keep_tangent(end_, s, resultants_, solver().slots());
   std::span<const Slot> own = solver().slots().subspan(system_.graph().contributions.size());
   for (std::size_t n = 1; n < momentum_.size(); ++n) {
     // d(Ad^T p) = (Ad^T p)^U dU
@@ -348,6 +364,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     previous = last = e;
 
     take_increment(s);
+    mixed_.advance(x_, resultants_);
 
     double left = always ? e : e * kept_.share_left();
     // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion
@@ -604,6 +621,9 @@ void GeneralizedAlpha::accept() {
   std::swap(Vdot_old_, begin_.Vdot);
   std::swap(lambda_older_, lambda_old_);
   std::swap(lambda_old_, begin_.lambda);
+  std::swap(S_older_, S_old_);
+  std::swap(S_old_, S_);
+  std::swap(S_, resultants_.S);
   t_older_ = t_old_;
   t_old_ = begin_.t;
   starting_ = false;

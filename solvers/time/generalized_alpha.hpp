@@ -62,6 +62,7 @@
 #include "solvers/newton/kept_tangent.hpp"
 #include "solvers/time/dense_output.hpp"
 #include "solvers/time/free_momenta.hpp"
+#include "solvers/time/kept_resultants.hpp"
 #include "solvers/time/one_step.hpp"
 
 namespace mbd {
@@ -144,7 +145,11 @@ class GeneralizedAlpha final : public OneStep {
   double t_old_ = 0.0, t_older_ = 0.0;
   std::vector<Vec6> Vdot_old_;
   VecX lambda_old_, lambda_older_;
-  Work power_;  // at the last accepted state [W]
+  std::vector<double> S_, S_old_, S_older_;  // resultants, too, and of the accepted state
+  Work power_;                               // at the last accepted state [W]
+
+  KeptResultants mixed_;
+  KeptResultants::Iterate resultants_;
 
   // Equation (3), by node, inertial axes about the origin: mu, f, a at the last accepted time, and p.
   struct Momentum {

@@ -94,7 +94,8 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
     : OneStep(system, std::move(solver), settings_with_newton(options), error_order),
       pencil_(std::move(pencil)),
       kept_(tangent_policy),
-      dense_(system, HermiteStep::Degree::quintic) {
+      dense_(system, HermiteStep::Degree::quintic),
+      mixed_(system) {
   // Fixed steps have no end: what moves less than a length, or a radian, in a thousand of them is at rest.
   if (!settings_.adaptive())
     error_norm_ = std::make_unique<ErrorNorm>(
@@ -128,12 +129,13 @@ void Radau::analyze_pencil() {
   pencil_->analyze(graph);
 }
 
-std::string Radau::signature() const { return signature_of("Radau", {}); }
+std::string Radau::signature() const { return signature_of("Radau", {mixed_.signature()}); }
 
 void Radau::archive(Archive& a) {
   OneStep::archive(a);
   if (!settings_.adaptive()) a(*error_norm_);
-  a(kept_, carry_, history_, t_old_, h_old_, q_old_, pose_old_, V_old_, lambda_old_, stiffness_);
+  a(kept_, carry_, history_, t_old_, h_old_, q_old_, pose_old_, V_old_, lambda_old_, mixed_, S_old_,
+    stiffness_);
 }
 
 // Pivots too are chosen anew.
@@ -160,6 +162,11 @@ double Radau::time_of(std::size_t stage) const {
 // Stages from the polynomial of the last step, or from the rates at the start.
 void Radau::predict(bool extrapolate) {
   const bool known = extrapolate && history_;
+  if (mixed_.should_begin(counters_)) {
+    mixed_.begin();
+    for (std::vector<double>& S : S_old_) mixed_.set(begin_, S);
+    relinearize_next_ = true;
+  }
   const Vec3& c = tableau().c;
   for (std::size_t j = 0; j < stages; ++j) {
     State& stage = stage_[j];
@@ -181,11 +188,16 @@ void Radau::predict(bool extrapolate) {
       });
       const auto v = lagrange<3>({c(0), c(1), c(2)}, since / h_old_);
       stage.lambda = v[0] * lambda_old_[0] + v[1] * lambda_old_[1] + v[2] * lambda_old_[2];
+      resultants_[j].S.resize(mixed_.size());
+      for (std::size_t i = 0; i < mixed_.size(); ++i)
+        resultants_[j].S[i] = v[0] * S_old_[0][i] + v[1] * S_old_[1][i] + v[2] * S_old_[2][i];
     } else {
       for (std::size_t n = 1; n < eQ_.size(); ++n) q_[j][n] = 0.5 * tau * tau * begin_.Vdot[n];
       stage.lambda = begin_.lambda;
     }
   }
+  if (!known)
+    for (KeptResultants::Iterate& resultants : resultants_) mixed_.set(begin_, resultants.S);
   update_stages();
 }
 
@@ -221,19 +233,20 @@ void Radau::predict(bool extrapolate) {
 bool Radau::residuals() {
   bool in_range = true;
   for (std::size_t j = 0; j < stages; ++j) {
-    in_range &= system_.residual(stage_[j], r_[j]);
+    in_range &= mixed_.residual(stage_[j], resultants_[j], r_[j]);
     system_.constraints(stage_[j], g_, gdot_);
     r_[j].tail(gdot_.size()) = gdot_;
   }
   return in_range;
 }
 
-// P0, P1, P2 at a state of the step: the middle stage, in Newton's iterations.
-bool Radau::linearize(const State& at) {
+// P0, P1, P2 at a state of the step with the resultants of a stage: the middle one, in Newton's iterations.
+bool Radau::linearize(const State& at, std::size_t stage) {
   pencil_->set_zero();
   for (std::size_t n = 1; n < V_hat_.size(); ++n) V_hat_[n] = twist_hat<double>(begin_.V[n]);
   const bool in_range = system_.linearize_powers(
       at, V_hat_, r_[1], {pencil_->slots(0), pencil_->slots(1), pencil_->slots(2)});
+  mixed_.keep_tangent(at, 1.0, resultants_[stage], pencil_->slots(0));
   if (tolerant_)
     add_rank_tolerance(pencil_->slots(0).subspan(system_.graph().contributions.size()));
   stiffness_ = largest_stiffness(system_, pencil_->slots(0));
@@ -267,7 +280,7 @@ bool Radau::iterate(StepReport& report) {
   report.iterations = 0;
   report.contraction = 0.0;
   if (relinearize_next_ || !linearized_) {
-    linearize(stage_[1]);
+    linearize(stage_[1], 1);
     fresh_ = true;
     relinearize_next_ = false;
   }
@@ -344,6 +357,7 @@ bool Radau::iterate(StepReport& report) {
           unpack(q + T_inverse_times<Pack>(q, delta), pack, q_[j]);
         });
         stage_[j].lambda += delta_[j].tail(size - motions) / s;
+        mixed_.advance(delta_[j], resultants_[j]);
       }
       update_stages();
       const double factor = kept_.share_left();
@@ -358,7 +372,7 @@ bool Radau::iterate(StepReport& report) {
       if (kept_.is_poor() && !fresh_ && e > stalled) renew = true;
     }
     if (renew) {
-      linearize(stage_[1]);
+      linearize(stage_[1], 1);
       fresh_ = true;
       previous = last = 0.0;
       report.contraction = 0.0;
@@ -556,7 +570,7 @@ void Radau::project() {
       if (size <= enough || !(size < 0.9 * last)) return;
       if (pass >= 2 && size > slow * last && size > worth * enough && !renewed) {
         renewed = true;
-        linearize(end_);
+        linearize(end_, 2);
         StepReport report;
         if (!factorize(report)) return;
       }
@@ -608,7 +622,10 @@ void Radau::accept() {
   std::swap(q_, q_old_);
   std::swap(pose_old_, begin_.pose);
   std::swap(V_old_, begin_.V);
-  for (std::size_t j = 0; j < stages; ++j) std::swap(lambda_old_[j], stage_[j].lambda);
+  for (std::size_t j = 0; j < stages; ++j) {
+    std::swap(lambda_old_[j], stage_[j].lambda);
+    std::swap(S_old_[j], resultants_[j].S);
+  }
   t_old_ = begin_.t;
   h_old_ = h_;
   history_ = true;

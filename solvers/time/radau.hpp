@@ -46,6 +46,7 @@
 #include "solvers/linear/pencil_solver.hpp"
 #include "solvers/newton/kept_tangent.hpp"
 #include "solvers/time/dense_output.hpp"
+#include "solvers/time/kept_resultants.hpp"
 #include "solvers/time/one_step.hpp"
 
 namespace mbd {
@@ -92,7 +93,7 @@ class Radau final : public OneStep {
   void predict(bool extrapolate);
   void update_stages();
   bool residuals();
-  bool linearize(const State& at);
+  bool linearize(const State& at, std::size_t stage);
   bool factorize(StepReport& report);
   bool iterate(StepReport& report);
   void estimate(bool filtered);
@@ -117,6 +118,9 @@ class Radau final : public OneStep {
   std::vector<Vec6> eQ_, eV_;
   VecX x_, y_, g_, gdot_;
 
+  KeptResultants mixed_;
+  std::array<KeptResultants::Iterate, stages> resultants_;
+
   // The last accepted step, from which stages are extrapolated.
   bool history_ = false;
   double t_old_ = 0.0, h_old_ = 0.0;
@@ -124,6 +128,7 @@ class Radau final : public OneStep {
   std::vector<Pose<double>> pose_old_;  // at its start
   std::vector<Vec6> V_old_;
   std::array<VecX, stages> lambda_old_;
+  std::array<std::vector<double>, stages> S_old_;
 
   double stiffness_ = 0.0;      // largest entry of K [N/m], of the last linearisation
   bool linearized_ = false;     // P0, P1, P2 are there
