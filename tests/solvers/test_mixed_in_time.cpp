@@ -316,8 +316,7 @@ TEST(MixedInTime, CheckpointsGoOnToTheLastBit) {
 }
 
 // Newton's iterations with the tangent taken anew at each, back to a state whose forces are known, of beams whose EA, GA are
-// 1e6 times EI over a squared length: increments e_k+1 of the motion over e_k^2, above round-off. U alone has constants 1e3
-// times as large, and takes 12 to 20 iterations or none.
+// 1e6 times EI over a squared length: increments e_k+1 of the motion over e_k^2, above round-off.
 TEST(KeptResultants, RateIsQuadratic) {
   Rng rng(6);
   std::vector<double> from, to;
