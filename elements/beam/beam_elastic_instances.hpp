@@ -4,8 +4,8 @@
 
 #include "elements/beam/beam_elastic.hpp"
 #include "elements/beam/beam_elastic_batch.hpp"
-#include "elements/beam/beam_iterated.hpp"
 #include "elements/element_batch.hpp"
+#include "elements/iterated_beams.hpp"
 
 namespace mbd::beam {
 

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "elements/beam/beam_iterated.hpp"
+#include "elements/iterated_beams.hpp"
 #include "libmbd/core/system.hpp"
 #include "solvers/newton/report.hpp"
 
