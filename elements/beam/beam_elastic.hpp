@@ -250,7 +250,7 @@ struct Elastic {
     }
   }
 
-  // out.K = d(B^T S)/dU at fixed S of the resultants S - D E, S_i in place of S_i where the geometry varies.
+  // out.K = d(B^T R)/dU at fixed R, the resultants S - D E.
   static void geometric_stiffness(const Shared& shared, const Data& data,
                                   const NodeState<double>* x, const Vec6* difference,
                                   Output<double>& out) {

@@ -51,9 +51,7 @@ std::shared_ptr<const schema::SectionPointReading> SectionPoints::of(const Scene
   } catch (const Error& error) {
     fail(record, error.what());
   }
-  const section::Mesh& mesh = field->mesh();
-  const section::MeshMaterial& material = mesh.materials[static_cast<std::size_t>(
-      mesh.elements[static_cast<std::size_t>(at.element)].material)];
+  const section::MeshMaterial& material = field->mesh().material_of(at.element);
   auto reading = std::make_shared<schema::SectionPointReading>();
   reading->strain = at.influence.strain;
   reading->stress = at.influence.stress;

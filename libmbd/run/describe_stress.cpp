@@ -64,9 +64,7 @@ struct Points {
     });
   }
   const section::MeshMaterial& material(std::size_t i) const {
-    const section::Mesh& mesh = field.mesh();
-    return mesh.materials[static_cast<std::size_t>(
-        mesh.elements[static_cast<std::size_t>(element[i])].material)];
+    return field.mesh().material_of(element[i]);
   }
   // The largest of each measure, and where: no points for those that are of no material.
   struct Found {
@@ -206,9 +204,7 @@ PointStress describe_point(const Scene& scene, const std::string& section,
                      at.influence.stress * load.resultants,
                      at.influence.strain * load.resultants,
                      {}};
-  const section::Mesh& mesh = field->mesh();
-  const section::MeshMaterial& material = mesh.materials[static_cast<std::size_t>(
-      mesh.elements[static_cast<std::size_t>(at.element)].material)];
+  const section::MeshMaterial& material = field->mesh().material_of(at.element);
   for (const Measure& measure : measures)
     if (measure.unit.empty() && measure.is_of(material))
       result.indices.emplace_back(measure.name, measure.value(material, result.stress));

@@ -44,6 +44,11 @@ struct Mesh {
   std::vector<Point> nodes;
   std::vector<Element> elements;
   std::vector<MeshMaterial> materials;
+
+  const MeshMaterial& material_of(int element) const {
+    return materials[static_cast<std::size_t>(
+        elements[static_cast<std::size_t>(element)].material)];
+  }
 };
 
 }  // namespace mbd::section

@@ -24,7 +24,7 @@ constexpr double loosest = 1e-6;
 constexpr Index usual_restarts = 30, most_restarts = 1000;
 constexpr double tiny = 1e-4;     // |l| that is not well seen, of the shift
 constexpr double unseen = 1e-14;  // share of what cancels in K that is round-off
-// Of what cancels, as seen on cantilevers of up to 4000 elements: at most; mostly a tenth.
+// Of what cancels: the most that was seen on cantilevers of 139 to 4000 elements, down to a thirtieth of it.
 constexpr double share_lost = 5e-17;
 constexpr int most_starts = 40;
 

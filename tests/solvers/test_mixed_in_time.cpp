@@ -17,6 +17,7 @@
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/time/kept_resultants.hpp"
 #include "tests/support/dense_solver.hpp"
+#include "tests/support/increments.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/stepping.hpp"
@@ -66,21 +67,8 @@ Bent bent(const Law& law, const Mat6& D, std::uint64_t seed) {
   Bent b{compile(scene), {}};
   b.state = b.model.initial;
   Rng rng(seed);
-  for (std::size_t n = 1; n < b.state.pose.size(); ++n) {
-    Pose<double>& H = b.state.pose[n];
-    H = H * exp_se3<double>(random_vector<6>(rng, 0.15));
-    renormalize(H);
-  }
+  move_at_random(b.state, rng, 0.15);
   return b;
-}
-State moved(const System& system, State state, const VecX& x, double by) {
-  retract(system, state, x, by);
-  return state;
-}
-VecX random_increment(const System& system, Rng& rng) {
-  VecX x(system.unknowns());
-  for (Index i = 0; i < x.size(); ++i) x(i) = uniform(rng, -1.0, 1.0);
-  return x;
 }
 // Of an element and a point.
 Vec6 one_of(const std::vector<double>& numbers, const Law& law, int element, int point) {
@@ -155,7 +143,7 @@ TEST(KeptResultants, ResidualIsThatOfTheSaddle) {
     KeptResultants::Iterate ahead = at;
     kept.advance(x, ahead);
 
-    const State other = moved(system, b.state, random_increment(system, rng), 0.1);
+    const State other = moved_by(system, b.state, random_increment(system, rng), 0.1);
     const std::vector<double> DE0 = at.DE;
     of(c.system()).set(other, at.S);
     kept.residual(other, at, r);
@@ -198,7 +186,7 @@ TEST(KeptResultants, TangentIsTheDerivativeOfTheMixedResidual) {
     const double h = 2e-3, weights[] = {3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0};
     for (int k = 1; k <= 3; ++k)
       for (const double sign : {1.0, -1.0}) {
-        kept.residual(moved(system, b.state, x, sign * k * h), at, r);
+        kept.residual(moved_by(system, b.state, x, sign * k * h), at, r);
         rate += sign * weights[k - 1] / h * r.tail(x.size());
       }
     worst.add((solver.matrix() * x - U * rate).norm() / rate.norm(), law.name());
@@ -337,7 +325,7 @@ TEST(KeptResultants, RateIsQuadratic) {
     system.residual(b.model.initial, forces);
     VecX x = VecX::Zero(system.unknowns());
     for (Index i = 6; i < x.size(); ++i) x(i) = uniform(rng, -0.02, 0.02);
-    State state = moved(system, b.model.initial, x, 1.0);
+    State state = moved_by(system, b.model.initial, x, 1.0);
     kept.set(b.model.initial, at.S);
     double last = 0.0;
     int k = 0;

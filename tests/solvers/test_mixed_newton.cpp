@@ -17,6 +17,7 @@
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/statics/statics.hpp"
 #include "tests/support/dense_solver.hpp"
+#include "tests/support/increments.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
@@ -81,21 +82,8 @@ Bent bent(const Law& law, const Mat6& D, Rng& rng) {
   scene.sections.front().stiffness = D;
   Bent b{compile(scene), {}};
   b.state = b.model.initial;
-  for (std::size_t n = 1; n < b.state.pose.size(); ++n) {
-    Pose<double>& H = b.state.pose[n];
-    H = H * exp_se3<double>(random_vector<6>(rng, 0.3));
-    renormalize(H);
-  }
+  move_at_random(b.state, rng, 0.3);
   return b;
-}
-State moved(const System& system, State state, const VecX& x, double by) {
-  retract(system, state, x, by);
-  return state;
-}
-VecX random_increment(const System& system, Rng& rng) {
-  VecX x(system.unknowns());
-  for (Index i = 0; i < x.size(); ++i) x(i) = uniform(rng, -1.0, 1.0);
-  return x;
 }
 Eigen::MatrixXd mixed_tangent(const Bent& b, const Resultants& S, VecX* residual = nullptr) {
   DenseSolver solver;
@@ -131,7 +119,7 @@ TEST(LinearizedResultants, AreTheDerivative) {
     const double h = 5e-3, weights[] = {3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0};
     for (int k = 1; k <= 3; ++k)
       for (const double sign : {1.0, -1.0}) {
-        b.system().linearized_resultants(moved(b.system(), b.state, x, sign * k * h), {}, at);
+        b.system().linearized_resultants(moved_by(b.system(), b.state, x, sign * k * h), {}, at);
         rate += sign * weights[k - 1] / h * flat(at);
       }
     worst.add((flat(ahead) - flat(here) - rate).norm() / rate.norm(), law.name);
@@ -174,7 +162,7 @@ TEST(MixedTangent, IsThatOfTheSaddle) {
     const auto product = [&](double along_x, double along_y) {  // S.E, first y and then x
       Resultants DE;
       b.system().linearized_resultants(
-          moved(b.system(), moved(b.system(), b.state, x, along_x), y, along_y), {}, DE);
+          moved_by(b.system(), moved_by(b.system(), b.state, x, along_x), y, along_y), {}, DE);
       return weighted(S_other, DE);
     };
     const auto mixed_difference = [&](double h) {

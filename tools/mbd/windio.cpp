@@ -94,14 +94,18 @@ std::vector<double> grid_of(const Node& node) {
 
 // ---- what is given over a grid ----------------------------------------------------------------
 
+// The last point of a grid that is not behind x, which is not before the first.
+std::size_t last_before(const std::vector<double>& grid, double x) {
+  return static_cast<std::size_t>(std::ranges::upper_bound(grid, x) - grid.begin()) - 1;
+}
+// The interval that x lies in.
+std::size_t interval_of(const std::vector<double>& grid, double x) {
+  return std::min(last_before(grid, x), grid.size() - 2);
+}
+
 struct Distribution {
   std::vector<double> grid, values;
 
-  std::size_t interval(double x) const {
-    const auto behind = std::ranges::upper_bound(grid, x);
-    const auto i = std::max<std::ptrdiff_t>(behind - grid.begin() - 1, 0);
-    return std::min(static_cast<std::size_t>(i), grid.size() - 2);
-  }
   double slope(std::size_t i) const {
     return (values[i + 1] - values[i]) / (grid[i + 1] - grid[i]);
   }
@@ -125,15 +129,11 @@ struct Distribution {
   }
   // Piecewise cubic and monotone between the points, as windIO recommends for what is smooth.
   double smooth(double x) const {
-    const std::size_t i = interval(x);
+    const std::size_t i = interval_of(grid, x);
     const double h = grid[i + 1] - grid[i], t = (x - grid[i]) / h;
     const double a = h * derivative(i), b = h * derivative(i + 1);
     return values[i] + t * (a + t * ((3.0 * (values[i + 1] - values[i]) - 2.0 * a - b) +
                                      t * (a + b - 2.0 * (values[i + 1] - values[i]))));
-  }
-  double linear(double x) const {
-    const std::size_t i = interval(x);
-    return values[i] + (x - grid[i]) * slope(i);
   }
 };
 
@@ -164,17 +164,11 @@ struct Matrices {
   std::vector<Source> sources;
 
   Mat6 at(double x) const {
-    const auto behind = std::ranges::upper_bound(grid, x);
-    const auto i = static_cast<std::size_t>(
-        std::clamp<std::ptrdiff_t>(behind - grid.begin() - 1, 0, std::ssize(grid) - 2));
+    const std::size_t i = interval_of(grid, x);
     const double t = (x - grid[i]) / (grid[i + 1] - grid[i]);
     return (1.0 - t) * values[i] + t * values[i + 1];
   }
-  Source source(double x) const {
-    const auto behind = std::ranges::upper_bound(grid, x);
-    return sources[static_cast<std::size_t>(
-        std::max<std::ptrdiff_t>(behind - grid.begin() - 1, 0))];
-  }
+  Source source(double x) const { return sources[last_before(grid, x)]; }
 };
 
 struct Blade {
