@@ -34,10 +34,11 @@ class AccuracyCommand : public testing::Test {
   const fs::path out_ = directory_.path();
 };
 
+// The run with the least error is advised whatever it costs: noise of milliseconds does not choose.
 TEST_F(AccuracyCommand, WritesPagePicturesAndData) {
   const Ended ended =
       run({model("pendulum"), "--quantity", "bob.position", "--vary", "method=radau",
-           "tolerance=1e-3:1e-5", "--budget", "1e6", "--refinements", "6"});
+           "tolerance=1e-2:1e-4", "--budget", "1e6", "--refinements", "6"});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_EQ(ended.err, "");
   EXPECT_NE(ended.out.find("bob.position to 1e-5: radau, tolerance"), std::string::npos)
