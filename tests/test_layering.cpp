@@ -120,6 +120,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"tinyxml2.h", {"libmbd/language/"}, true, true},
       {"udunits2.h", {"libmbd/language/"}, true, true},
       {"hdf5.h", {"libmbd/view/"}, true, true},
+      {"assimp/", {"libmbd/material/"}, true, true},
       {"zlib.h", {"libmbd/view/"}, true, false},
       {"klu.h", {"solvers/linear/"}, true, true},
       {"suitesparse/klu.h", {"solvers/linear/"}, true, true},

@@ -29,6 +29,7 @@
 #include "libmbd/language/check_scene.hpp"
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
+#include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
 #include "libmbd/scene/reference_line.hpp"
@@ -482,6 +483,7 @@ class Compiler {
     stop::check();
     const std::string who = label(body);
     const Mat3& I = body.inertia;
+    const MassProperties& is = masses_of_.emplace(body.name, mass_properties(body)).first->second;
     if (!(I - I.transpose()).isZero(1e-12 * (I.norm() + 1e-300)))
       throw Error(body.source,
                   who + ": inertia is not symmetric; it must be a matrix xx yy zz xy xz yz");
@@ -503,9 +505,9 @@ class Compiler {
                       who, principal(0), principal(1), principal(2)));
     if (body.attached_to) return;
     include(body.at);
-    include(body.at + body.orientation * body.center);
+    include(body.at + body.orientation * is.center);
     const Pose<double> pose = make_pose(body.orientation, body.at);
-    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+    const Mat6 M = rigid_mass(is.mass, is.center, is.inertia);
     if (const RigidScene* const rigid = rigid_of(body.name)) {
       const int node = rigid_nodes_.at(rigid);
       masses_[static_cast<std::size_t>(node)] +=
@@ -545,15 +547,17 @@ class Compiler {
     stop::check();
     const Place& to = *body.attached_to;
     const Attachment at = find(to, body.source, label(body));
-    if (at.node == 0)
+    if (at.node == 0 && body.shapes.empty())
       throw Error(body.source, label(body) +
                                    ": attached_to: on the ground it does nothing; leave "
-                                   "the body out");
-    include(at.pose * body.center);
-    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+                                   "the body out, or give it a <shape> to be seen");
+    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid, at.is_fused};
+    if (at.node == 0) return;
+    const MassProperties& is = masses_of_.at(body.name);
+    include(at.pose * is.center);
+    const Mat6 M = rigid_mass(is.mass, is.center, is.inertia);
     masses_[static_cast<std::size_t>(at.node)] +=
         at.is_offset() ? transformed_mass(M, frame_of(at)) : M;
-    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid, at.is_fused};
   }
 
   void add_point_mass(const PointMassScene& point) {
@@ -639,9 +643,8 @@ class Compiler {
   // Diameter of gyration of bodies about their own mass centre, which have no other size; 1 m of points.
   double largest_gyration() const {
     double most = 0.0;
-    for (const BodyScene& body : scene_.bodies)
-      if (body.mass > 0.0)
-        most = std::max(most, 2.0 * std::sqrt(0.5 * body.inertia.trace() / body.mass));
+    for (const auto& [name, is] : masses_of_)
+      if (is.mass > 0.0) most = std::max(most, 2.0 * std::sqrt(0.5 * is.inertia.trace() / is.mass));
     return most > 0.0 ? most : 1.0;
   }
 
@@ -834,6 +837,11 @@ class Compiler {
     std::vector<std::string> known;
     for (const BodyScene& body : scene_.bodies) {
       const Attachment& at = body_nodes_.at(body.name);
+      if (body.name == name && at.node == 0)
+        throw Error(body.source,
+                    fmt::format("{}: a force of the program acts on it, and it is on the "
+                                "ground",
+                                label(body)));
       if (body.name == name) return {{at.node, frame_of(at)}};
       known.push_back(body.name);
     }
@@ -1147,6 +1155,7 @@ class Compiler {
   std::map<int, Mat6> mass_damping_;  // by node, of those that have any [kg/s, kg.m/s, kg.m2/s]
   std::vector<CompiledBeam> beams_;
   std::map<std::string, Attachment> body_nodes_;
+  std::map<std::string, MassProperties> masses_of_;  // of bodies
   std::map<const RigidScene*, int> rigid_nodes_;
   std::unordered_map<std::string_view, const RigidScene*> rigids_;  // by the names of their parts
   std::unordered_map<std::string_view, std::size_t> beam_of_;       // in beams_, by name

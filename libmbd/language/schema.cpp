@@ -158,7 +158,8 @@ std::vector<Attribute> of(const JointKind& kind) {
 constexpr std::string_view order =
     "mbd parameter include defaults material layup ply section station stiffness mass damping tube "
     "bar rectangle box I C beam arc curve point "
-    "body drive motion load distributed rigid point_mass spring bushing matrix law joint_spring "
+    "body shape drive motion load distributed rigid point_mass spring bushing matrix law "
+    "joint_spring "
     "joint_torque table drag added_mass base_motion gravity static path mark stop transient record "
     "motion_output plot expect repeat";
 
@@ -227,6 +228,7 @@ const std::vector<Element>& table() {
         beam_element(Arc{}),
         beam_element(Curve{}),
         element_of<CurvePoint>("curve repeat defaults"),
+        element_of<ShapeScene>("body beam arc curve defaults"),
         {"matrix",
          "bushing",
          "Its stiffness or damping, symmetric, in place of the attributes: row by row, "

@@ -18,6 +18,7 @@
 #include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/stop.hpp"
+#include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/pictures/shapes.hpp"
 #include "libmbd/results/build_facts.hpp"
@@ -432,8 +433,11 @@ class Run {
               scene_.statics ? "static" : "path", mechanism.freedoms(),
               mechanism.freedoms() == 1 ? "" : "s", failure,
               driven ? "" : "; hold them by joints or springs, start nearer to an equilibrium"));
+    const auto has_both = [](const MassProperties& is) {
+      return is.mass > 0.0 && is.inertia.determinant() > 0.0;
+    };
     for (const BodyScene& body : scene_.bodies)
-      if (!(body.mass > 0.0 && body.inertia.determinant() > 0.0) &&
+      if (!has_both(mass_properties(body)) &&
           failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
         throw Error(body.source, label(body) +
                                      ": its acceleration at the start is not determined: it lacks "

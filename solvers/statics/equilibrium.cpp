@@ -230,7 +230,12 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
         return false;
       }
       if (options.line_search) system.linearized_resultants(state, {}, S);
-      if (neutral != nullptr) *neutral = std::move(free);
+      if (neutral != nullptr && free.count() > 0) {
+        // Off the equilibrium a motion that is neutral at it has some stiffness, of the order of the residual.
+        NeutralMotions there = find_neutral_motions(system, solver, state, S);
+        ++counters.factorizations;
+        *neutral = there.count() >= free.count() ? std::move(there) : std::move(free);
+      }
       return true;
     }
     previous = e;

@@ -286,7 +286,7 @@ TEST_F(Grammar, RefusesWhatIsWrong) {
       {"<curve name='c' section='s' normal='0 0 1'><repeat count='2'>" + bar +
            "/></repeat></curve>",
        "'beam'"},
-      {bar + "><point at='0 0 0'/></beam>", "'beam'"},
+      {bar + "><point at='0 0 0'/></beam>", "'point'"},
       {"some text", "'mbd'"},
       {"<static>text</static>", "'static'"},
   };

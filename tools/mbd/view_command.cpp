@@ -475,10 +475,10 @@ void add_view_command(CLI::App& app, int& status) {
               "VIEW");
   text_option("--pixels", arguments->pixels, "width and height of pictures; default: 960x600",
               "WxH");
-  text_option(
-      "--colour", arguments->colour,
-      "colour of beams: displacement, velocity, N, Q, T (torque) or M (bending), with a legend",
-      "QUANTITY");
+  text_option("--colour", arguments->colour,
+              "colour of beams: displacement, velocity, N, Q, T (torque), M (bending) or energy "
+              "(strain energy per length), with a legend",
+              "QUANTITY");
   text_option("--scale", arguments->scale, "displacements times this number; default: 1", "F");
   text_option(
       "--seconds", arguments->seconds,

@@ -20,10 +20,10 @@
 namespace mbd {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+constexpr double turn = 2.0 * std::numbers::pi;
 constexpr std::array<int, 4> tried{8, 16, 32, 64};  // harmonics
 constexpr double resolved = 1e-8;                   // tail of the motion
-constexpr double seen = 1e-6;                       // tail of a small motion that is shown
+constexpr double shown = 1e-6;                      // tail of a small motion that is shown
 constexpr int most_exponents = 256;
 constexpr Index most_unknowns =
     10000;  // for which more harmonics are tried: all instants are coupled
@@ -41,8 +41,7 @@ void check_period(const Scene& scene, const System& system, const State& state, 
     for (std::size_t k = 0; k < a.signals.size(); ++k) {
       const SignalValue &x = a.signals[k], &y = b.signals[k];
       double change = y.f - x.f;
-      if (system.signal_use(k) == SignalUse::drive)
-        change -= 2.0 * pi * std::round(change / (2.0 * pi));
+      if (system.signal_use(k) == SignalUse::drive) change -= turn * std::round(change / turn);
       const double size = std::max({1.0, std::abs(x.f), std::abs(y.f)}),
                    rate = std::max(std::abs(x.fdot), std::abs(y.fdot)) * period;
       if (!(std::abs(change) <= same * std::max(size, rate)) ||
@@ -104,7 +103,7 @@ FloquetStudy study_from_run(const Scene& given, const FloquetOptions& options,
 
   std::unique_ptr<PeriodicMotion> motion;
   FloquetFound found;
-  const auto is_seen = [](const FloquetMode& mode) { return mode.tail < seen; };
+  const auto is_seen = [](const FloquetMode& mode) { return mode.tail < shown; };
   for (const int h : harmonics) {
     if (motion != nullptr && (2 * h + 1) * system.unknowns() > most_unknowns) break;
     auto next = std::make_unique<PeriodicMotion>(system, study.begin, options.period, h);
@@ -244,7 +243,7 @@ std::string to_text(const FloquetStudy& study) {
     rows.push_back({std::to_string(i + 1), fmt::format("{:.9g}", std::abs(mode.multiplier)),
                     fmt::format("{:.6g} {:+.6g}i", mode.multiplier.real(), mode.multiplier.imag()),
                     fmt::format("{:.6g}", mode.exponent.real()),
-                    fmt::format("{:.8g}", mode.frequency / (2.0 * pi)), mode.most});
+                    fmt::format("{:.8g}", mode.frequency / turn), mode.most});
   }
   study::table(text, rows);
   for (const std::string& note : study.notes) text += "\nnote: " + note + "\n";
@@ -260,8 +259,8 @@ std::string to_csv(const FloquetStudy& study) {
     const NamedFloquetMode& mode = study.modes[i];
     text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{:.3g},{}\n", i + 1,
                         mode.exponent.real(), mode.exponent.imag(), mode.multiplier.real(),
-                        mode.multiplier.imag(), mode.frequency / (2.0 * pi), mode.tail,
-                        mode.residual, study::csv_cell(mode.most));
+                        mode.multiplier.imag(), mode.frequency / turn, mode.tail, mode.residual,
+                        study::csv_cell(mode.most));
   }
   return text;
 }

@@ -24,7 +24,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double pi = std::numbers::pi;
 constexpr double most_of_it = 0.9;   // of the kinetic energy: a mode is named after it
 constexpr double part_of_it = 0.05;  // and what else is named
 constexpr double across = 0.1;       // of the kinetic energy, across the axis: orbits are looked at
@@ -303,11 +302,13 @@ void MotionsOfScene::write_motion(const Mode& mode, const std::filesystem::path&
   const MotionBlocks blocks = motion_blocks(model_);
   MotionWriter writer(file, drawing(scene_, model_), blocks);
   std::vector<double> row(blocks.size());
-  const double omega = mode.eigenvalue.imag(), period = omega > 0.0 ? 2.0 * pi / omega : 1.0;
+  const double omega = mode.eigenvalue.imag(),
+               period = omega > 0.0 ? 2.0 * std::numbers::pi / omega : 1.0;
   for (int k = 0; k <= frames; ++k) {
     const double share = static_cast<double>(k) / frames;
     const Complex factor =
-        amplitude * (omega > 0.0 ? std::polar(1.0, 2.0 * pi * share) : Complex(share));
+        amplitude *
+        (omega > 0.0 ? std::polar(1.0, 2.0 * std::numbers::pi * share) : Complex(share));
     State state = state_;
     state.t = share * period;
     for (std::size_t n = 1; n < state.pose.size(); ++n) {
