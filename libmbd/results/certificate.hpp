@@ -68,6 +68,7 @@ struct Certificate {
   std::vector<Check> checks;
   bool certified = false;  // with the dear ones
 
+  void add(Check check);         // bounded_check() of it
   Verdict verdict() const;       // the worst
   const Check* culprit() const;  // the first of the worst; nullptr if all pass
   // What a verdict is about, and what it says nothing of: short phrases.
@@ -102,6 +103,7 @@ class Audit {
       if (v > value || v != v) *this = {v, t, r};
     }
   };
+
   // Momentum, or its moment about x, of a part, against its impulse since the account was opened.
   struct Account {
     Vec3 begin = Vec3::Zero(), impulse = Vec3::Zero();
@@ -114,6 +116,7 @@ class Audit {
     Vec6 rate = Vec6::Zero();
     double forces = 0.0, moments = 0.0;
   };
+
   struct Kept {
     Vec3 point = Vec3::Zero();  // x, of a part that is held
     Account linear, angular;
@@ -124,6 +127,9 @@ class Audit {
   void outside(const State& state, std::vector<Outside>& all) const;
   void add_momenta(Certificate& all) const;
   double reciprocal_condition(double h) const;
+  void add_energy(Certificate& all) const;
+  void add_constraints(Certificate& all) const;
+  void add_steps(Certificate& all, const RunReport& report) const;
   void add_motion(Certificate& all, const RunReport& report) const;
   void add_equilibrium(Certificate& all, const RunReport& report) const;
   void add_round_off(Certificate& all) const;

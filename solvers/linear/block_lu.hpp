@@ -35,10 +35,12 @@ struct BlockLuPlan {
         first_target;  // D_j; then L_ij and U_ji in the order of `rows`; in a front: not used
     bool merged;
   };
+
   struct Row {
     std::size_t offset;  // of L_ij, in doubles
     int pivot;
   };
+
   // A block of A, and its place in one of the factors.
   struct Piece {
     Index source;
@@ -47,6 +49,7 @@ struct BlockLuPlan {
     std::int8_t rows, columns;
     std::int8_t place_row, place_column;
   };
+
   // D_ij -= L_ip U_pj: places of L_ip and L_jp in units of registers, columns of both.
   struct Update {
     std::uint32_t left, right;
@@ -70,6 +73,17 @@ struct BlockLuPlan {
   int n = 0;
 
   BlockLuPlan(const BlockColumns& A, const Elimination& elimination);
+
+ private:
+  // `front_of`: by pivot, or -1. Returns the number of targets outside of fronts.
+  std::size_t lay_out_pivots(const Elimination& elimination, const std::vector<int>& front_of);
+  void lay_out_unknowns(const BlockColumns& A, const Elimination& elimination);
+  // Where a block of A belongs: twice its target, and one more for the transposed part.
+  std::size_t part_of(int row, int column, const Elimination& elimination,
+                      const std::vector<int>& front_of) const;
+  void sort_pieces(const BlockColumns& A, const Elimination& elimination,
+                   const std::vector<int>& front_of, std::size_t targets);
+  void sort_updates(const std::vector<int>& front_of, std::size_t targets);
 };
 
 // Of a symmetric matrix, by its pivots: Sylvester's law of inertia (Haynsworth 1968).
