@@ -172,7 +172,6 @@ class Compiler {
     int node;
     Pose<double> frame{};
   };
-
   Made make_node(int group, const std::string& name, const Pose<double>& H) {
     int* const shared = group < 0 ? nullptr : &group_nodes_[static_cast<std::size_t>(group)];
     if (shared != nullptr && *shared >= 0) return {*shared, frame_in(*shared, H)};
@@ -474,21 +473,18 @@ class Compiler {
   static bool is_boundary(const CompiledBeam& beam, double s) {
     return std::abs(beam.boundaries[boundary_at(beam, s)] - s) < same_parameter;
   }
-
   // The element in which s lies, of those between the boundaries.
   static std::size_t element_at(const CompiledBeam& beam, double s) {
     std::size_t e = 0;
     while (e + 2 < beam.boundaries.size() && beam.boundaries[e + 1] < s) ++e;
     return e;
   }
-
   static ElementPlace within(const CompiledBeam& beam, std::size_t e, double s) {
     ElementPlace place = beam.ends[e].back();
     const double s0 = beam.boundaries[e], s1 = beam.boundaries[e + 1];
     place.xi = 2.0 * (s - s0) / (s1 - s0) - 1.0;
     return place;
   }
-
   // The node of a flexible beam at s; nullptr where there is none.
   static const BeamNode* node_at(const CompiledBeam& beam, double s) {
     for (const BeamNode& node : beam.nodes)

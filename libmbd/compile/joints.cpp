@@ -105,7 +105,6 @@ void JointCompiler::add_all() {
       throw Error(d.source, fmt::format("drive: there is no joint \"{}\"{}", excerpt(d.joint),
                                         suggest(d.joint, names, "joints")));
   }
-
   for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
     const JointScene& j = scene_.joints[i];
     if (is_fused_(i)) {
@@ -305,7 +304,6 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
                               jump.size, jump.t));
     }
   }
-
   // The scene is drawn where the law starts; without a transient the value at t = 0 grows from nothing.
   const double nothing = 1e-12 * (what == "displacement" ? length_ : 1.0);
   if (const double start = signal(0.0, Side::right, system_.initial_inputs()).f;
@@ -378,7 +376,6 @@ void JointCompiler::add_motion(const MotionScene& m) {
       signals[i] = add_law(components[i], is_rate, m.source, who, what);
     return signals;
   };
-
   const auto hold = [&](std::string_view type, const Mat3& R, const std::array<int, 3>& signals) {
     prescribe(m, at.node, type, R, at.pose.r, signals);
   };

@@ -60,7 +60,6 @@ class JointCompiler {
     std::string what;
     std::string why_none;  // why there is nothing to read; empty if there is
   };
-
   struct Added {
     const joint::AnyJointBatch* batch;
     Index index;

@@ -72,7 +72,6 @@ load::Signals Loads::signals(const LoadScene& load, int node, std::string_view k
     return said(load.source, fmt::format("{} on {}: {}{} {}", label(load), system_.node_name(node),
                                          kind, of, i + 1));
   };
-
   for (std::size_t i = 0; i < 3; ++i) {
     if (force) result[i] = signal((*force)[i], name("force", i));
     if (moment) result[3 + i] = signal((*moment)[i], name("moment", i));
@@ -107,7 +106,6 @@ void Loads::add(const LoadScene& load) {
   const auto in_node = [&](const Components& laws) {
     return laws && !is_unturned(frame) ? Components(turned_law(*laws, frame.R())) : laws;
   };
-
   add_follower(
       signals(load, node, "follower_", in_node(load.follower_force), in_node(load.follower_moment)),
       1.0, offset, node);

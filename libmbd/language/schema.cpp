@@ -406,7 +406,6 @@ std::string usual_word(std::string_view word) {
     std::string_view word, instead;
     bool absent = false;
   };
-
   static constexpr Usual table[] = {
       {"clamp", "write <fixed between=\"ground beam.start\" …/>"},
       {"weld", "write <fixed …/>"},

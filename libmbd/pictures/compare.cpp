@@ -39,7 +39,6 @@ std::vector<std::size_t> chosen_here(const History& here, const History& other,
     for (std::size_t i = 1; i < here.columns.size(); ++i) chosen.push_back(i);
     return chosen;
   }
-
   for (const std::string& name : names) {
     try {
       for (const std::size_t i : choose_columns(here, {&name, 1}))
@@ -305,7 +304,6 @@ std::string overlay_svg(const Comparison& comparison, const History& first, cons
     for (std::size_t row = 0; row < history.rows(); ++row)
       curve.trace.add({history.values[0][row], history.values[column][row]});
   };
-
   for (const auto& place : made.places) {
     plot::Panel& panel = made.panels[place.panel];
     plot::Curve& curve = panel.curves[place.curve];

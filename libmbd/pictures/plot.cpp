@@ -252,12 +252,10 @@ class Path {
     begin_ = true;
     add(p);
   }
-
   void line(Point p) {
     if (!run_.empty() && std::floor(2.0 * p[0]) != std::floor(2.0 * run_[0][0])) finish();
     add(p);
   }
-
   std::string take() {
     finish();
     return std::move(text_);
@@ -406,7 +404,6 @@ std::vector<bool> marked_curves(const Panel& panel) {
     most = std::max(most, sizes.back());
     styles_differ = styles_differ || &style_of(panel, i) != &style_of(panel, 0);
   }
-
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const bool nothing = styles_differ && sizes[i] <= round_off * most;
     const bool few = panel.curves[i].trace.points().size() <= few_points;
@@ -457,7 +454,6 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
       if (area.shows(points[i])) svg += marker_of(curve, style, to_picture(points[i]), i);
     return;
   }
-
   // Each curve has its own phase, so that markers of curves that coincide stand side by side.
   const auto curves = static_cast<double>(panel.curves.size());
   const double phase = (static_cast<double>(number) + 0.5) / curves;
@@ -670,14 +666,12 @@ double draw_head(std::string& svg, const Panel& panel, const Head& head,
     }
     top += line_height;
   }
-
   for (const Level& level : panel.levels) {
     svg += level_line(legend_x, legend_x + legend_line - 8.0, top - 4.0);
     svg += text_at(legend_x + legend_line, top + 4.0, "start",
                    shortened(level.text, text_width - legend_line));
     top += line_height;
   }
-
   for (const std::string& line : head.y_label) {
     svg += text_at(at_x + 24.0, top + 4.0, "start", line);
     top += line_height;
@@ -693,13 +687,11 @@ void draw_grid(std::string& svg, const Area& area, double at_x) {
     svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#000000\"/>\n", at,
                        y0, y0 - 6.0);
   }
-
   for (const double mark : y.between) {
     const double at = area.place_y(mark);
     svg += fmt::format("<path d=\"M{1:.1f},{0:.1f} {2:.1f},{0:.1f}\" stroke=\"#000000\"/>\n", at,
                        x0, x0 + 6.0);
   }
-
   for (std::size_t i = 0; i < x.ticks.size(); ++i) {
     const double at = area.place_x(x.ticks[i]);
     svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#dddddd\"/>\n", at,
@@ -708,7 +700,6 @@ void draw_grid(std::string& svg, const Area& area, double at_x) {
         at_x + panel_width - 4.0 - tick_width(x.labels[i]) / 2;  // inside the picture
     svg += text_at(std::min(at, last), y0 + 26.0, "middle", x.labels[i]);
   }
-
   for (std::size_t i = 0; i < y.ticks.size(); ++i) {
     const double at = area.place_y(y.ticks[i]);
     const bool zero = y.ticks[i] == 0.0;
@@ -766,7 +757,6 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
     svg += text_at(std::max(middle, at_x + panel_width / 2), below, "middle", line);
     below += line_height;
   }
-
   if (head.y_label.empty()) {
     const double middle = (y0 + top) / 2;
     svg += text_at(at_x + beside, middle, "middle", axes.y_label,
@@ -821,7 +811,6 @@ LogTicks make_log_ticks(double min, double max, int wanted) {
   const auto keep = [&](std::vector<double>& list, double value) {
     if (value >= min * (1 - slack) && value <= max * (1 + slack)) list.push_back(value);
   };
-
   if (last - first < 2) {
     const bool powers_only = last - first == 1 && wanted < 5;
     for (int n = first - 1; n <= last; ++n)

@@ -211,7 +211,6 @@ void Audit::outside(const State& given, std::vector<Outside>& all) const {
       all[k].rate.tail<3>() -=
           velocity[k].cross(inertial_wrench<double>(state.pose[n], p_[n]).head<3>());
   }
-
   for (std::size_t c = 0; c < holds_.size(); ++c) {
     if (holds_[c] < 0) continue;
     const ConstraintInfo& info = system_.constraints()[c];
@@ -237,7 +236,6 @@ void Audit::piece(const DenseStep& step) {
     if (known == nullptr) step.at(t, piece_);
     outside(known != nullptr ? *known : piece_, all);
   };
-
   // Where nothing jumped, the end of the piece before is the beginning of this one.
   const double begin = step.begin(), end = step.end();
   const bool simpson = scene_.transient->method != TimeMethod::generalized_alpha;
@@ -289,7 +287,6 @@ void Audit::sample_momenta(const State& state) {
     size[k][0] += p.head<3>().norm();
     size[k][1] += p.tail<3>().norm();
   }
-
   const auto look = [&](Account& account, const Vec3& now, double size_now) {
     if (samples_ == 0) account.begin = now;
     account.size = std::max(account.size, size_now);
@@ -300,7 +297,6 @@ void Audit::sample_momenta(const State& state) {
     account.impulse.setZero();
     account.passed = 0.0;
   };
-
   for (std::size_t k = 0; k < kept_.size(); ++k) {
     look(kept_[k].linear, sum[k].head<3>(), size[k][0]);
     look(kept_[k].angular, sum[k].tail<3>(), size[k][1]);

@@ -103,7 +103,6 @@ class Audit {
       if (v > value || v != v) *this = {v, t, r};
     }
   };
-
   // Momentum, or its moment about x, of a part, against its impulse since the account was opened.
   struct Account {
     Vec3 begin = Vec3::Zero(), impulse = Vec3::Zero();
@@ -116,7 +115,6 @@ class Audit {
     Vec6 rate = Vec6::Zero();
     double forces = 0.0, moments = 0.0;
   };
-
   struct Kept {
     Vec3 point = Vec3::Zero();  // x, of a part that is held
     Account linear, angular;

@@ -75,7 +75,6 @@ class Stopwatch {
     settle(&result);
     return result;
   }
-
   // Adds what has passed to a sum. CPU time is asked for now and then only, which is a call of the system, and divided
   // among sums as wall time is.
   void lap(Seconds& sum) {
@@ -106,7 +105,6 @@ class Stopwatch {
     wall_ = wall;
     return seconds;
   }
-
   // Divides CPU time since the last time, `last` among those who get some of it.
   void settle(Seconds* last) {
     const double cpu = used_cpu(), used = cpu - cpu_;
@@ -165,7 +163,6 @@ void check_directory(const std::filesystem::path& directory) {
   const auto remove = [&] {
     for (const fs::path& path : missing) fs::remove(path, code);  // if empty
   };
-
   try {
     make_directory(directory);
   } catch (const Error&) {
@@ -323,7 +320,6 @@ class Run {
     for (const Column& column : columns_) text += " " + column.name + "[" + column.unit + "]";
     return text;
   }
-
   std::string output_in_words() const {
     const TransientScene& t = *scene_.transient;
     return fmt::format("{:.17g} {:.17g} {} {:.17g}", t.duration, row_interval(t).value_or(0.0),

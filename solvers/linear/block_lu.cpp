@@ -178,7 +178,6 @@ void copy_block(const T* source, int ld, double* target, int stride) {
     }
     x[c].take(there, column);
   }
-
   if constexpr (turned) {
     Lane part[6];
     for (int c = 0; c < 6; ++c) part[c] = x[c].re;
@@ -315,7 +314,6 @@ std::size_t BlockLuPlan::lay_out_pivots(const Elimination& elimination,
     padded += static_cast<std::size_t>(stride);
     targets += front_of[p] < 0 ? 1 + end - begin : 0;
   }
-
   pivots.push_back(
       {0, 0, diagonals, off_diagonals, padded, rows.size(), rows.size(), targets, false});
   return targets;

@@ -35,12 +35,10 @@ struct BlockLuPlan {
         first_target;  // D_j; then L_ij and U_ji in the order of `rows`; in a front: not used
     bool merged;
   };
-
   struct Row {
     std::size_t offset;  // of L_ij, in doubles
     int pivot;
   };
-
   // A block of A, and its place in one of the factors.
   struct Piece {
     Index source;
@@ -49,7 +47,6 @@ struct BlockLuPlan {
     std::int8_t rows, columns;
     std::int8_t place_row, place_column;
   };
-
   // D_ij -= L_ip U_pj: places of L_ip and L_jp in units of registers, columns of both.
   struct Update {
     std::uint32_t left, right;

@@ -79,7 +79,6 @@ class ShiftInvert {
     const Complex root = std::sqrt(shift_ * shift_ - 1.0 / theta);
     return {root, -root};
   }
-
   // x of an eigenvector of T.
   VecXc shape(const VecXc& v) const {
     const Index n = motions_.motions();
@@ -136,7 +135,6 @@ class Deflated {
     project(y);
     Eigen::Map<VecX>(y_out, rows()) = y;
   }
-
   void project(VecX& x) const {
     if (Q_.cols() > 0) x -= Q_ * (Q_.transpose() * x);
   }

@@ -218,7 +218,6 @@ void retract(const System& system, State& state, const VecX& increment, double s
     const double turn = std::abs(scale) * largest_rotation_in(system, increment);
     if (turn > sure && turn < most_followed) pieces = static_cast<int>(std::ceil(turn / sure));
   }
-
   for (int piece = 0; piece < pieces; ++piece) {
     for (Index n = 1; n < nodes; ++n) {
       Pose<double>& H = state.pose[static_cast<std::size_t>(n)];

@@ -94,12 +94,10 @@ Setting reference_setting(const Scene& scene, const std::vector<Row>& rows, bool
     else if (scene.transient)
       finest.tolerance = std::min(finest.tolerance.value_or(1e-5), own.tolerance.value_or(1e-5));
   }
-
   if (finest.order) {
     *finest.order = std::min(8, *finest.order + 2);
     if (!modest) *finest.elements *= 2;
   }
-
   // Fixed steps, where even the coarsest tolerance took too long: an eighth of the smallest, or a quarter.
   if (finest.step && !finest.tolerance) *finest.step /= modest ? 4.0 : 8.0;
   if (finest.tolerance) {

@@ -106,7 +106,6 @@ std::vector<Components> quantities_of(const Scene& scene, const Findings& findin
   const auto add = [&](const std::string& name, bool by_component) {
     add_components(all, findings, std::span(&name, 1), scene.file, by_component);
   };
-
   if (!names.empty()) {
     for (const std::string& name : names) {
       const bool one = std::find(findings.columns.begin(), findings.columns.end(), name) !=
@@ -115,7 +114,6 @@ std::vector<Components> quantities_of(const Scene& scene, const Findings& findin
     }
     return all;
   }
-
   const auto known = [&](const std::string& name) {
     return std::find(findings.columns.begin(), findings.columns.end(), name) !=
            findings.columns.end();
@@ -184,12 +182,10 @@ class Trials {
       text += fmt::format("{}={};", name_of(knob), value_of(setting, knob));
     return text;
   }
-
   static std::string replaced(std::string text) {
     std::replace(text.begin(), text.end(), '\n', ' ');
     return text;
   }
-
   static std::optional<Trial> read(const std::filesystem::path& file, const std::string& key) {
     std::ifstream in(file);
     std::string first;
@@ -227,7 +223,6 @@ std::array<Setting, 2> ways_of(const Scene& scene, int level) {
     b.elements = 2 * *a.elements;
     if (motion) b.form = scene.beams.front().form == Form::energy ? Form::paper : Form::energy;
   }
-
   if (scene.transient) {
     a.method = b.method = TimeMethod::radau;
     // Of one method errors are alike, and their difference is that of the coarser one: not the reference.
@@ -370,7 +365,6 @@ void note_limits(AccuracyStudy& study, const Scene& scene, const Findings& other
         "should move it, and an error of 0 would say nothing");
     return;
   }
-
   for (const Quantity& quantity : study.quantities) {
     if (quantity.until == 0.0)
       study.notes.push_back(fmt::format(
@@ -716,7 +710,6 @@ std::map<std::string, std::vector<Family>> families_of(const AccuracyStudy& stud
       if (other != knob) key += value_of(study.points[i].setting, other) + ";";
     families[key].push_back(i);
   }
-
   for (auto& [key, family] : families) {
     const Setting& setting = study.points[family.front()].setting;
     std::string group;

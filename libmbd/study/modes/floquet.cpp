@@ -249,7 +249,6 @@ FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
   } catch (const Error&) {
     if (options.interrupted != nullptr && *options.interrupted) throw;
   }
-
   study.notes.push_back(
       fmt::format("the run does not lead to this motion: after {} periods it is {:.2g} of the "
                   "scene's size, or rad, away, and Newton's method went there",
