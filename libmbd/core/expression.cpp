@@ -1264,36 +1264,47 @@ double Expression::derivative(std::size_t sensor, double t, Side side,
   return run(t, side, inputs, sensors, {.time = 0.0, .sensor = sensor}).d;
 }
 
-// Where a program is evaluated.
+namespace {
+
+// Where a program is evaluated, and whose derivatives are wanted.
 template <class S>
-struct Expression::Surroundings {
+struct Surroundings {
   S t;
   Side side;
   std::span<const InputValue> inputs;
   std::span<const double> sensors;
-  Seed seed;
+  S seed_of_time;
+  std::size_t seeded;  // sensor
 
   bool is_after(double time) const { return side == Side::right ? t >= S(time) : t > S(time); }
 
-  Taylor<S> input(const Instruction& instruction) const {
+  // What an instruction pushes that is no constant.
+  Taylor<S> pushed(Opcode op, double value, std::size_t place) const {
     constexpr S unknown = std::numeric_limits<S>::quiet_NaN();
-    const auto place = static_cast<std::size_t>(instruction.target);
-    const Taylor<S> u =
-        place < inputs.size() ? inputs[place].at(t) : Taylor<S>{unknown, unknown, unknown};
-    const S rate = S(instruction.value) * S(seed.time);
-    return {S(instruction.value) * u.v, rate * u.d, rate * u.dd};
-  }
-
-  Taylor<S> sensor(std::size_t place) const {
-    return {place < sensors.size() ? S(sensors[place]) : std::numeric_limits<S>::quiet_NaN(),
-            place == seed.sensor ? S(1) : S(0), S(0)};
+    switch (op) {
+      case Opcode::time:
+        return {t, seed_of_time, S(0)};
+      case Opcode::input: {
+        const Taylor<S> u =
+            place < inputs.size() ? inputs[place].at(t) : Taylor<S>{unknown, unknown, unknown};
+        const S rate = S(value) * seed_of_time;
+        return {S(value) * u.v, rate * u.d, rate * u.dd};
+      }
+      case Opcode::sensor:
+        return {place < sensors.size() ? S(sensors[place]) : unknown, place == seeded ? S(1) : S(0),
+                S(0)};
+      default:
+        return {is_after(value) == (op == Opcode::after) ? S(1) : S(0), S(0), S(0)};
+    }
   }
 };
+
+}  // namespace
 
 template <class S>
 Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
                           std::span<const double> sensors, const Seed& seed) const {
-  const Surroundings<S> here{t, side, inputs, sensors, seed};
+  const Surroundings<S> here{t, side, inputs, sensors, S(seed.time), seed.sensor};
   std::array<Taylor<S>, kMaxStack> stack;  // uninitialised; the parser has checked the depth
   std::size_t size = 0;
   for (std::size_t i = 0; i < program_.size(); ++i) {
@@ -1305,17 +1316,27 @@ Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
         stack[size++] = {S(value), S(0), S(0)};
         break;
       case Opcode::time:
-        stack[size++] = {t, S(seed.time), S(0)};
-        break;
       case Opcode::input:
-        stack[size++] = here.input(instruction);
-        break;
       case Opcode::sensor:
-        stack[size++] = here.sensor(static_cast<std::size_t>(instruction.target));
-        break;
       case Opcode::before:
       case Opcode::after:
-        stack[size++] = {here.is_after(value) == (op == Opcode::after) ? S(1) : S(0), S(0), S(0)};
+        stack[size++] = here.pushed(op, value, static_cast<std::size_t>(instruction.target));
+        break;
+      case Opcode::add:
+      case Opcode::subtract:
+      case Opcode::multiply:
+      case Opcode::divide:
+      case Opcode::power:
+      case Opcode::atan2:
+      case Opcode::both:
+      case Opcode::either:
+      case Opcode::less:
+      case Opcode::less_equal:
+      case Opcode::equal:
+      case Opcode::min:
+      case Opcode::max:
+        --size;
+        stack[size - 1] = apply(op, stack[size - 1], stack[size]);
         break;
       case Opcode::power_constant:
         stack[size - 1] = pow(stack[size - 1], S(value));
@@ -1336,9 +1357,7 @@ Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
           i = static_cast<std::size_t>(instruction.target) - 1;
         break;
       default:
-        size -= takes_two(op) ? 1 : 0;
-        stack[size - 1] =
-            takes_two(op) ? apply(op, stack[size - 1], stack[size]) : apply(op, stack[size - 1]);
+        stack[size - 1] = apply(op, stack[size - 1]);
         break;
     }
   }

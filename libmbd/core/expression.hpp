@@ -178,8 +178,6 @@ class Expression {
     std::size_t sensor = static_cast<std::size_t>(-1);
   };
   template <class S>
-  struct Surroundings;
-  template <class S>
   Taylor<S> run(S t, Side side, std::span<const InputValue> inputs, std::span<const double> sensors,
                 const Seed& seed) const;
 

@@ -18,13 +18,6 @@ enum class Opcode : std::uint8_t {
   divide,
   power,
   atan2,
-  both,
-  either,
-  less,  // where nothing is differentiated; min and max, too
-  less_equal,
-  equal,
-  min,
-  max,
   // of one number
   negate,
   power_constant,  // to the exponent `value`
@@ -49,17 +42,22 @@ enum class Opcode : std::uint8_t {
   // conditions
   before,  // push t < value
   after,   // push t > value
+  both,
+  either,
   opposite,
+  less,  // of numbers, where nothing is differentiated
+  less_equal,
+  equal,
   // control
   jump,
   jump_if_false,  // pops the condition
   // of constants, and where nothing is differentiated
   abs,
+  min,
+  max,
   floor,
   ceil,
   round,
 };
-
-constexpr bool takes_two(Opcode op) { return Opcode::add <= op && op <= Opcode::max; }
 
 }  // namespace mbd

@@ -234,12 +234,11 @@ std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotatio
   const double s = std::max({std::abs(rotation.rate),
                              slightly * std::sqrt(motions.stiffness() / motions.mass()), 1e-300});
   const VecX force = random_force(n, length);
-
   VecX first;
   std::vector<VecX> answers;
   double noise = 0.0;  // round-off, of another angle that is nearly the same
-  std::string broken;
   constexpr double hardly = 1e-9;
+  std::string broken;
   for (const double angle : {0.0, 0.7, 0.7 + hardly, -1.1}) {
     Turned turned = turned_by(angle, rotation, axes, state);
     const auto assemble = [&] { return factor_about(motions, rotation, axes, turned.state, s); };

@@ -317,6 +317,13 @@ double OneStep::fitted(double wanted, double rest) {
   return 2.0 * wanted > rest ? 0.5 * rest : wanted;
 }
 
+void OneStep::record_error(double error) {
+  sizes_.worst_error = std::max(sizes_.worst_error, error);
+  sizes_.position_error += error_norm_->position();
+  sizes_.rotation_error += error_norm_->rotation();
+  sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
+}
+
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const double end = std::min(settings_.end, stop_);
@@ -366,10 +373,7 @@ StepReport OneStep::adaptive_step(State& state) {
     if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);
     if (stays_short(h, last, state.t, report)) return report;
     record_size(h, last);
-    sizes_.worst_error = std::max(sizes_.worst_error, report.error);
-    sizes_.position_error += error_norm_->position();
-    sizes_.rotation_error += error_norm_->rotation();
-    sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
+    record_error(report.error);
     take_step(state);
     ++counters_.steps;
     if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))

@@ -122,6 +122,7 @@ class OneStep : public Stepper {
   StepReport fixed_step(State& state);
   StepReport adaptive_step(State& state);
   static double fitted(double wanted, double rest);
+  void record_error(double error);
   // Of a step of h to be tried at t, and of one that was taken: whether that ends the run, and report.failure says why.
   // `unusable`: why it has to end where it does, if a signal is the reason.
   bool is_too_short(double h, double t, const std::string& unusable, StepReport& report) const;
