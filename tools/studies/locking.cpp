@@ -74,19 +74,19 @@ Solution solved(Line line, double slenderness, const std::function<void(BeamScen
   return solve(scene);
 }
 
-struct Reference {
+struct TipReference {
   Vec3 tip;
   double uncertainty;
 };
 
-Reference reference_of(Line line, double slenderness) {
+TipReference reference_of(Line line, double slenderness) {
   const auto best = [](BeamScene& beam) {
     beam.metric = Metric::geodesic;
     beam.form = Form::energy;
   };
   const Solution a = solved(line, slenderness, best, Rule::gauss, 8, 8);
   const Solution b = solved(line, slenderness, best, Rule::gauss, 7, 16);
-  const Reference reference{a.tip(), (b.tip() - a.tip()).norm() / a.tip().norm()};
+  const TipReference reference{a.tip(), (b.tip() - a.tip()).norm() / a.tip().norm()};
   std::printf("locking, %s, slenderness %.3g: reference (%.12g, %.12g), +- %.1e%s\n",
               name_of(line).c_str(), slenderness, reference.tip(0), reference.tip(1),
               reference.uncertainty, a.converged && b.converged ? "" : ", not converged");

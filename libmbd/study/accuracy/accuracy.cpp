@@ -697,12 +697,12 @@ PowerLaw law_through(const AccuracyStudy& study, Knob knob, std::size_t q,
   return fit_power_law(pairs);
 }
 
-using Family = std::vector<std::size_t>;  // of points, as a knob is refined
+using Refinement = std::vector<std::size_t>;  // of points, as a knob is refined
 
 // By all other knobs, in groups of those that differ in numbers only.
-std::map<std::string, std::vector<Family>> families_of(const AccuracyStudy& study, Knob knob) {
-  std::map<std::string, std::vector<Family>> groups;
-  std::map<std::string, Family> families;
+std::map<std::string, std::vector<Refinement>> families_of(const AccuracyStudy& study, Knob knob) {
+  std::map<std::string, std::vector<Refinement>> groups;
+  std::map<std::string, Refinement> families;
   for (std::size_t i = 0; i < study.points.size(); ++i) {
     if (!number_of(study.points[i].setting, knob)) continue;
     std::string key;
@@ -727,18 +727,18 @@ std::map<std::string, std::vector<Family>> families_of(const AccuracyStudy& stud
 }
 
 struct Fall {
-  Family points;
+  Refinement points;
   double fall;  // logarithm
   PowerLaw law;
 };
 
 // Of the families whose errors fall far, the straightest: a fall may also be the chance of errors that cancel.
 std::optional<Fall> straightest_fall(const AccuracyStudy& study, Knob knob, std::size_t q,
-                                     const std::vector<Family>& families) {
+                                     const std::vector<Refinement>& families) {
   std::vector<Fall> candidates;
   double most = 0.0;
-  for (const Family& family : families) {
-    const Family part = falling_part(study, q, family);
+  for (const Refinement& family : families) {
+    const Refinement part = falling_part(study, q, family);
     if (part.size() < 3) continue;
     candidates.push_back({part,
                           std::log(study.points[part.front()].errors[q].rms /
