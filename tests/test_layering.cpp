@@ -378,12 +378,35 @@ bool begins_with(std::string_view head, std::initializer_list<std::string_view> 
                      [&](std::string_view word) { return head.starts_with(word); });
 }
 
+// Lines without what stands in raw strings and behind code as a comment
+std::vector<std::string> code_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  std::string raw_end;  // of the raw string that a line begins in
+  for (std::string line; std::getline(stream, line);) {
+    if (!raw_end.empty()) {
+      const auto end = line.find(raw_end);
+      line.erase(0, end == std::string::npos ? line.size() : end);
+      if (end != std::string::npos) raw_end.clear();
+    }
+    if (const auto raw = line.find("R\"");
+        raw != std::string::npos &&
+        (raw == 0 || std::string_view(" ({").find(line[raw - 1]) != std::string_view::npos)) {
+      const auto open = std::min(line.find('(', raw), line.size());
+      raw_end = ')' + line.substr(raw + 2, open - raw - 2) + '"';
+      if (line.find(raw_end, open) != std::string::npos) raw_end.clear();
+    }
+    line.erase(std::min(line.find("  // "), line.size()));
+    line.erase(line.find_last_not_of(' ') + 1);
+    lines.push_back(line);
+  }
+  return lines;
+}
+
 // Functions of a source in the layout of clang-format (tools/format): what stands in a namespace begins in the first column, what
 // stands in a class two farther in, and a block is closed in the column in which what opens it begins.
 std::vector<Function> functions_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  const std::vector<std::string> lines = code_lines(text);
   const auto column = [](const std::string& line) {
     return std::min(line.find_first_not_of(' '), line.size());
   };
@@ -391,7 +414,7 @@ std::vector<Function> functions_of(const std::string& text) {
   std::size_t level = 0;  // column of what stands in the present namespace or class
   std::string head;       // what has been read of a declaration
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string line = lines[i].substr(0, lines[i].find("  // "));
+    const std::string& line = lines[i];
     const std::size_t at = column(line);
     if (at == line.size() || line[at] == '#' || line.compare(at, 2, "//") == 0) continue;
     if (head.empty() && line[at] == '}') {
@@ -405,12 +428,12 @@ std::vector<Function> functions_of(const std::string& text) {
       level += 2;
     } else if (opens && !begins_with(head, {"namespace", "inline namespace", "extern \"C\""})) {
       const std::size_t begin = i;
-      const auto closes = [&](const std::string& l) {
-        return column(l) == level && l[level] == '}';
-      };
-      while (++i + 1 < lines.size() && !closes(lines[i])) {
-      }
-      if (!head.ends_with("= {") && !begins_with(head, {"enum "}))
+      const auto is_inside = [&](const std::string& l) { return l.empty() || column(l) > level; };
+      while (i + 1 < lines.size() && is_inside(lines[i + 1])) ++i;
+      if (i + 1 < lines.size() && column(lines[i + 1]) == level && lines[i + 1][level] == '}') ++i;
+      if (head.ends_with(") {") || head.ends_with("const {") || head.ends_with("override {") ||
+          head.ends_with("noexcept {") || head.find("-> ") != std::string::npos ||
+          head.find(") : ") != std::string::npos)
         found.push_back({name_in(head), static_cast<std::ptrdiff_t>(begin) + 1,
                          static_cast<std::ptrdiff_t>(i - begin) + 1});
     }
