@@ -358,7 +358,8 @@ struct Function {
 std::string name_in(const std::string& head) {
   const auto end = head.find('(');
   const auto before = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == ':' || c == '~';
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_:~<>").find(c) != std::string_view::npos;
   };
   auto begin = end;
   while (begin != std::string::npos && begin > 0 && before(head[begin - 1])) --begin;
@@ -428,7 +429,9 @@ std::vector<Function> functions_of(const std::string& text) {
       level += 2;
     } else if (opens && !begins_with(head, {"namespace", "inline namespace", "extern \"C\""})) {
       const std::size_t begin = i;
-      const auto is_inside = [&](const std::string& l) { return l.empty() || column(l) > level; };
+      const auto is_inside = [&](const std::string& l) {
+        return l.empty() || l[0] == '#' || column(l) > level;
+      };
       while (i + 1 < lines.size() && is_inside(lines[i + 1])) ++i;
       if (i + 1 < lines.size() && column(lines[i + 1]) == level && lines[i + 1][level] == '}') ++i;
       if (head.ends_with(") {") || head.ends_with("const {") || head.ends_with("override {") ||
