@@ -625,26 +625,16 @@ class Run {
   }
 
   // Which steps of a motion are monitored: some of the fixed ones, or the first that ends after each of equal times.
-  class Monitoring {
-   public:
-    Monitoring(const TransientScene& transient, long steps)
-        : steps_(steps),
-          every_((steps + most_monitored - 1) / most_monitored),
-          pause_(transient.duration / static_cast<double>(most_monitored)),
-          next(pause_) {}
+  struct Monitoring {
+    long steps;  // 0: not fixed
+    double pause, next = pause;
 
     bool includes(long step, double t, bool at_end) {
-      if (steps_ > 0 || t < next) return at_end || (steps_ > 0 && step % every_ == 0);
-      next = pause_ * (std::floor(t / pause_) + 1.0);
+      const long every = (steps + most_monitored - 1) / most_monitored;
+      if (steps > 0 || !(t >= next)) return at_end || (steps > 0 && step % every == 0);
+      next = pause * (std::floor(t / pause) + 1.0);
       return true;
     }
-
-   private:
-    long steps_, every_;  // 0: not fixed
-    double pause_;
-
-   public:
-    double next;  // time
   };
 
   void integrate(State& state) {
@@ -660,7 +650,7 @@ class Run {
     say_balance();
     begin_time_error(asked, state);
     const long steps = transient.step ? number_of_steps(transient) : 0;
-    Monitoring monitoring(transient, steps);
+    Monitoring monitoring{steps, transient.duration / static_cast<double>(most_monitored)};
     bool going = true;
 
     State inside = state;  // where steps are interpolated
@@ -671,18 +661,16 @@ class Run {
       if (rows_inside) write_inside(step, *rows_, inside, going, [&] { return write_row(inside); });
     });
 
-    long done = 0;
     if (from_) {
       going = false;  // rows that restoring shows have been written
       resume(*stepper, state);
-      done = from_->step;
       monitoring.next = from_->monitor_at;
       going = true;
     } else {
       going = start(*stepper, state);
     }
     report_.output += watch_.lap();
-    take_steps(*stepper, state, done, monitoring, going);
+    take_steps(*stepper, state, monitoring, going);
     if (!report_.complete() && report_.rows > 0) monitor(state);
     report_.integration += watch_.lap();
     report_.transient_counters = stepper->counters();
@@ -692,13 +680,14 @@ class Run {
   }
 
   void begin_time_error(const TransientScene& asked, const State& state) {
-    if (options_.estimate_error && every_)
+    if (!options_.estimate_error) return;
+    if (every_) {
       report_.notes.push_back(
           "the error of steps in time is not estimated: the run has checkpoints");
-    if (options_.estimate_error && !every_) {
-      time_error_.emplace(*model_.system, asked);
-      time_error_->start(state);
+      return;
     }
+    time_error_.emplace(*model_.system, asked);
+    time_error_->start(state);
   }
 
   // The first row of a motion. False ends the run.
@@ -734,12 +723,10 @@ class Run {
     return due;
   }
 
-  // All that come after `done`.
-  void take_steps(Stepper& stepper, State& state, long done, Monitoring& monitoring, bool& going) {
-    const TransientScene& transient = *report_.transient;
-    const long steps = transient.step ? number_of_steps(transient) : 0;
+  void take_steps(Stepper& stepper, State& state, Monitoring& monitoring, bool& going) {
+    const long steps = monitoring.steps;
     bool at_end = false;
-    for (long n = done + 1; going && !at_end; ++n) {
+    for (long n = from_ ? from_->step + 1 : 1; going && !at_end; ++n) {
       StepReport step;
       try {
         step = stepper.step(state);
@@ -770,7 +757,7 @@ class Run {
         going = write_frame(state);
       }
       if (options_.progress)
-        options_.progress({state.t, transient.duration, n, steps, step.iterations});
+        options_.progress({state.t, report_.transient->duration, n, steps, step.iterations});
       watch_.lap(report_.output);
       if (going && !at_end) {
         going = !interrupted(state);

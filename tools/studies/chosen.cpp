@@ -192,13 +192,74 @@ Reference judge(const Scene& scene, const ChosenOptions& options, std::vector<Ro
 class Tally {
  public:
   explicit Tally(double limit) : limit_(limit) {}
+
   void add(const ModelCase& model, const std::string& name, const Row& row,
-           const Reference& reference);
-  std::string verdict() const;
-  void write_to(const std::filesystem::path& directory) const;
+           const Reference& reference) {
+    const Choice& choice = row.choice;
+    if (const std::string verdict = judged(row); !verdict.empty())
+      misses_ += fmt::format("- {}, {:.0e} ({}): {}\n", name, row.accuracy, choice.worst, verdict);
+    csv_ << model.name << model.duration << row.accuracy << limit_ << long{choice.met};
+    csv_ << (choice.error ? fmt::format("{:.4g}", *choice.error) : "")
+         << (row.error ? fmt::format("{:.4g}", *row.error) : "") << long{row.below_reference}
+         << reference.error << choice.worst << '"' + row.setting + '"'
+         << static_cast<long>(choice.pilots.size()) << choice.cpu << row.run.cpu
+         << '"' + reference.setting + '"' << '"' + choice.reason + '"';
+    csv_.end_row();
+    table_ += fmt::format("| {} | {:.0e}{} | {} | {}{} | {:.2g} | {:g} | {:.2g} | {} |\n", name,
+                          row.accuracy, choice.met ? "" : ", not met", number(choice.error),
+                          row.below_reference ? "≤ " : "", number(row.error), choice.cpu, limit_,
+                          row.run.cpu, row.setting);
+  }
+
+  std::string verdict() const {
+    return fmt::format(
+        "\n{} cases: requested accuracy met (and true) in {}; claimed and not kept in {}; the "
+        "estimate "
+        "within a factor of {:g} of the true error in {} of {} that the reference can judge.\n",
+        cases_, met_, dishonest_, within, honest_, judged_);
+  }
+
+  void write_to(const std::filesystem::path& directory) const {
+    write(directory, "chosen.csv", csv_.text());
+    write(
+        directory, "chosen.md",
+        "`mbd_study chosen`: rms of the worst recorded quantity over its largest value, requested, "
+        "believed and true (against Radau with a hundredth of the finest tolerance chosen, on "
+        "twice "
+        "the elements of two orders more; where that took too long a tenth, and as many; ≤: not "
+        "told "
+        "from the error of that reference). CPU times.\n\n" +
+            table_ + verdict() + (misses_.empty() ? "" : "\nMisses:\n\n" + misses_));
+  }
 
  private:
-  std::string judged(const Row& row);
+  // Counts a case; in words, what is to be held against it.
+  std::string judged(const Row& row) {
+    const Choice& choice = row.choice;
+    ++cases_;
+    const bool kept = choice.met && row.error && *row.error <= row.accuracy;
+    met_ += kept ? 1 : 0;
+    std::string verdict;
+    if (choice.met && !row.error) verdict = "claimed; no reference in the time there is";
+    if (choice.met && row.error && !kept) {
+      ++dishonest_;
+      verdict = "claimed, and not kept";
+    }
+
+    // Below the reference's own error, and where all is round-off, nothing can be told from the ratio.
+    if (choice.error && row.error && *row.error > 0.0) {
+      const double ratio = *choice.error / *row.error;
+      const bool judgeable = !(row.below_reference && ratio > 1.0) && *choice.error > 1e-11;
+      judged_ += judgeable ? 1 : 0;
+      const bool close = ratio < within && ratio > 1.0 / within;
+      honest_ += judgeable && close ? 1 : 0;
+      if (judgeable && !close)
+        verdict += fmt::format("{}believed {:.2g} times the true error",
+                               verdict.empty() ? "" : "; ", ratio);
+    }
+    if (!choice.met) verdict += (verdict.empty() ? "" : "; ") + choice.reason;
+    return verdict;
+  }
 
   double limit_;
   Csv csv_{
@@ -214,72 +275,6 @@ class Tally {
   std::string misses_;
   int cases_ = 0, met_ = 0, honest_ = 0, judged_ = 0, dishonest_ = 0;
 };
-
-// Counts a case; in words, what is to be held against it.
-std::string Tally::judged(const Row& row) {
-  const Choice& choice = row.choice;
-  ++cases_;
-  const bool kept = choice.met && row.error && *row.error <= row.accuracy;
-  met_ += kept ? 1 : 0;
-  std::string verdict;
-  if (choice.met && !row.error) verdict = "claimed; no reference in the time there is";
-  if (choice.met && row.error && !kept) {
-    ++dishonest_;
-    verdict = "claimed, and not kept";
-  }
-
-  // Below the reference's own error, and where all is round-off, nothing can be told from the ratio.
-  if (choice.error && row.error && *row.error > 0.0) {
-    const double ratio = *choice.error / *row.error;
-    const bool judgeable = !(row.below_reference && ratio > 1.0) && *choice.error > 1e-11;
-    judged_ += judgeable ? 1 : 0;
-    const bool close = ratio < within && ratio > 1.0 / within;
-    honest_ += judgeable && close ? 1 : 0;
-    if (judgeable && !close)
-      verdict +=
-          fmt::format("{}believed {:.2g} times the true error", verdict.empty() ? "" : "; ", ratio);
-  }
-  if (!choice.met) verdict += (verdict.empty() ? "" : "; ") + choice.reason;
-  return verdict;
-}
-
-void Tally::add(const ModelCase& model, const std::string& name, const Row& row,
-                const Reference& reference) {
-  const Choice& choice = row.choice;
-  if (const std::string verdict = judged(row); !verdict.empty())
-    misses_ += fmt::format("- {}, {:.0e} ({}): {}\n", name, row.accuracy, choice.worst, verdict);
-  csv_ << model.name << model.duration << row.accuracy << limit_ << long{choice.met};
-  csv_ << (choice.error ? fmt::format("{:.4g}", *choice.error) : "")
-       << (row.error ? fmt::format("{:.4g}", *row.error) : "") << long{row.below_reference}
-       << reference.error << choice.worst << '"' + row.setting + '"'
-       << static_cast<long>(choice.pilots.size()) << choice.cpu << row.run.cpu
-       << '"' + reference.setting + '"' << '"' + choice.reason + '"';
-  csv_.end_row();
-  table_ += fmt::format("| {} | {:.0e}{} | {} | {}{} | {:.2g} | {:g} | {:.2g} | {} |\n", name,
-                        row.accuracy, choice.met ? "" : ", not met", number(choice.error),
-                        row.below_reference ? "≤ " : "", number(row.error), choice.cpu, limit_,
-                        row.run.cpu, row.setting);
-}
-
-std::string Tally::verdict() const {
-  return fmt::format(
-      "\n{} cases: requested accuracy met (and true) in {}; claimed and not kept in {}; the "
-      "estimate "
-      "within a factor of {:g} of the true error in {} of {} that the reference can judge.\n",
-      cases_, met_, dishonest_, within, honest_, judged_);
-}
-
-void Tally::write_to(const std::filesystem::path& directory) const {
-  write(directory, "chosen.csv", csv_.text());
-  write(directory, "chosen.md",
-        "`mbd_study chosen`: rms of the worst recorded quantity over its largest value, requested, "
-        "believed and true (against Radau with a hundredth of the finest tolerance chosen, on "
-        "twice "
-        "the elements of two orders more; where that took too long a tenth, and as many; ≤: not "
-        "told "
-        "from the error of that reference). CPU times.\n\n" +
-            table_ + verdict() + (misses_.empty() ? "" : "\nMisses:\n\n" + misses_));
-}
 
 }  // namespace
 
