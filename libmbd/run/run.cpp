@@ -367,13 +367,16 @@ class Run {
         state.t));
   }
 
+  long checkpoints_until(const State& state) const {
+    if (every_->rows > 0) return report_.rows / every_->rows;
+    const double part = scene_.transient->duration / CheckpointEvery::parts;
+    return static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+  }
+
   // After a step, when everything that it has to give has been written.
   void keep(Stepper& stepper, const State& state, long step, double monitor_at) {
     if (!every_) return;
-    const double part = scene_.transient->duration / CheckpointEvery::parts;
-    const long due = every_->rows > 0
-                         ? report_.rows / every_->rows
-                         : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+    const long due = checkpoints_until(state);
     if (kept_parts_ < 0) kept_parts_ = 0;
     if (due <= kept_parts_) return;
     kept_parts_ = due;
@@ -704,10 +707,7 @@ class Run {
     go_on_from(stepper, state);
     judge_laws(stepper.laws());
     pass_rows(nominal_time(from_->step, state));
-    const double part = report_.transient->duration / CheckpointEvery::parts;
-    kept_parts_ = every_->rows > 0
-                      ? report_.rows / every_->rows
-                      : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+    kept_parts_ = checkpoints_until(state);
   }
 
   // Of a step's end: a fixed step may end beside its time, at a breakpoint.

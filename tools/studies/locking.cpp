@@ -125,12 +125,8 @@ void locking(const std::filesystem::path& directory) {
             const double error = (solution.tip() - reference).norm() / reference.norm();
             csv << name_of(line) << series.form << series.name << studies::name_of(rule)
                 << long{locking_orders[n]} << slenderness << long{solution.converged};
-            if (solution.converged)
-              csv << error;
-            else
-              csv << "";
-            csv << solution.iterations << solution.load_steps << reference(0) << reference(1)
-                << uncertainty;
+            csv << (solution.converged ? std::optional(error) : std::nullopt) << solution.iterations
+                << solution.load_steps << reference(0) << reference(1) << uncertainty;
             csv.end_row();
             const bool gauss = rule == Rule::gauss;
             plot::Curve& curve = panels[s].curves[2 * n + (gauss ? 0 : 1)];

@@ -181,12 +181,9 @@ class Runs {
     csv_ << case_.model << long{case_.order} << end_ << case_.reference
          << std::string(name_of(setting.method)) << setting.tolerance << setting.step;
     const double error = r.complete ? distance(r, reference_, model_.system->length_scale()) : 0.0;
-    if (r.complete)
-      csv_ << error;
-    else
-      csv_ << "";
-    csv_ << r.cpu << r.counters.steps << r.counters.rejected << r.counters.iterations
-         << r.counters.factorizations << '"' + r.failure + '"';
+    csv_ << (r.complete ? std::optional(error) : std::nullopt) << r.cpu << r.counters.steps
+         << r.counters.rejected << r.counters.iterations << r.counters.factorizations
+         << '"' + r.failure + '"';
     csv_.end_row();
     std::printf("  %s tolerance %g step %g: error %.2e, %.3f s, %ld steps %s\n",
                 std::string(name_of(setting.method)).c_str(), setting.tolerance, setting.step,
