@@ -214,6 +214,7 @@ VecX answer_to(VecX force, SmallMotions& motions, const Turned& turned) {
   each_node([](const Mat6& Ad, const auto& u) -> Vec6 { return Ad * u; });
   return force;
 }
+
 VecX random_force(Index n, double length) {
   VecX force(n);
   std::mt19937 random(2);

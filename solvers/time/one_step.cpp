@@ -311,6 +311,7 @@ bool OneStep::stays_short(double h, bool last, double t, StepReport& report) {
       t, short_step * slack_, most_short_steps, shortened_by_);
   return true;
 }
+
 // Of a step that is wanted, with `rest` to go: two alike, rather than a whole one and a rest.
 double OneStep::fitted(double wanted, double rest) {
   if (wanted > rest * (1.0 - same_step)) return rest;
