@@ -626,6 +626,8 @@ TEST(Layering, FindsLongFunctions) {
   EXPECT_EQ(names("template <class T, class U = A<B<int>>>\nstruct A {\n  void f()" +
                   block(61, "  ") + "};\n"),
             Names{where + "3: f has 61"});
+  EXPECT_EQ(names("void f() {\n#pragma x\n  g(R\"(\n}\n)\");\n" + block(60).substr(3)),
+            Names{where + "1: f has 64"});
   EXPECT_EQ(names("constexpr auto f = [](int x)" + block(61)).size(), 1U);
   EXPECT_EQ(names("constexpr int table[] =" + block(100)), Names{});
   EXPECT_EQ(too_long({{"tests/a.cpp", "int f()" + block(100)}}, {}), Names{});
