@@ -387,8 +387,9 @@ std::vector<std::string> code_lines(const std::string& text) {
   for (std::string line; std::getline(stream, line);) {
     if (!raw_end.empty()) {
       const auto end = line.find(raw_end);
-      line.erase(0, end == std::string::npos ? line.size() : end);
-      if (end != std::string::npos) raw_end.clear();
+      const bool ends = end != std::string::npos;
+      line = ends ? std::string(100, ' ') + line.substr(end + raw_end.size()) : std::string();
+      if (ends) raw_end.clear();
     }
     if (const auto raw = line.find("R\"");
         raw != std::string::npos &&
