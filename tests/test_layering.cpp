@@ -1,6 +1,7 @@
 // The rooms of the house: who may include whom, where third-party headers may appear, what may lie
-// at the top level. The rules are the tables below; violations() applies them to a set of files;
-// the tests apply it to small sets with one violation each, then to the repository's own sources.
+// at the top level; and how long a function may be. The rules are the tables below; violations() and
+// too_long() apply them to a set of files; the tests apply these to small sets with one violation
+// each, then to the repository's own sources.
 //
 // Includes are written from the root of the repository ("elements/beam.hpp"), so a line says by
 // itself which room it enters; nothing has to be resolved.
