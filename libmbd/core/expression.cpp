@@ -1278,7 +1278,7 @@ struct Surroundings {
 
   bool is_after(double time) const { return side == Side::right ? t >= S(time) : t > S(time); }
 
-  // What an instruction pushes that is no constant.
+  // The time, an input or a sensor.
   Taylor<S> pushed(Opcode op, double value, std::size_t place) const {
     constexpr S unknown = std::numeric_limits<S>::quiet_NaN();
     switch (op) {
@@ -1290,11 +1290,9 @@ struct Surroundings {
         const S rate = S(value) * seed_of_time;
         return {S(value) * u.v, rate * u.d, rate * u.dd};
       }
-      case Opcode::sensor:
+      default:
         return {place < sensors.size() ? S(sensors[place]) : unknown, place == seeded ? S(1) : S(0),
                 S(0)};
-      default:
-        return {is_after(value) == (op == Opcode::after) ? S(1) : S(0), S(0), S(0)};
     }
   }
 };
@@ -1308,9 +1306,7 @@ Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
   std::array<Taylor<S>, kMaxStack> stack;  // uninitialised; the parser has checked the depth
   std::size_t size = 0;
   for (std::size_t i = 0; i < program_.size(); ++i) {
-    const Instruction& instruction = program_[i];
-    const Opcode op = instruction.op;
-    const double value = instruction.value;
+    const auto& [op, target, value] = program_[i];
     switch (op) {
       case Opcode::constant:
         stack[size++] = {S(value), S(0), S(0)};
@@ -1318,9 +1314,11 @@ Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
       case Opcode::time:
       case Opcode::input:
       case Opcode::sensor:
+        stack[size++] = here.pushed(op, value, static_cast<std::size_t>(target));
+        break;
       case Opcode::before:
       case Opcode::after:
-        stack[size++] = here.pushed(op, value, static_cast<std::size_t>(instruction.target));
+        stack[size++] = {here.is_after(value) == (op == Opcode::after) ? S(1) : S(0), S(0), S(0)};
         break;
       case Opcode::add:
       case Opcode::subtract:
@@ -1353,8 +1351,7 @@ Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
         break;
       case Opcode::jump:
       case Opcode::jump_if_false:
-        if (op == Opcode::jump || stack[--size].v == S(0))
-          i = static_cast<std::size_t>(instruction.target) - 1;
+        if (op == Opcode::jump || stack[--size].v == S(0)) i = static_cast<std::size_t>(target) - 1;
         break;
       default:
         stack[size - 1] = apply(op, stack[size - 1]);
