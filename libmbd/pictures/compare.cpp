@@ -181,10 +181,10 @@ void measure(const History& first, const History& second, const Samples& samples
     const double difference = std::abs(other - own);
     differences.push_back(difference);
     if (difference > d.largest || i == 0) {
+      d.largest = difference;
       d.at = samples.coarse[samples.begin + i];
     }
   }
-
   // scaled, so that squares neither overflow nor vanish
   if (d.largest > 0.0)
     for (const double difference : differences)
