@@ -450,7 +450,6 @@ struct ModeSearch {
           slowest = std::min(slowest, std::abs(mode.eigenvalue));
       if (!std::isfinite(slowest)) {
         shift *= 100.0;
-        shift *= 100.0;
         if (shift > 100.0 * fastest) break;
         continue;
       }
