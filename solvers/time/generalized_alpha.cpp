@@ -314,9 +314,44 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
   return factored_;
 }
 
+// Solves (2) for the increment, whose size it returns. In iteration k of a step.
+double GeneralizedAlpha::solve_increment(double s, int k, StepReport& report) {
+  x_ = -r_.tail(x_.size());
+  x_.head(6 * (system_.nodes() - 1)) *= s;
+  solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
+  ++report.iterations;
+  ++counters_.iterations;
+  const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, multiplier_slack());
+  if (static_cast<std::size_t>(k) < report.increments.size())
+    report.increments[static_cast<std::size_t>(k)] = e;
+  report.error = e;
+  if (!std::isfinite(e))
+    report.failure =
+        fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
+  return e;
+}
+
+// What is left after an increment of size e, whose predecessor had the size `before`. Multipliers may not settle any more:
+// then the iterate is as good as it gets, where the motion has settled.
+GeneralizedAlpha::Rest GeneralizedAlpha::rest_after(double e, double before, double s) {
+  const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
+  double left = always ? e : e * kept_.share_left();
+  // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion
+  // does not feel it.
+  const bool creeps = before > 0.0 && e > creeping * before;
+  const double motion =
+      creeps ? norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, without_multipliers)
+             : 0.0;
+  if (tolerant_ && creeps && motion < converged_motion) left = motion;
+  // Multipliers that do not settle any more, where the motion has: as large as what round-off of the gaps makes of them,
+  // which in a long row of bodies is far above what one body feels of it.
+  const bool is_settled =
+      left >= 1.0 && creeps && !tolerant_ && motion < converged_motion && is_round_off(e);
+  return {left, is_settled};
+}
+
 bool GeneralizedAlpha::iterate(StepReport& report) {
-  const double h = h_, s = a_.beta * h * h;
-  const Index motions = 6 * (system_.nodes() - 1);
+  const double s = a_.beta * h_ * h_;
   const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
   double previous = 0.0, last = 0.0;  // increments: with the same tangent, with any
   bool refactor = refactor_next_ || !factored_;
@@ -336,20 +371,8 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
       in_range = residual();
     }
     ++counters_.residuals;
-    x_ = -r_.tail(x_.size());
-    x_.head(motions) *= s;
-    solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
-    ++report.iterations;
-    ++counters_.iterations;
-    const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, multiplier_slack());
-    if (static_cast<std::size_t>(k) < report.increments.size())
-      report.increments[static_cast<std::size_t>(k)] = e;
-    report.error = e;
-    if (!std::isfinite(e)) {
-      report.failure =
-          fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
-      return false;
-    }
+    const double e = solve_increment(s, k, report);
+    if (!std::isfinite(e)) return false;
     const double contraction = report.contraction;  // without what round-off makes of it
     if (previous > 0.0) {
       kept_.measured(e, previous);
@@ -366,19 +389,8 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     take_increment(s);
     mixed_.advance(x_, resultants_);
 
-    double left = always ? e : e * kept_.share_left();
-    // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion
-    // does not feel it.
-    const bool creeps = before > 0.0 && e > creeping * before;
-    const double motion =
-        creeps ? norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, without_multipliers)
-               : 0.0;
-    if (tolerant_ && creeps && motion < converged_motion) left = motion;
+    const auto [left, is_settled] = rest_after(e, before, s);
     report.error = left;
-    // Multipliers that do not settle any more, where the motion has: as large as what round-off of the gaps makes of them,
-    // which in a long row of bodies is far above what one body feels of it.
-    const bool is_settled =
-        left >= 1.0 && creeps && !tolerant_ && motion < converged_motion && is_round_off(e);
     if (is_settled) report.contraction = contraction;
     if (left < 1.0 || is_settled) {
       if (!in_range) break;

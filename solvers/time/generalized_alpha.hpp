@@ -84,6 +84,7 @@ struct GeneralizedAlphaOptions {
 struct GeneralizedAlphaParameters {
   double alpha_m, alpha_f, gamma, beta;
 };
+
 GeneralizedAlphaParameters generalized_alpha_parameters(double rho_infinity);
 
 class GeneralizedAlpha final : public OneStep {
@@ -125,6 +126,12 @@ class GeneralizedAlpha final : public OneStep {
   bool residual();
   bool is_round_off(double e);
   bool factorize(StepReport& report, bool& in_range);
+  double solve_increment(double s, int k, StepReport& report);
+  struct Rest {
+    double left;      // in units of the tolerance
+    bool is_settled;  // to round-off
+  };
+  Rest rest_after(double e, double before, double s);
   bool iterate(StepReport& report);
   LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }
 

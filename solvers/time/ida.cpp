@@ -414,6 +414,20 @@ StepReport Ida::with_other_rows(State& state, StepReport report) {
   return report;
 }
 
+// Of the step that has been taken, by Gauss's rule.
+void Ida::add_work(State& state) {
+  const double h = state.t - begin_.t;
+  std::array<Work, 3> powers;
+  Work work = begin_.work;
+  for (std::size_t k = 0; k < powers.size(); ++k) {
+    integrator_->at(begin_.t + work_nodes[k] * h, scratch_);
+    powers[k] = system_.power(scratch_);
+    work += h * (k == 1 ? 8.0 : 5.0) / 18.0 * powers[k];
+  }
+  state.work = work;
+  integrator_->set_powers(powers);
+}
+
 StepReport Ida::one_step(State& state) {
   StepReport report;
   parted_ = false;
@@ -457,16 +471,7 @@ StepReport Ida::one_step(State& state) {
   }
   const double h = state.t - begin_.t;
   record_size(h, landed);
-
-  std::array<Work, 3> powers;
-  Work work = begin_.work;
-  for (std::size_t k = 0; k < powers.size(); ++k) {
-    integrator_->at(begin_.t + work_nodes[k] * h, scratch_);
-    powers[k] = system_.power(scratch_);
-    work += h * (k == 1 ? 8.0 : 5.0) / 18.0 * powers[k];
-  }
-  state.work = work;
-  integrator_->set_powers(powers);
+  add_work(state);
   if (observer_) observer_(*integrator_);
 
   if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, slack_, report))

@@ -287,6 +287,44 @@ StepReport OneStep::fixed_step(State& state) {
   return report;
 }
 
+bool OneStep::is_too_short(double h, double t, const std::string& unusable,
+                           StepReport& report) const {
+  if (h > slack_) return false;
+  if (!unusable.empty())
+    report.failure = fmt::format("from t = {:.9g} s: {}", t, unusable);
+  else
+    report.failure = fmt::format(
+        "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", t, h,
+        report.failure.empty()
+            ? "the estimated error stays too large at " + system_.name_of(error_norm_->worst_row())
+            : report.failure);
+  return true;
+}
+
+bool OneStep::stays_short(double h, bool last, double t, StepReport& report) {
+  if (h > short_step * slack_) short_steps_ = 0;
+  if (h > short_step * slack_ || last || ++short_steps_ <= most_short_steps) return false;
+  report.failure = fmt::format(
+      "at t = {:.9g} s the steps remain shorter than {:.3g} s, where times are nearly "
+      "round-off, "
+      "{} of them in a row: {}",
+      t, short_step * slack_, most_short_steps, shortened_by_);
+  return true;
+}
+
+// Of a step that is wanted, with `rest` to go: two alike, rather than a whole one and a rest.
+double OneStep::fitted(double wanted, double rest) {
+  if (wanted > rest * (1.0 - same_step)) return rest;
+  return 2.0 * wanted > rest ? 0.5 * rest : wanted;
+}
+
+void OneStep::record_error(double error) {
+  sizes_.worst_error = std::max(sizes_.worst_error, error);
+  sizes_.position_error += error_norm_->position();
+  sizes_.rotation_error += error_norm_->rotation();
+  sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
+}
+
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const double end = std::min(settings_.end, stop_);
@@ -301,27 +339,10 @@ StepReport OneStep::adaptive_step(State& state) {
   }
   for (;;) {
     // A law of time may ask for less than the estimate does, which knows only what it has seen.
-    const double most = laws_.end_of_step(state.t) - state.t;
-    double h = std::min(controller_->step(), most);
-    const double rest = landing.t - state.t;
-    const bool last = h > rest * (1.0 - same_step);
-    if (last)
-      h = rest;
-    else if (2.0 * h > rest)
-      h = 0.5 * rest;  // two alike, rather than a whole one and a rest
-    if (!(h > slack_) && !unusable.empty()) {
-      report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable);
-      return report;
-    }
-    if (!(h > slack_)) {
-      report.failure = fmt::format(
-          "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
-          h,
-          report.failure.empty() ? "the estimated error stays too large at " +
-                                       system_.name_of(error_norm_->worst_row())
-                                 : report.failure);
-      return report;
-    }
+    const double most = laws_.end_of_step(state.t) - state.t, rest = landing.t - state.t;
+    const double h = fitted(std::min(controller_->step(), most), rest);
+    const bool last = h == rest;
+    if (is_too_short(h, state.t, unusable, report)) return report;
     if (!try_step(state, last ? landing.t : state.t + h, report)) {
       ++counters_.retries;
       if (last_usable_) {
@@ -351,21 +372,9 @@ StepReport OneStep::adaptive_step(State& state) {
     }
     controller_->accepted(h, report.error);
     if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);
-    if (h > short_step * slack_)
-      short_steps_ = 0;
-    else if (!last && ++short_steps_ > most_short_steps) {
-      report.failure = fmt::format(
-          "at t = {:.9g} s the steps remain shorter than {:.3g} s, where times are nearly "
-          "round-off, "
-          "{} of them in a row: {}",
-          state.t, short_step * slack_, most_short_steps, shortened_by_);
-      return report;
-    }
+    if (stays_short(h, last, state.t, report)) return report;
     record_size(h, last);
-    sizes_.worst_error = std::max(sizes_.worst_error, report.error);
-    sizes_.position_error += error_norm_->position();
-    sizes_.rotation_error += error_norm_->rotation();
-    sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
+    record_error(report.error);
     take_step(state);
     ++counters_.steps;
     if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))
