@@ -50,7 +50,7 @@ class Loaded<R(A...)> {
 };
 
 // Named as the function is, in a namespace of ours, it takes its place there.
-#define MBD_LOADED(library, name)                              \
+#define MBD_LOADED(library, name) \
   constinit const ::mbd::sundials::Loaded<decltype(::name)> name { library, #name }
 
 inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, SUNContext_Create);

@@ -309,6 +309,7 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
   if (!factored_) {
     const Index row = solver().singular_row();
     report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
+    report.kind = Failure::singular;
   }
   kept_.renewed();
   return factored_;
@@ -390,7 +391,9 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
   }
   if (report.failure.empty()) {
     residual();
-    report.failure = newton_failure(system_.out_of_range(end_), r_);
+    const std::string out_of_range = system_.out_of_range(end_);
+    report.failure = newton_failure(out_of_range, r_);
+    report.kind = out_of_range.empty() ? Failure::convergence : Failure::range;
   }
   return false;
 }

@@ -406,7 +406,10 @@ StepReport Ida::restart(State& state) {
   StepReport report;
   double mass = 0.0;
   report.failure = initial_accelerations(system_, *solver_, state, mass, counters_);
-  if (!report.failure.empty()) return report;
+  if (!report.failure.empty()) {
+    report.kind = Failure::singular;
+    return report;
+  }
   integrator_->start(state, span_);
   report.converged = true;
   return report;
@@ -452,6 +455,7 @@ StepReport Ida::one_step(State& state) {
   if (last_usable_ < landing.t) {
     if (!(last_usable_ - state.t > slack_)) {
       report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable_);
+      report.kind = Failure::law;
       return report;
     }
     landing = {.t = last_usable_};
@@ -459,6 +463,7 @@ StepReport Ida::one_step(State& state) {
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
                                  last < options_.end ? " (Stepper::stop_at)" : "");
+    report.kind = Failure::end;
     return report;
   }
   double reached = state.t;

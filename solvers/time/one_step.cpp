@@ -45,6 +45,7 @@ bool OneStep::usable(const State& state, StepReport& report) {
   report.failure = system_.unusable_signal(state);
   if (report.failure.empty()) return true;
   last_usable_ = last_usable(system_, begin_, state.t, slack_, report.failure);
+  report.kind = Failure::law;
   return false;
 }
 
@@ -157,7 +158,10 @@ std::string OneStep::signature_of(std::string_view method,
 StepReport OneStep::restart(State& state) {
   StepReport report;
   report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
-  if (!report.failure.empty()) return report;
+  if (!report.failure.empty()) {
+    report.kind = Failure::singular;
+    return report;
+  }
   norm_.observe(state.lambda);
   begin_at(state);
   if (controller_) controller_->start(first_step(system_, state, settings_.end - state.t));
@@ -170,6 +174,10 @@ StepReport OneStep::step(State& state) {
   if (!may_step(system_, state, InputChange::jump, report)) return report;
   report = settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
   watch(state);
+  if (report.converged)
+    report.kind = Failure::none;
+  else if (report.kind == Failure::none)
+    report.kind = Failure::convergence;
   return report;
 }
 
@@ -182,6 +190,7 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   const double contraction = report.contraction;
   report.iterations = 0;
   report.failure.clear();
+  report.kind = Failure::none;
   last_usable_.reset();
   bool converged = attempt(t, h, report);
   if (!converged && !last_usable_ && system_.idle_rows_allowed())
@@ -297,6 +306,7 @@ StepReport OneStep::adaptive_step(State& state) {
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
                                  end < settings_.end ? " (Stepper::stop_at)" : "");
+    report.kind = Failure::end;
     return report;
   }
   for (;;) {
@@ -320,6 +330,7 @@ StepReport OneStep::adaptive_step(State& state) {
           report.failure.empty() ? "the estimated error stays too large at " +
                                        system_.name_of(error_norm_->worst_row())
                                  : report.failure);
+      if (report.kind == Failure::none) report.kind = Failure::step_size;
       return report;
     }
     if (!try_step(state, last ? landing.t : state.t + h, report)) {
@@ -359,6 +370,7 @@ StepReport OneStep::adaptive_step(State& state) {
           "round-off, "
           "{} of them in a row: {}",
           state.t, short_step * slack_, most_short_steps, shortened_by_);
+      report.kind = Failure::step_size;
       return report;
     }
     record_size(h, last);
