@@ -58,6 +58,8 @@ struct [[nodiscard]] StepReport {
   std::string
       failure;  // when not converged: what happened, naming the worst equation and the remedy
   Failure kind = Failure::none;  // and of what kind
+  // Of steps whose cost is bounded: their iterations ended before the tolerance, and `error` is what that left undone.
+  bool undone = false;
 };
 
 }  // namespace mbd

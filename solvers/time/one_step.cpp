@@ -193,7 +193,7 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   report.kind = Failure::none;
   last_usable_.reset();
   bool converged = attempt(t, h, report);
-  if (!converged && !last_usable_ && system_.idle_rows_allowed())
+  if (!converged && !bounded_ && !last_usable_ && system_.idle_rows_allowed())
     converged = attempt_with_other_rows(t, h, report);
   report.iterations += before;
   report.contraction = converged ? std::max(contraction, report.contraction) : contraction;
@@ -277,9 +277,9 @@ StepReport OneStep::fixed_step(State& state) {
       }
       last = false;
       good_ = 0;
-      if (halvings_ == settings_.max_halvings) {
+      if (bounded_ || halvings_ == settings_.max_halvings) {
         report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
-                                     settings_.max_halvings > 0 && !last_usable_
+                                     !bounded_ && settings_.max_halvings > 0 && !last_usable_
                                          ? fmt::format(", even with a step of {:.3g} s", h)
                                          : std::string(),
                                      report.failure);
