@@ -76,13 +76,13 @@ std::string fault_of(const mbd_plugin* plugin) {
 std::shared_ptr<const mbd_plugin> load(const std::filesystem::path& file) {
   const std::string who = fmt::format("plug-in {}: ", file.string());
   std::error_code code;
-  if (!std::filesystem::is_regular_file(file, code)) throw Error(who + "there is no such file", Failure::plug_in);
+  if (!std::filesystem::is_regular_file(file, code))
+    throw Error(who + "there is no such file", Failure::plug_in);
   // With a directory in its name, so that it is not looked for elsewhere.
   void* const library = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     const char* const why = dlerror();
-    throw Error(who + "cannot be loaded: " + (why ? why : "not known why"),
-                Failure::plug_in);
+    throw Error(who + "cannot be loaded: " + (why ? why : "not known why"), Failure::plug_in);
   }
   std::string fault;
   const mbd_plugin* plugin = nullptr;

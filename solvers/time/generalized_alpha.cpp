@@ -368,7 +368,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
           in_range = false;
           break;
         }
-        refactor = true;   // the increment is not taken: start again from the present iterate
+        refactor = true;  // the increment is not taken: start again from the present iterate
         continue;
       }
     }

@@ -70,7 +70,8 @@ void expect_same(const VecX& a, const VecX& b, double tolerance) {
 TEST(Plugins, ASpringIsThatOfTheClosedForm) {
   for (const double damping : {0.0, 0.8}) {
     SCOPED_TRACE(damping);
-    const Result ended = run_to_end(with_plugin(fmt::format(R"(
+    const Result ended =
+        run_to_end(with_plugin(fmt::format(R"(
       <parameter name="k" value="18"/>
       <body name="m" at="1 0 0" orientation="0.3 0.2 0.1" mass="2" inertia="0.1 0.2 0.3" velocity="{}"
             angular_velocity="0.5 0 0.7"/>
@@ -78,8 +79,7 @@ TEST(Plugins, ASpringIsThatOfTheClosedForm) {
       <transient duration="1.7" tolerance="1e-9" method="radau"/>
       <record name="m" at="m" quantities="displacement"/>
       <record name="all" quantities="strain_energy work_of_loads"/>)",
-                                                           damping == 0.0 ? "0 1.5 0" : "0 0 0",
-                                                           damping)));
+                                           damping == 0.0 ? "0 1.5 0" : "0 0 0", damping)));
     ASSERT_TRUE(ended.report.converged) << ended.report.failure;
     const double t = 1.7, decay = damping / 4.0, w = std::sqrt(9.0 - decay * decay);
     const double x1 = std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
@@ -115,7 +115,8 @@ TEST(Plugins, SpringsAreThoseOfTheModel) {
   for (const char* force : {"pull", "plain_pull"}) {
     SCOPED_TRACE(force);
     const Result is = run_to_end(with_plugin(
-        frame + fmt::format(R"(<extension force="{}" at="b.end m" values="stiffness=40"/>)", force)));
+        frame +
+        fmt::format(R"(<extension force="{}" at="b.end m" values="stiffness=40"/>)", force)));
     ASSERT_TRUE(is.report.converged) << is.report.failure;
     VecX outputs = is.outputs;
     if (force == std::string("plain_pull")) {  // which tells no potential: its energy is work
@@ -136,8 +137,8 @@ class Pull final : public Force {
   std::vector<std::string> places() const override { return {"b", "m"}; }
   bool evaluate(const PlacesMotion& at, std::span<Vec6> wrenches) const override {
     for (std::size_t i = 0; i < wrenches.size(); ++i)
-      wrenches[i].head<3>() = -4.0 * (at.poses[i].R().transpose() * at.poses[i].r) -
-                              0.3 * at.velocities[i].head<3>();
+      wrenches[i].head<3>() =
+          -4.0 * (at.poses[i].R().transpose() * at.poses[i].r) - 0.3 * at.velocities[i].head<3>();
     return true;
   }
 };
@@ -200,7 +201,8 @@ std::string refused(const std::string& extension, const std::filesystem::path& f
 TEST(Plugins, BadOnesAreRefusedByName) {
   const TemporaryDirectory directory;
   const std::string pull = R"(<extension name="e" force="pull" at="m" values="stiffness=1"/>)";
-  const std::filesystem::path text = directory.path() / "text.so", copy = directory.path() / "copy.so";
+  const std::filesystem::path text = directory.path() / "text.so",
+                              copy = directory.path() / "copy.so";
   std::ofstream(text) << "this is no shared object";
   std::filesystem::copy_file(forces, copy);
   const auto named = [](const std::string& said, const std::filesystem::path& file,
@@ -214,7 +216,8 @@ TEST(Plugins, BadOnesAreRefusedByName) {
   named(refused(pull, MBD_FAULTS), MBD_FAULTS, "it has no function mbd_plugin");
   named(refused(""), forces, "the model has no <extension>");
   named(refused(R"(<extension force="puII" at="m"/>)"), forces, "the model asks for puII only");
-  EXPECT_SAYS(refused(pull, {}), "extension \"e\": no plug-in has its force \"pull\"; give it by --plugin");
+  EXPECT_SAYS(refused(pull, {}),
+              "extension \"e\": no plug-in has its force \"pull\"; give it by --plugin");
   EXPECT_SAYS(refused(R"(<extension force="pull" at="m" values="stiffness=0"/>)"),
               "says: stiffness must be positive");
   EXPECT_SAYS(refused(R"(<extension force="pull" at="m" values="stifness=1"/>)"),
@@ -233,8 +236,9 @@ TEST(Plugins, BadOnesAreRefusedByName) {
 
 TEST(Plugins, ValuesAreReadStrictly) {
   const auto said = [](const std::string& values) {
-    return message(R"(<body name="m" mass="1" inertia="1 1 1"/><extension force="f" at="m" values=")" + values +
-                   R"("/><transient duration="1" step="0.1"/>)");
+    return message(
+        R"(<body name="m" mass="1" inertia="1 1 1"/><extension force="f" at="m" values=")" +
+        values + R"("/><transient duration="1" step="0.1"/>)");
   };
   EXPECT_EQ(said("a=1 b=2*pi"), "no error");
   EXPECT_SAYS(said("1"), "write name=expression");
@@ -249,7 +253,8 @@ TEST(Plugins, ExceptionsAndNoNumbersAreSaid) {
                                     std::pair{"no_number", "gives numbers that are none"}}) {
     SCOPED_TRACE(force);
     const auto extension = [&](double after) {
-      return fmt::format(R"(<extension force="{}" at="m" values="stiffness=1 after={}"/>)", force, after);
+      return fmt::format(R"(<extension force="{}" at="m" values="stiffness=1 after={}"/>)", force,
+                         after);
     };
     const std::string before = refused(extension(0.0)), later_on = refused(extension(0.45));
     for (const std::string& said : {before, later_on}) {
@@ -272,13 +277,14 @@ TEST(Plugins, ByTheProgram) {
   const auto call = [&](const std::vector<std::string>& arguments) {
     return Program(arguments, directory.path() / "said").wait();
   };
-  const test::Ended good = call({"run", model, "--out", out, "--plugin", forces.string(), "--quiet"});
+  const test::Ended good =
+      call({"run", model, "--out", out, "--plugin", forces.string(), "--quiet"});
   EXPECT_EQ(good.status, 0) << good.err;
   std::ifstream history(directory.path() / "out" / "history.csv");
   std::string line, last;
   while (std::getline(history, line)) last = line;
-  const Result wanted = run_to_end(with_plugin(
-      frame + R"(<extension force="pull" at="b.end m" values="stiffness=40"/>)"));
+  const Result wanted = run_to_end(
+      with_plugin(frame + R"(<extension force="pull" at="b.end m" values="stiffness=40"/>)"));
   double t = 0.0, u1 = 0.0, u2 = 0.0;
   ASSERT_EQ(std::sscanf(last.c_str(), "%lf,%lf,%lf", &t, &u1, &u2), 3) << last;
   EXPECT_NEAR(u1, wanted.outputs(0), 1e-9);

@@ -25,7 +25,8 @@ constexpr const char* blade = R"(<mbd name="blade">
 bool strips(const mbd::PlacesMotion& at, std::span<mbd::Vec6> wrenches) {
   const double gust = at.t < 0.02 ? at.t / 0.02 : 1.0;
   for (std::size_t i = 0; i < wrenches.size(); ++i) {
-    const mbd::Vec3 wind = at.poses[i].R().transpose() * mbd::Vec3(0, 0, 12 * gust) - at.velocities[i].head<3>();
+    const mbd::Vec3 wind =
+        at.poses[i].R().transpose() * mbd::Vec3(0, 0, 12 * gust) - at.velocities[i].head<3>();
     wrenches[i].z() = 0.3 * wind.z() * std::abs(wind.z()) / 50;
   }
   return true;
@@ -41,7 +42,9 @@ struct Held final : mbd::Force {
     return true;
   }
   // It does not depend on the motion: without this, differences would be taken, 24 evaluations a node.
-  bool derivatives(const mbd::PlacesMotion&, Eigen::MatrixXd&, Eigen::MatrixXd&) const override { return true; }
+  bool derivatives(const mbd::PlacesMotion&, Eigen::MatrixXd&, Eigen::MatrixXd&) const override {
+    return true;
+  }
 };
 
 double tip(const mbd::Model& model, const mbd::State& state) {
@@ -69,7 +72,8 @@ int main() try {
   // Nodes of the blade, and the code's answer to a state.
   std::vector<mbd::NamedPlace> places;
   for (const mbd::NamedPlace& place : mbd::named_places(model))
-    if (place.node > 0 && (places.empty() || places.back().node != place.node)) places.push_back(place);
+    if (place.node > 0 && (places.empty() || places.back().node != place.node))
+      places.push_back(place);
   std::vector<mbd::Pose<double>> poses(places.size());
   std::vector<mbd::Vec6> velocities(places.size()), answer(places.size());
   const auto ask = [&](const mbd::State& now) {
@@ -92,7 +96,8 @@ int main() try {
       if (!report.converged) break;
       ask(state);
       double change = 0.0;
-      for (std::size_t i = 0; i < answer.size(); ++i) change = std::max(change, (answer[i] - held->wrenches[i]).norm());
+      for (std::size_t i = 0; i < answer.size(); ++i)
+        change = std::max(change, (answer[i] - held->wrenches[i]).norm());
       held->wrenches = answer;
       if (change < 1e-9) break;
     }
@@ -100,8 +105,9 @@ int main() try {
   }
   if (!report.converged) throw mbd::Error(report.failure, report.kind);
   const double z = tip(model, state), wanted = tip(whole, reference);
-  std::printf("%zu nodes, %ld steps, %.1f takes each: tip %.6f m; within the iterations %.6f m\n", places.size(), steps,
-              static_cast<double>(takes) / static_cast<double>(steps), z, wanted);
+  std::printf("%zu nodes, %ld steps, %.1f takes each: tip %.6f m; within the iterations %.6f m\n",
+              places.size(), steps, static_cast<double>(takes) / static_cast<double>(steps), z,
+              wanted);
   return places.size() == 50 && std::abs(z / wanted - 1) < 1e-6 && wanted > 0.01 ? 0 : 1;
 } catch (const mbd::Error& error) {
   std::printf("%s (%s)\n", error.what(), mbd::name_of(error.kind()).data());

@@ -13,8 +13,8 @@ namespace {
 
 // A hollow box of graphite and epoxy: it twists where it is stretched, and bends where it is sheared. `part`: of the thick one's
 // stiffness and mass, which for torsion and bending is another.
-mbd::Section box(const std::string& name, double EA, double GA, double GJ, double EI, double D14, double D25,
-                 double per_length, double inertia) {
+mbd::Section box(const std::string& name, double EA, double GA, double GJ, double EI, double D14,
+                 double D25, double per_length, double inertia) {
   mbd::Section s;
   s.name = name;
   s.stiffness.diagonal() << EA, GA, GA, GJ, EI, EI;
@@ -25,7 +25,8 @@ mbd::Section box(const std::string& name, double EA, double GA, double GJ, doubl
   return s;
 }
 
-mbd::BeamScene bar(const std::string& name, const std::string& section, mbd::Vec3 from, mbd::Vec3 to, int elements) {
+mbd::BeamScene bar(const std::string& name, const std::string& section, mbd::Vec3 from,
+                   mbd::Vec3 to, int elements) {
   mbd::BeamScene b;
   b.name = name;
   b.section = section;
@@ -54,15 +55,18 @@ mbd::Scene four_bar() {
   scene.name = "four_bar";
   scene.sections = {box("box16", 10660e3, 2532e3, 246.2, 309.1, -8676, 5013, 1.9968, 42.598e-6),
                     box("box8", 2665e3, 633e3, 15.39, 19.32, -1085, 626.6, 0.4992, 2.6624e-6)};
-  scene.beams = {bar("bar1", "box16", {0, 0, 0}, {0, 0.12, 0}, 2), bar("bar2", "box16", {0, 0.12, 0}, {0.24, 0.12, 0}, 4),
+  scene.beams = {bar("bar1", "box16", {0, 0, 0}, {0, 0.12, 0}, 2),
+                 bar("bar2", "box16", {0, 0.12, 0}, {0.24, 0.12, 0}, 4),
                  bar("bar3", "box8", {0.24, 0.12, 0}, {0.24, 0, 0}, 2)};
   const double tilt = 5 * std::numbers::pi / 180;
-  scene.joints = {hinge("A", ground, start("bar1"), {0, 0, 1}), hinge("B", end("bar1"), start("bar2"), {0, 0, 1}),
+  scene.joints = {hinge("A", ground, start("bar1"), {0, 0, 1}),
+                  hinge("B", end("bar1"), start("bar2"), {0, 0, 1}),
                   hinge("C", end("bar2"), start("bar3"), {std::sin(tilt), 0, std::cos(tilt)}),
                   hinge("D", end("bar3"), ground, {0, 0, 1})};
   mbd::DriveScene drive;
   drive.joint = "A";
-  drive.rate = mbd::Expression::parse("t >= 6 ? 0.6 : 0.3*(1 - cos(pi*t/6))", {}, mbd::Variables::time);
+  drive.rate =
+      mbd::Expression::parse("t >= 6 ? 0.6 : 0.3*(1 - cos(pi*t/6))", {}, mbd::Variables::time);
   scene.drives = {drive};
   mbd::RecordScene record;
   record.name = "C";
@@ -88,8 +92,8 @@ int main() try {
   std::vector<double> y(mbd::ports(model).outputs.size());
   mbd::outputs(model, state, y);
   const double u3 = y[mbd::output_index(model, "C.displacement.3")];
-  std::printf("t = %.3f s: C is %.5f mm out of the plane, after %ld iterations\n", state.t, 1e3 * u3,
-              stepper->counters().iterations);
+  std::printf("t = %.3f s: C is %.5f mm out of the plane, after %ld iterations\n", state.t,
+              1e3 * u3, stepper->counters().iterations);
   return std::abs(u3 - 1.0282952e-3) < 1e-6 * 4.3 ? 0 : 1;
 } catch (const mbd::Error& error) {
   std::printf("%s (%s)\n", error.what(), mbd::name_of(error.kind()).data());

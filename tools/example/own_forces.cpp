@@ -27,7 +27,8 @@ class Tether final : public mbd::Force {
   bool evaluate(const mbd::PlacesMotion& at, std::span<mbd::Vec6> wrenches) const override {
     const mbd::Vec3& r = at.poses[0].r;
     const double longer = r.norm() - length_;
-    if (longer > 0) wrenches[0].head<3>() = at.poses[0].R().transpose() * (-stiffness_ * longer * r.normalized());
+    if (longer > 0)
+      wrenches[0].head<3>() = at.poses[0].R().transpose() * (-stiffness_ * longer * r.normalized());
     return true;
   }
   std::optional<double> energy(const mbd::PlacesMotion& at) const override {
@@ -54,7 +55,8 @@ class Wire final : public mbd::Force {
     return true;
   }
   // df/du at fixed velocities, u along the axes of the place: exact, so that Newton's method stays quick however stiff it is.
-  bool derivatives(const mbd::PlacesMotion& at, Eigen::MatrixXd& by_motion, Eigen::MatrixXd&) const override {
+  bool derivatives(const mbd::PlacesMotion& at, Eigen::MatrixXd& by_motion,
+                   Eigen::MatrixXd&) const override {
     const mbd::Mat3 R = at.poses[0].R();
     const mbd::Vec3& r = at.poses[0].r;
     const mbd::Vec3 gradient(-r.x(), 0, 1);
@@ -108,10 +110,15 @@ int main() try {
   const double energy = model.system->energies(state).total();
   while (report.converged && state.t < 2 - 1e-9) report = stepper->step(state);
   if (!report.converged) throw mbd::Error(report.failure, report.kind);
-  const double longest = m * g / k * (1 + std::sqrt(1 + 2 * k * fall / (m * g))), speed = std::sqrt(2 * g * 0.5);
-  std::printf("tether longer by %.5f m (%.5f); bead at %.5f m/s (%.5f), off its wire by %.1e m; energy lost %.1e J\n",
-              -lowest - length, longest, fastest, speed, off, energy - model.system->energies(state).total());
-  const bool right = std::abs(-lowest - length - longest) < 1e-3 * longest && std::abs(fastest / speed - 1) < 1e-3 && off < 1e-4 &&
+  const double longest = m * g / k * (1 + std::sqrt(1 + 2 * k * fall / (m * g))),
+               speed = std::sqrt(2 * g * 0.5);
+  std::printf(
+      "tether longer by %.5f m (%.5f); bead at %.5f m/s (%.5f), off its wire by %.1e m; energy "
+      "lost %.1e J\n",
+      -lowest - length, longest, fastest, speed, off,
+      energy - model.system->energies(state).total());
+  const bool right = std::abs(-lowest - length - longest) < 1e-3 * longest &&
+                     std::abs(fastest / speed - 1) < 1e-3 && off < 1e-4 &&
                      std::abs(energy - model.system->energies(state).total()) < 1e-3;
   return right ? 0 : 1;
 } catch (const mbd::Error& error) {

@@ -40,21 +40,26 @@ int main() try {
   const mbd::Linearization linear = mbd::linearize(upright, upright.initial);
   const mbd::ReducedMotion& r = *linear.reduced;
   // y = C x takes the place of x: y' = A y + b u.
-  const Eigen::MatrixXd E = r.E, T = linear.C, A = T * E.partialPivLu().solve(Eigen::MatrixXd(r.A)) * T.inverse();
+  const Eigen::MatrixXd E = r.E, T = linear.C,
+                        A = T * E.partialPivLu().solve(Eigen::MatrixXd(r.A)) * T.inverse();
   const Eigen::VectorXd b = T * E.partialPivLu().solve(Eigen::MatrixXd(r.G)).col(0);
-  const double unstable = A.eigenvalues().real().maxCoeff(), closed_form = std::sqrt(2.5 * 9.81 / (2.0 * 0.8));
+  const double unstable = A.eigenvalues().real().maxCoeff(),
+               closed_form = std::sqrt(2.5 * 9.81 / (2.0 * 0.8));
 
   // Ackermann: K = [0 0 0 1] [b Ab A2b A3b]^-1 p(A), p with the wanted poles -2, -2.5, -3, -3.5.
   Eigen::Matrix4d reach, p = Eigen::Matrix4d::Identity();
-  for (int i = 0; i < 4; ++i) reach.col(i) = i == 0 ? Eigen::Vector4d(b) : Eigen::Vector4d(A * reach.col(i - 1));
-  for (const double pole : {-2.0, -2.5, -3.0, -3.5}) p = p * (A - pole * Eigen::Matrix4d::Identity());
+  for (int i = 0; i < 4; ++i)
+    reach.col(i) = i == 0 ? Eigen::Vector4d(b) : Eigen::Vector4d(A * reach.col(i - 1));
+  for (const double pole : {-2.0, -2.5, -3.0, -3.5})
+    p = p * (A - pole * Eigen::Matrix4d::Identity());
   const Eigen::RowVector4d K = Eigen::RowVector4d(0, 0, 0, 1) * reach.inverse() * p;
 
   const double tilt = 0.2;
   const mbd::Scene scene = mbd::read_model_text(cart(tilt), "cart");
   const mbd::Model model = mbd::compile(scene);
   const auto stepper = mbd::make_stepper(*model.system, *scene.transient);
-  const std::size_t push = mbd::input_index(model, "push"), angle = mbd::output_index(model, "pole.angle");
+  const std::size_t push = mbd::input_index(model, "push"),
+                    angle = mbd::output_index(model, "pole.angle");
   mbd::State state = model.initial;
   mbd::StepReport report = stepper->start(state);
   std::vector<double> y(4);
@@ -66,9 +71,11 @@ int main() try {
   }
   if (!report.converged) throw mbd::Error(report.failure, report.kind);
   mbd::outputs(model, state, y);
-  std::printf("open loop: pole at %.6f 1/s (%.6f); after 6 s the cart is at %.1e m, the pole at %.1e rad\n", unstable, closed_form,
-              y[0], y[angle] + tilt);
-  const bool right = std::abs(unstable - closed_form) < 1e-5 && std::abs(y[0]) < 1e-3 && std::abs(y[angle] + tilt) < 1e-3;
+  std::printf(
+      "open loop: pole at %.6f 1/s (%.6f); after 6 s the cart is at %.1e m, the pole at %.1e rad\n",
+      unstable, closed_form, y[0], y[angle] + tilt);
+  const bool right = std::abs(unstable - closed_form) < 1e-5 && std::abs(y[0]) < 1e-3 &&
+                     std::abs(y[angle] + tilt) < 1e-3;
   return right ? 0 : 1;
 } catch (const mbd::Error& error) {
   std::printf("%s (%s)\n", error.what(), mbd::name_of(error.kind()).data());
