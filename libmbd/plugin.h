@@ -1,12 +1,12 @@
 /* The interface of plug-ins: shared objects that give a model forces which `mbd run --plugin FILE` (in C++: mbd::use_plugin)
    evaluates inside Newton's iterations. Plain C, so a plug-in needs neither libmbd nor its compiler: this header is all.
 
-   A plug-in has one function, mbd_plugin(), which tells what it gives:
+   A plug-in has one function, mbd_get_plugin(), which tells what it gives:
 
      static int pull(void* self, const struct mbd_motion* at, double* wrenches) { ...; return 1; }
      static const struct mbd_force forces[] = {{.name = "pull", .evaluate = pull}};
      static const struct mbd_plugin plugin = {MBD_PLUGIN_VERSION, 1, forces};
-     const struct mbd_plugin* mbd_plugin(void) { return &plugin; }
+     const struct mbd_plugin* mbd_get_plugin(void) { return &plugin; }
 
    and a model asks for it by <extension force="pull" at="arm.end" values="stiffness=40"/>. What is wrong with a plug-in (another
    version, no such function, an exception, numbers that are none) is an error that names its file, and nothing is run.
@@ -78,7 +78,7 @@ struct mbd_plugin {
 };
 
 /* What a plug-in defines. */
-const struct mbd_plugin* mbd_plugin(void);
+const struct mbd_plugin* mbd_get_plugin(void);
 
 #ifdef __cplusplus
 }

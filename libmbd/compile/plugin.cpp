@@ -52,7 +52,7 @@ const mbd_force* find_force(const mbd_plugin& plugin, std::string_view name) {
 
 // What is wrong with a plug-in; empty: nothing.
 std::string fault_of(const mbd_plugin* plugin) {
-  if (plugin == nullptr) return "its mbd_plugin() gives nothing";
+  if (plugin == nullptr) return "its mbd_get_plugin() gives nothing";
   if (plugin->version != MBD_PLUGIN_VERSION)
     return fmt::format(
         "is for version {} of plug-ins, and this libmbd has version {}; compile it with the "
@@ -86,12 +86,12 @@ std::shared_ptr<const mbd_plugin> load(const std::filesystem::path& file) {
   }
   std::string fault;
   const mbd_plugin* plugin = nullptr;
-  if (void* const entry = dlsym(library, "mbd_plugin")) {
-    plugin = guarded([&] { return reinterpret_cast<decltype(&::mbd_plugin)>(entry)(); }, fault);
-    if (!fault.empty()) fault = "its mbd_plugin() " + fault;
+  if (void* const entry = dlsym(library, "mbd_get_plugin")) {
+    plugin = guarded([&] { return reinterpret_cast<decltype(&::mbd_get_plugin)>(entry)(); }, fault);
+    if (!fault.empty()) fault = "its mbd_get_plugin() " + fault;
     if (fault.empty()) fault = fault_of(plugin);
   } else {
-    fault = "it has no function mbd_plugin, and is none (mbd/plugin.h says what one has)";
+    fault = "it has no function mbd_get_plugin, and is none (mbd/plugin.h says what one has)";
   }
   if (!fault.empty()) {
     dlclose(library);

@@ -10,6 +10,9 @@
 #include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/run/run.hpp"
+#include "solvers/linear/block_solver.hpp"
+#include "solvers/linear/klu_solver.hpp"
+#include "solvers/time/generalized_alpha.hpp"
 #include "tests/support/read_text.hpp"
 
 namespace mbd::test::test_failures {
@@ -39,7 +42,7 @@ TEST(Failures, OfModelsAndOfRequests) {
   EXPECT_EQ(Error("a setting").kind(), Failure::request);
   const Model model = compile(read(pendulum + end));
   try {
-    GeneralizedAlpha stepper(*model.system, make_klu_solver(), {.step = -1.0});
+    GeneralizedAlpha stepper(*model.system, make_klu_solver(), {.step = -1.0, .newton = {}});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), Failure::request);
@@ -140,7 +143,7 @@ TEST(Failures, BoundedStepsSayWhatTheyLeave) {
   };
   const auto go = [&](int most) {
     GeneralizedAlpha stepper(*model.system, make_block_solver(PivotOrder::nodes_first),
-                             {.step = 2e-3, .rho_infinity = 0.8, .max_cost = most});
+                             {.step = 2e-3, .rho_infinity = 0.8, .newton = {}, .max_cost = most});
     State state = model.initial;
     StepReport report = stepper.start(state);
     Way way;
@@ -174,9 +177,10 @@ TEST(Failures, BoundedStepsSayWhatTheyLeave) {
   EXPECT_LE(few.most, 2);
   EXPECT_NEAR(few.tip, whole.tip, 1e-5);
   EXPECT_NEAR(enough.tip, whole.tip, 1e-8);
-  EXPECT_THROW(GeneralizedAlpha(*model.system, make_klu_solver(),
-                                {.tolerances = {.relative = 1e-4}, .end = 1.0, .max_cost = 3}),
-               Error);
+  EXPECT_THROW(
+      GeneralizedAlpha(*model.system, make_klu_solver(),
+                       {.tolerances = {.relative = 1e-4}, .end = 1.0, .newton = {}, .max_cost = 3}),
+      Error);
 }
 
 }  // namespace

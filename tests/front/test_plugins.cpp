@@ -213,7 +213,7 @@ TEST(Plugins, BadOnesAreRefusedByName) {
   named(refused(pull, later), later, "is for version 2 of plug-ins, and this libmbd has version 1");
   named(refused(pull, text), text, "cannot be loaded");
   named(refused(pull, directory.path() / "none.so"), "none.so", "there is no such file");
-  named(refused(pull, MBD_FAULTS), MBD_FAULTS, "it has no function mbd_plugin");
+  named(refused(pull, MBD_FAULTS), MBD_FAULTS, "it has no function mbd_get_plugin");
   named(refused(""), forces, "the model has no <extension>");
   named(refused(R"(<extension force="puII" at="m"/>)"), forces, "the model asks for puII only");
   EXPECT_SAYS(refused(pull, {}),

@@ -88,7 +88,7 @@ function(use_pkg_config)
 static int zero(void* self, const struct mbd_motion* at, double* wrenches) { (void)self; (void)at; (void)wrenches; return 1; }
 static const struct mbd_force forces[] = {{\"zero\", 0, zero, 0, 0, 0}};
 static const struct mbd_plugin plugin = {MBD_PLUGIN_VERSION, 1, forces};
-const struct mbd_plugin* mbd_plugin(void) { return &plugin; }
+const struct mbd_plugin* mbd_get_plugin(void) { return &plugin; }
 ")
     run("${cc}" -std=c99 -Wall -Wextra -pedantic -Werror -fPIC -shared "-I${prefix}/include" "${WORK}/plugin.c" -o "${WORK}/plugin.so")
   endif()

@@ -114,4 +114,4 @@ const mbd_plugin plugin = {MBD_TEST_VERSION, std::size(forces), forces};
 
 }  // namespace
 
-const mbd_plugin* mbd_plugin() { return &plugin; }
+const mbd_plugin* mbd_get_plugin() { return &plugin; }
