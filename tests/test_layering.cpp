@@ -294,6 +294,14 @@ std::vector<std::string> violations(const std::vector<SourceFile>& files) {
       continue;
     }
 
+    // What a program that uses the library should know is in reports and errors.
+    if (const Room* const room = room_of(file.path);
+        room != nullptr && !is_outside_the_library(*room))
+      for (const std::string_view stream :
+           {"std::cerr", "std::cout", "std::clog", "stderr", "fmt::print", "perror"})
+        if (file.text.find(stream) != std::string::npos)
+          found.push_back(file.path + ": the library writes to no stream: " + std::string(stream));
+
     for (const Include& include : includes_of(file.text)) {
       const std::string where =
           file.path + ":" + std::to_string(include.line) + ": includes " + include.name + ": ";
@@ -420,6 +428,9 @@ TEST(Layering, FindsEachViolation) {
       {"foreign extension", {{"elements/a.h", "\n"}}},
       {"XML in the core", {{"libmbd/core/a.cpp", include("<tinyxml2.h>")}}},
       {"XML in a header", {{"libmbd/language/a.hpp", include("<tinyxml2.h>")}}},
+      {"the library writes to a stream",
+       {{"solvers/time/a.cpp", "void f() { std::cerr << 1; }\n"}}},
+      {"the library prints", {{"libmbd/run/a.cpp", "void f() { fmt::print(\"a\"); }\n"}}},
       {"two XML readers",
        {{"libmbd/language/a.cpp", include("<tinyxml2.h>")},
         {"libmbd/language/b.cpp", include("<tinyxml2.h>")}}},
