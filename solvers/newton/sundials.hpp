@@ -53,15 +53,15 @@ class Loaded<R(A...)> {
 #define MBD_LOADED(library, name) \
   constinit const ::mbd::sundials::Loaded<decltype(::name)> name { library, #name }
 
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, SUNContext_Create);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, SUNContext_Free);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, N_VNew_Serial);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, N_VConst);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, N_VDestroy);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, SUNMatNewEmpty);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, SUNMatFreeEmpty);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, SUNLinSolNewEmpty);
-inline MBD_LOADED(MBD_SUNDIALS_NVECSERIAL, SUNLinSolFreeEmpty);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, SUNContext_Create);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, SUNContext_Free);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, N_VNew_Serial);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, N_VConst);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, N_VDestroy);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, SUNMatNewEmpty);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, SUNMatFreeEmpty);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, SUNLinSolNewEmpty);
+inline MBD_LOADED(MBD_SUNDIALS_NVECTOR, SUNLinSolFreeEmpty);
 
 struct Deleter {
   void operator()(SUNContext context) const { SUNContext_Free(&context); }
