@@ -459,7 +459,7 @@ bool GeneralizedAlpha::surprises(StepReport& report) {
 
 void GeneralizedAlpha::settle() {
   projects_ = projects_ || (damps_little_ && !tolerant_);
-  calm_next_ = projects_ && !tolerant_ && !starting_;
+  calm_next_ = projects_ && !tolerant_ && !starting_ && !bounded_;
   tolerant_ = false;
   factored_ = false;  // or by the other solver
   refactor_next_ = true;
@@ -585,7 +585,8 @@ void GeneralizedAlpha::calm_velocities() {
   system_.constraints(end_, g_, gdot_);
   if (!projects_) {
     if (!rings()) return;
-    projects_ = calm_next_ = true;
+    projects_ = true;
+    calm_next_ = !bounded_;  // that costs a factorisation
     system_.constraints(end_, g_, gdot_);
   }
   constexpr int most_passes = 3;

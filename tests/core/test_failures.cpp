@@ -148,11 +148,12 @@ TEST(Failures, BoundedStepsSayWhatTheyLeave) {
     StepReport report = stepper.start(state);
     Way way;
     while (report.converged && state.t < 0.5 - 1e-9) {
+      const bool is_first = state.t == 0.0;
       const long before = stepper.counters().factorizations,
                  iterations = stepper.counters().iterations;
       report = stepper.step(state);
       if (most > 0) {
-        EXPECT_LE(stepper.counters().factorizations - before, 1);
+        EXPECT_LE(stepper.counters().factorizations - before, is_first ? 2 : 1);
         EXPECT_LE(stepper.counters().iterations - iterations, most);
       }
       way.most = std::max(way.most, stepper.counters().iterations - iterations);

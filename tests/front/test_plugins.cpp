@@ -90,7 +90,8 @@ TEST(Plugins, ASpringIsThatOfTheClosedForm) {
       EXPECT_NEAR(ended.output("all.strain_energy"), 9.0 * (x1 * x1 + x2 * x2), 1e-6);
       EXPECT_EQ(ended.output("all.work_of_loads"), 0.0);
     } else {
-      EXPECT_LT(ended.output("all.work_of_loads"), -0.1);
+      const double v = 9.0 / w * std::exp(-decay * t) * std::sin(w * t);
+      EXPECT_NEAR(ended.output("all.work_of_loads"), 0.5 * 2.0 * v * v, 1e-2);  // by trapezia
     }
   }
 }
@@ -149,7 +150,7 @@ TEST(Plugins, AreForcesOfAProgram) {
       frame + R"(<extension force="plain_pull" at="b m" values="stiffness=4 damping=0.3"/>)"));
   ASSERT_TRUE(is.report.converged) << is.report.failure;
   expect_same(is.outputs, wanted.outputs, 1e-10);
-  EXPECT_GT(wanted.outputs.head<3>().norm(), 1e-3);
+  EXPECT_GT(wanted.outputs.norm(), 0.1);
 }
 
 TEST(Plugins, AreInEquilibriaToo) {
