@@ -1,4 +1,6 @@
 # What use_installed.cmake and shared.cmake have in common: checks of what is installed in ${WORK}/prefix.
+cmake_minimum_required(VERSION 3.25)
+
 foreach(name BUILD SOURCE WORK)
   if(NOT ${name})
     message(FATAL_ERROR "this test needs -D${name}=…")
@@ -166,11 +168,13 @@ function(look_at_documents)
   foreach(page IN ITEMS README.md libmbd/ENGINE.md libmbd/NOTATION.md models/GUIDE.md models/MANUAL.md models/STUDIES.md)
     file(READ "${documents}/${page}" text)
     string(REPLACE ";" "," text "${text}")
-    string(REPLACE "[" " " text "${text}")
-    string(REGEX MATCHALL "\\]\\([^)#: ]+" links "${text}")
+    string(REPLACE "](" "<to>" text "${text}")  # brackets would make one item of several
+    string(REGEX REPLACE "[][]" " " text "${text}")
+    string(REGEX MATCHALL "<to>[^)#: ]+" links "${text}")
+    list(FILTER links EXCLUDE REGEX "^<to>https?$")
     get_filename_component(here "${documents}/${page}" DIRECTORY)
     foreach(link IN LISTS links)
-      string(SUBSTRING "${link}" 2 -1 link)
+      string(SUBSTRING "${link}" 4 -1 link)
       if(NOT EXISTS "${here}/${link}")
         message(FATAL_ERROR "${page} links to ${link}, which is not installed")
       endif()
