@@ -2,10 +2,12 @@
 #   cmake -DBUILD=<build tree> -DSOURCE=<source tree> -DWORK=<scratch> -P use_installed.cmake
 # Tried, and killed: a header that is installed with the tree's includes; the definitions left out of mbd.pc; the assertion left out of
 # abi.hpp, and its symbol; another symbol in the library; SUNDIALS linked; a page of the manual not installed.
+cmake_minimum_required(VERSION 3.25)
 include("${CMAKE_CURRENT_LIST_DIR}/package.cmake")
 
 file(REMOVE_RECURSE "${WORK}")
 run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${WORK}/prefix")
+set(only "")  # all of them
 build_examples(-DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -march=x86-64 -Wall -Wextra")
 use_pkg_config()
 refuse_other_alignment()

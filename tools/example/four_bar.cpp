@@ -96,6 +96,6 @@ int main() try {
               1e3 * u3, stepper->counters().iterations);
   return std::abs(u3 - 1.0282952e-3) < 1e-6 * 4.3 ? 0 : 1;
 } catch (const mbd::Error& error) {
-  std::printf("%s (%s)\n", error.what(), mbd::name_of(error.kind()).data());
+  std::printf("%s (%s)\n", error.what(), std::string(mbd::name_of(error.kind())).c_str());
   return 2;
 }

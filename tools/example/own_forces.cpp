@@ -122,6 +122,6 @@ int main() try {
                      std::abs(energy - model.system->energies(state).total()) < 1e-3;
   return right ? 0 : 1;
 } catch (const mbd::Error& error) {
-  std::printf("%s (%s)\n", error.what(), mbd::name_of(error.kind()).data());
+  std::printf("%s (%s)\n", error.what(), std::string(mbd::name_of(error.kind())).c_str());
   return 2;
 }

@@ -26,7 +26,7 @@ std::string cart(double tilt) {
   <load at="cart" force="push 0 0"/>
   <gravity acceleration="0 0 -9.81"/>
   <transient duration="6" step="1 ms"/>
-  <record name="rail" joint="rail" quantities="displacement rate"/>
+  <record name="rail" joint="rail" quantities="displacement speed"/>
   <record name="pole" joint="pole" quantities="angle rate"/>
 </mbd>)",
                 0.8 * std::sin(tilt), 0.8 * std::cos(tilt));
@@ -78,6 +78,6 @@ int main() try {
                      std::abs(y[angle] + tilt) < 1e-3;
   return right ? 0 : 1;
 } catch (const mbd::Error& error) {
-  std::printf("%s (%s)\n", error.what(), mbd::name_of(error.kind()).data());
+  std::printf("%s (%s)\n", error.what(), std::string(mbd::name_of(error.kind())).c_str());
   return 2;
 }
