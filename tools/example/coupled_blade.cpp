@@ -72,10 +72,13 @@ int main() try {
   const auto stepper = mbd::make_stepper(*model.system, *scene.transient);
   mbd::State state = model.initial;
   // Nodes of the blade, and the code's answer to a state.
-  std::vector<mbd::NamedPlace> places;
-  for (const mbd::NamedPlace& place : mbd::named_places(model))
-    if (place.node > 0 && (places.empty() || places.back().node != place.node))
-      places.push_back(place);
+  std::vector<mbd::NamedPlace> places;  // a node may have several names
+  std::vector<bool> seen(static_cast<std::size_t>(model.system->nodes()));
+  for (const mbd::NamedPlace& place : mbd::named_places(model)) {
+    const auto node = static_cast<std::size_t>(place.node);
+    if (node > 0 && !seen[node]) places.push_back(place);
+    seen[node] = true;
+  }
   std::vector<mbd::Pose<double>> poses(places.size());
   std::vector<mbd::Vec6> velocities(places.size()), answer(places.size());
   const auto ask = [&](const mbd::State& now) {
