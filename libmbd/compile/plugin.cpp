@@ -53,7 +53,7 @@ const mbd_force* find_force(const mbd_plugin& plugin, std::string_view name) {
 // What is wrong with a plug-in; empty: nothing.
 std::string fault_of(const mbd_plugin* plugin) {
   if (plugin == nullptr) return "its mbd_get_plugin() gives nothing";
-  if (plugin->version < MBD_PLUGIN_VERSION)
+  if (plugin->version != MBD_PLUGIN_VERSION)
     return fmt::format(
         "is for version {} of plug-ins, and this libmbd has version {}; compile it with the "
         "mbd/plugin.h of "
@@ -180,7 +180,7 @@ class PluginForce final : public Force {
         Eigen::Map<Vec3>(places[i].position) = at.poses[i].r;
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(places[i].rotation) =
             at.poses[i].R();
-        Eigen::Map<Vec6>(places[i].velocity) = at.velocities[i];
+        Eigen::Map<Vec6>(places[i].velocity) = at.velocities[0];
       }
       all = {at.t, places.size(), places.data()};
     }

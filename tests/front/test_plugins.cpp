@@ -131,6 +131,44 @@ TEST(Plugins, SpringsAreThoseOfTheModel) {
   EXPECT_LE(iterations, wanted.iterations + wanted.iterations / 20);  // by an exact tangent
 }
 
+TEST(Plugins, DerivativesAreThoseOfTheForce) {
+  const Scene scene =
+      with_plugin(R"(<extension force="pull" at="a b" values="stiffness=3 damping=0.7"/>)");
+  const std::shared_ptr<const Force> force = make_plugin_force(scene.extensions.front());
+  std::vector<Pose<double>> poses;
+  std::vector<Vec6> velocities;
+  for (int i = 0; i < 2; ++i) {
+    Vec6 x;
+    x << 0.3, -0.2 + i, 0.9, 0.4, 0.5 - i, 0.6;
+    poses.push_back(exp_se3<double>(x));
+    velocities.push_back(2.0 * x);
+  }
+  const auto wrenches = [&](const std::vector<Pose<double>>& H, const std::vector<Vec6>& V) {
+    std::vector<Vec6> f(2, Vec6::Zero());
+    EXPECT_TRUE(force->evaluate({0.0, H, V}, f));
+    VecX all(12);
+    all << f[0], f[1];
+    return all;
+  };
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(12, 12), C = K;
+  ASSERT_TRUE(force->derivatives({0.0, poses, velocities}, K, C));
+  constexpr double step = 1e-6;
+  for (Index j = 0; j < 12; ++j) {
+    const auto place = static_cast<std::size_t>(j / 6);
+    auto ahead = poses, behind = poses;
+    ahead[place] = poses[place] * exp_se3<double>(Vec6(step * Vec6::Unit(j % 6)));
+    behind[place] = poses[place] * exp_se3<double>(Vec6(-step * Vec6::Unit(j % 6)));
+    const VecX by_motion =
+        (wrenches(ahead, velocities) - wrenches(behind, velocities)) / (2.0 * step);
+    EXPECT_LT((K.col(j) - by_motion).norm(), 1e-8) << j;
+    auto faster = velocities;
+    faster[place] += Vec6::Unit(j % 6);
+    EXPECT_LT((C.col(j) - wrenches(poses, faster) + wrenches(poses, velocities)).norm(), 1e-12)
+        << j;
+  }
+  EXPECT_GT((K - K.transpose()).norm(), 1.0);
+}
+
 // The same by a force of the program.
 class Pull final : public Force {
  public:
