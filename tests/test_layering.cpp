@@ -42,6 +42,8 @@ struct Room {
   std::vector<std::string_view> uses;  // earlier rooms; of a folder of rooms: all of them
 };
 
+constexpr std::string_view plugin_interface =
+    "libmbd/plugin.h";  // of C, for those who write plug-ins
 constexpr std::string_view solvers = "solvers/", study = "libmbd/study/";
 
 // Each room uses itself and rooms above it only. Scenes are plain data: they know neither kernels nor solvers; and
@@ -60,8 +62,9 @@ const std::vector<Room>& rooms() {
     const auto scene = with(core, {"libmbd/text/", "libmbd/scene/"});
     const auto material = with(scene, {"libmbd/section/", "libmbd/material/"});
     const auto language = with(material, {"joints/", "libmbd/language/"});
-    const auto compile = with(language, {"elements/", "elements/beam/", "elements/node/",
-                                         "elements/pair/", solvers, "libmbd/compile/"});
+    const auto compile =
+        with(language, {"elements/", "elements/beam/", "elements/node/", "elements/pair/", solvers,
+                        plugin_interface, "libmbd/compile/"});
     const auto results = with(compile, {"libmbd/results/"});
     const auto pictures = with(results, {"libmbd/pictures/"});
     const auto view = with(results, {"libmbd/view/"});
@@ -87,6 +90,7 @@ const std::vector<Room>& rooms() {
         {"libmbd/scene/", scene},
         {"libmbd/material/", material},
         {"libmbd/language/", language},
+        {plugin_interface, {}},
         {"libmbd/compile/", compile},
         {"libmbd/results/", results},
         {"libmbd/pictures/", pictures},
@@ -309,13 +313,21 @@ std::vector<std::string> violations(const std::vector<SourceFile>& files) {
     }
 
     if (!is_source(file.path)) continue;
-    if (!is_cpp(file.path) && !file.path.ends_with(".hpp")) {
+    if (!is_cpp(file.path) && !file.path.ends_with(".hpp") && file.path != plugin_interface) {
       found.push_back(file.path + ": sources end in .hpp or .cpp");
     }
     if (room_of(file.path) == nullptr && file.path != umbrella) {
       found.push_back(file.path + ": is in no room");
       continue;
     }
+
+    // What a program that uses the library should know is in reports and errors.
+    if (const Room* const room = room_of(file.path);
+        room != nullptr && !is_outside_the_library(*room))
+      for (const std::string_view stream :
+           {"std::cerr", "std::cout", "std::clog", "stderr", "fmt::print", "perror"})
+        if (file.text.find(stream) != std::string::npos)
+          found.push_back(file.path + ": the library writes to no stream: " + std::string(stream));
 
     for (const Include& include : includes_of(file.text)) {
       const std::string where =
@@ -567,6 +579,9 @@ TEST(Layering, FindsEachViolation) {
       {"foreign extension", {{"elements/a.h", "\n"}}},
       {"XML in the core", {{"libmbd/core/a.cpp", include("<tinyxml2.h>")}}},
       {"XML in a header", {{"libmbd/language/a.hpp", include("<tinyxml2.h>")}}},
+      {"the library writes to a stream",
+       {{"solvers/time/a.cpp", "void f() { std::cerr << 1; }\n"}}},
+      {"the library prints", {{"libmbd/run/a.cpp", "void f() { fmt::print(\"a\"); }\n"}}},
       {"two XML readers",
        {{"libmbd/language/a.cpp", include("<tinyxml2.h>")},
         {"libmbd/language/b.cpp", include("<tinyxml2.h>")}}},

@@ -22,6 +22,7 @@
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/nodal_terms.hpp"
+#include "libmbd/compile/plugin.hpp"
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/section_point.hpp"
 #include "libmbd/compile/springs.hpp"
@@ -85,7 +86,10 @@ class Compiler {
                     [this](std::size_t joint) { return fusion_->is_fused(joint); });
     joints_->add_all();
     add_springs(nodes.find);
-    for (const std::shared_ptr<const Force>& force : extensions.forces) add_force(force);
+    for (const ExtensionScene& extension : scene_.extensions)
+      add_force(make_plugin_force(extension), extension.source);
+    for (const std::shared_ptr<const Force>& force : extensions.forces)
+      add_force(force, scene_.source);
     add_control();
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
@@ -97,6 +101,7 @@ class Compiler {
       throw Error(unusable);
     set_velocities(model.initial);
     check(model.initial);
+    check_plugins(model.initial);
     find_repetitions(model);
     if (scene_.path) add_path_channel(model);
     add_channels(model);
@@ -868,16 +873,27 @@ class Compiler {
 
   // --- forces of a program ---
 
-  void add_force(const std::shared_ptr<const Force>& force) {
+  void add_force(const std::shared_ptr<const Force>& force, const Source& source) {
     std::vector<ForceBatch::At> places;
     for (const std::string& name : force->places()) {
-      const std::vector<ForceBatch::At> at = nodes_called(name, *force);
+      const std::vector<ForceBatch::At> at = nodes_called(name, *force, source);
       places.insert(places.end(), at.begin(), at.end());
     }
     if (places.empty())
-      throw Error(scene_.source,
-                  fmt::format("force \"{}\" acts on no place; give it one", force->name()));
+      throw Error(source, fmt::format("force \"{}\" acts on no place; give it one", force->name()));
     system_->add_batch(std::make_unique<ForceBatch>(force, std::move(places), length_));
+  }
+
+  // One that throws, or gives no numbers, is refused before anything is run with it.
+  void check_plugins(const State& state) const {
+    std::size_t k = 0;
+    for (const auto& batch : system_->batches()) {
+      const auto* const force = dynamic_cast<const ForceBatch*>(batch.get());
+      if (force == nullptr || k == scene_.extensions.size()) continue;
+      const Source& source = scene_.extensions[k++].source;
+      if (const std::string fault = force->out_of_range(state); fault.ends_with(")"))
+        throw Error(source, fault);
+    }
   }
 
   // Those of a beam, each once: where two elements meet, both have one.
@@ -889,7 +905,8 @@ class Compiler {
   }
 
   // All nodes of a beam of that name, or the node of a place.
-  std::vector<ForceBatch::At> nodes_called(const std::string& name, const Force& force) const {
+  std::vector<ForceBatch::At> nodes_called(const std::string& name, const Force& force,
+                                           const Source& source) const {
     std::vector<std::string> known;
     for (const BodyScene& body : scene_.bodies) {
       const Attachment& at = body_nodes_.at(body.name);
@@ -912,9 +929,8 @@ class Compiler {
       known.push_back(beam.scene->name);
     }
     const std::vector<std::string_view> words(known.begin(), known.end());
-    throw Error(scene_.source,
-                fmt::format("force \"{}\": there is no node at \"{}\"{}", force.name(),
-                            excerpt(name), suggest(name, words, "places and beams")));
+    throw Error(source, fmt::format("force \"{}\": there is no node at \"{}\"{}", force.name(),
+                                    excerpt(name), suggest(name, words, "places and beams")));
   }
 
   void add_springs(const FindPlace& find_place) {
@@ -1257,6 +1273,9 @@ std::string without_potential(const Scene& scene) {
     if (std::string what = fault(load); !what.empty()) return what;
   for (const DragScene& drag : scene.drags)
     if (flows(drag)) return label(drag) + " is of a flow, whose work depends on the way";
+  for (const ExtensionScene& extension : scene.extensions)
+    if (!has_potential(extension))
+      return "the plug-in's force \"" + extension.force + "\" has no potential that it tells";
   return {};
 }
 

@@ -539,6 +539,22 @@ class Reader {
     return true;
   }
 
+  bool complete(const Item& item, ExtensionScene& extension) {
+    const std::string text = item.text_of("values");
+    for (const std::string_view word : schema::words(text)) {
+      const std::size_t equals = word.find('=');
+      if (equals == 0 || equals == std::string_view::npos || equals + 1 == word.size())
+        item.fail("values",
+                  in_quotes(excerpt(word)) + ": write name=expression, without blanks around =");
+      const std::string name(word.substr(0, equals));
+      for (const auto& [other, value] : extension.values)
+        if (other == name)
+          item.refuse("values", "hold " + in_quotes(excerpt(name)) + " twice; leave one out");
+      extension.values.emplace_back(name, item.evaluate("values", word.substr(equals + 1)));
+    }
+    return true;
+  }
+
   // --- functions and controllers ---
 
   bool complete(const Item& item, FunctionScene& function) {

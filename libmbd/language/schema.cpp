@@ -162,7 +162,8 @@ constexpr std::string_view order =
     "bar rectangle box I C beam arc curve point "
     "body shape drive motion load distributed rigid point_mass spring bushing matrix law "
     "joint_spring "
-    "joint_torque table drag added_mass base_motion gravity static path mark stop transient record "
+    "joint_torque table drag added_mass extension base_motion gravity static path mark stop "
+    "transient record "
     "motion_output plot expect repeat";
 
 std::vector<Element> elements_of_files() {

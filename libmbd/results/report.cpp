@@ -282,6 +282,7 @@ std::string to_json(const RunReport& report) {
                   : report.as_expected() ? "complete"
                                          : "complete, not as expected";
   all["failure"] = report.complete() ? Json() : Json(report.failure);
+  if (!report.complete()) all["failure_kind"] = name_of(report.kind);
   all["redundant_constraints"] = report.redundant;
   all["notes"] = report.notes;
   all["reached"] = {{"time", report.t}, {"load_factor", report.load_factor}, {"rows", report.rows}};

@@ -252,14 +252,15 @@ class Run {
       if (scene_.path) follow(state);
       if (scene_.transient) integrate(state);
     } catch (const Stopped&) {
-      end_early(state, "interrupted");
+      end_early(state, "interrupted", Failure::stopped);
     } catch (const OutOfMemory& error) {
-      end_early(state, error.what());
+      end_early(state, error.what(), Failure::memory);
     } catch (const std::bad_alloc&) {
       end_early(state,
                 fmt::format("out of memory, with {} unknowns; take fewer elements, bodies or "
                             "rows, or more memory",
-                            report_.unknowns));
+                            report_.unknowns),
+                Failure::memory);
     }
     report_.t = state.t;
     report_.load_factor = state.load_factor;
@@ -270,6 +271,7 @@ class Run {
       report_.failure = fmt::format(
           "out of memory at the end of the run, with {} rows; take fewer of them, or more memory",
           report_.rows);
+      report_.kind = Failure::memory;
       finish();
     }
     return std::move(report_);
@@ -404,7 +406,12 @@ class Run {
   }
 
   // What is left of a step that did not come to its end is the last state that was accepted.
-  void end_early(State& state, const std::string& why) {
+  void fail(const Error& error) {
+    report_.failure = error.what();
+    report_.kind = error.kind();
+  }
+
+  void end_early(State& state, const std::string& why, Failure kind) {
     stop::Scope::done();
     if (kept_) state = std::move(*kept_);
     if (report_.rows == 0) {
@@ -413,6 +420,7 @@ class Run {
                               why, place_of(state)));
     }
     report_.failure = fmt::format("{} at {}", why, place_of(state));
+    report_.kind = kind;
     monitor(state);
   }
 
@@ -737,12 +745,14 @@ class Run {
       } catch (const Stopped&) {
         stop::Scope::done();
         report_.failure = "interrupted at " + place_of(state);
+        report_.kind = Failure::stopped;
         break;
       }
       if (!going) break;  // a row inside the step ended it
       if (!step.converged) {
         report_.failure = steps > 0 ? fmt::format("step {} of {}, {}", n, steps, step.failure)
                                     : fmt::format("after {} steps, {}", n - 1, step.failure);
+        report_.kind = step.kind;
         break;
       }
       audit_->step(step, state);
@@ -830,7 +840,7 @@ class Run {
     try {
       keep_frame(shares_reactions_ ? shared_ : state);
     } catch (const Error& error) {
-      report_.failure = error.what();
+      fail(error);
       return false;
     }
     return true;
@@ -864,6 +874,7 @@ class Run {
         failure += ": " + unusable;
       if (report_.rows == 0) fail_to_start(failure);
       report_.failure = failure;
+      report_.kind = Failure::range;
       return false;
     }
     if (report_.rows == 0) begin();
@@ -871,7 +882,7 @@ class Run {
       for (Observer* const observer : observers_) observer->accepted({model_, state, row_});
       if (keeps_motion_ && !frames_) keep_frame(shares_reactions_ ? shared_ : state);
     } catch (const Error& error) {
-      report_.failure = error.what();
+      fail(error);
       return false;
     }
     ++report_.rows;
@@ -883,6 +894,7 @@ class Run {
     if (std::isfinite(report_.energy_end.total() + report_.work.total())) return true;
     report_.failure = fmt::format("the energy is not finite at {}; look at the loads and drives",
                                   place_of(state));
+    report_.kind = Failure::range;
     return false;
   }
 
@@ -898,6 +910,7 @@ class Run {
       throw Error(fmt::format("interrupted at load factor {:.9g}, before the start of the motion",
                               state.load_factor));
     report_.failure = "interrupted at " + place_of(state);
+    report_.kind = Failure::stopped;
     return true;
   }
 
@@ -958,6 +971,7 @@ class Run {
   }
 
   void finish() {
+    if (!report_.complete() && report_.kind == Failure::none) report_.kind = Failure::convergence;
     check_energy();
     estimate_time_error();
     report_.certificate = audit_->certificate(report_);
@@ -966,7 +980,7 @@ class Run {
       try {
         observer->finished(report_);
       } catch (const Error& error) {
-        if (report_.complete()) report_.failure = error.what();
+        if (report_.complete()) fail(error);
       }
     }
     report_.output += watch_.lap();
@@ -975,7 +989,7 @@ class Run {
       try {
         what();
       } catch (const Error& error) {
-        if (report_.complete()) report_.failure = error.what();
+        if (report_.complete()) fail(error);
       }
     };
     attempt([this] {

@@ -64,6 +64,12 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
   if (options.balance == Balance::momentum) momentum_.resize(n);
   if (options.keep_momenta && momentum_.empty()) free_ = FreeMomenta(system);
   damps_little_ = options.rho_infinity > damps_little;
+  if (options.max_cost < 0)
+    throw Error(fmt::format("max_cost must not be negative, and is {}", options.max_cost));
+  if (options.max_cost > 0 && settings_.adaptive())
+    throw Error("max_cost is of fixed steps; give a step in place of tolerances");
+  max_cost_ = options.max_cost;
+  bounded_ = max_cost_ > 0;
   p_.resize(n);
   solver_->analyze(own_graph(false));
   Q_.assign(n, Vec6::Zero());
@@ -309,6 +315,7 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
   if (!factored_) {
     const Index row = solver().singular_row();
     report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
+    report.kind = Failure::singular;
   }
   kept_.renewed();
   return factored_;
@@ -358,10 +365,12 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
   bool fresh = false;  // tangent of this step
   report.iterations = 0;
   report.contraction = 0.0;
-  for (int k = 0; k < settings_.newton.max_iterations; ++k) {
+  bool in_range = true;
+  const int most = bounded_ ? max_cost_ : settings_.newton.max_iterations;
+  for (int k = 0; k < most; ++k) {
     stop::check();
-    bool in_range = true;
-    if (refactor || always) {
+    in_range = true;
+    if ((refactor || always) && !(bounded_ && fresh)) {
       if (!factorize(report, in_range)) return false;
       fresh = true;
       refactor = false;
@@ -378,8 +387,11 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
       kept_.measured(e, previous);
       if (previous > 1.0) report.contraction = std::max(report.contraction, e / previous);
       if (e > 2.0 * previous && !(fresh && k < 4) && e > 1.0) {
-        if (fresh) break;  // diverges with its own tangent
-        refactor = true;   // the increment is not taken: start again from the present iterate
+        if (fresh) {  // diverges with its own tangent
+          in_range = false;
+          break;
+        }
+        refactor = true;  // the increment is not taken: start again from the present iterate
         continue;
       }
     }
@@ -400,9 +412,16 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     }
     if (kept_.is_poor()) refactor = true;
   }
+  if (bounded_ && in_range && report.iterations == most && report.failure.empty()) {
+    report.undone = true;
+    refactor_next_ = true;
+    return true;
+  }
   if (report.failure.empty()) {
     residual();
-    report.failure = newton_failure(system_.out_of_range(end_), r_);
+    const std::string out_of_range = system_.out_of_range(end_);
+    report.failure = newton_failure(out_of_range, r_);
+    report.kind = out_of_range.empty() ? Failure::convergence : Failure::range;
   }
   return false;
 }
@@ -424,6 +443,7 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
   predict(t, true);
   if (!usable(end_, report)) return false;
   bool converged = iterate(report);
+  if (bounded_ && !converged) return false;
   if (!converged) {  // once more without extrapolation, with a tangent of its own
     report.failure.clear();
     refactor_next_ = true;
@@ -451,7 +471,7 @@ bool GeneralizedAlpha::surprises(StepReport& report) {
 
 void GeneralizedAlpha::settle() {
   projects_ = projects_ || (damps_little_ && !tolerant_);
-  calm_next_ = projects_ && !tolerant_ && !starting_;
+  calm_next_ = projects_ && !tolerant_ && !starting_ && !bounded_;
   tolerant_ = false;
   factored_ = false;  // or by the other solver
   refactor_next_ = true;
@@ -577,7 +597,8 @@ void GeneralizedAlpha::calm_velocities() {
   system_.constraints(end_, g_, gdot_);
   if (!projects_) {
     if (!rings()) return;
-    projects_ = calm_next_ = true;
+    projects_ = true;
+    calm_next_ = !bounded_;  // that costs a factorisation
     system_.constraints(end_, g_, gdot_);
   }
   constexpr int most_passes = 3;

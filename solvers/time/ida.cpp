@@ -24,6 +24,36 @@
 namespace mbd {
 namespace {
 
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAFree);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAReInit);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetMaxStep);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetErrHandlerFn);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAInit);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetUserData);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAWFtolerances);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetId);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetSuppressAlg);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetMaxOrd);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetNonlinConvCoef);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetLinearSolver);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetJacFn);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetLinearSolutionScaling);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetDeltaCjLSetup);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetStopTime);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASolve);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumSteps);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumErrTestFails);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumNonlinSolvIters);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumStepSolveFails);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetCurrentTime);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetLastStep);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetDky);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetEstLocalErrors);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetErrWeights);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetCurrentStep);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetReturnFlagName);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDACreate);
+
 using sundials::values;
 using sundials::Vector;
 
@@ -376,7 +406,10 @@ StepReport Ida::restart(State& state) {
   StepReport report;
   double mass = 0.0;
   report.failure = initial_accelerations(system_, *solver_, state, mass, counters_);
-  if (!report.failure.empty()) return report;
+  if (!report.failure.empty()) {
+    report.kind = Failure::singular;
+    return report;
+  }
   integrator_->start(state, span_);
   report.converged = true;
   return report;
@@ -436,6 +469,7 @@ StepReport Ida::one_step(State& state) {
   if (last_usable_ < landing.t) {
     if (!(last_usable_ - state.t > slack_)) {
       report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable_);
+      report.kind = Failure::law;
       return report;
     }
     landing = {.t = last_usable_};
@@ -443,6 +477,7 @@ StepReport Ida::one_step(State& state) {
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
                                  last < options_.end ? " (Stepper::stop_at)" : "");
+    report.kind = Failure::end;
     return report;
   }
   double reached = state.t;

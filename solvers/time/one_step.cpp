@@ -45,6 +45,7 @@ bool OneStep::usable(const State& state, StepReport& report) {
   report.failure = system_.unusable_signal(state);
   if (report.failure.empty()) return true;
   last_usable_ = last_usable(system_, begin_, state.t, slack_, report.failure);
+  report.kind = Failure::law;
   return false;
 }
 
@@ -157,7 +158,10 @@ std::string OneStep::signature_of(std::string_view method,
 StepReport OneStep::restart(State& state) {
   StepReport report;
   report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
-  if (!report.failure.empty()) return report;
+  if (!report.failure.empty()) {
+    report.kind = Failure::singular;
+    return report;
+  }
   norm_.observe(state.lambda);
   begin_at(state);
   if (controller_) controller_->start(first_step(system_, state, settings_.end - state.t));
@@ -170,6 +174,10 @@ StepReport OneStep::step(State& state) {
   if (!may_step(system_, state, InputChange::jump, report)) return report;
   report = settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
   watch(state);
+  if (report.converged)
+    report.kind = Failure::none;
+  else if (report.kind == Failure::none)
+    report.kind = Failure::convergence;
   return report;
 }
 
@@ -182,9 +190,10 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   const double contraction = report.contraction;
   report.iterations = 0;
   report.failure.clear();
+  report.kind = Failure::none;
   last_usable_.reset();
   bool converged = attempt(t, h, report);
-  if (!converged && !last_usable_ && system_.idle_rows_allowed())
+  if (!converged && !bounded_ && !last_usable_ && system_.idle_rows_allowed())
     converged = attempt_with_other_rows(t, h, report);
   report.iterations += before;
   report.contraction = converged ? std::max(contraction, report.contraction) : contraction;
@@ -268,9 +277,9 @@ StepReport OneStep::fixed_step(State& state) {
       }
       last = false;
       good_ = 0;
-      if (halvings_ == settings_.max_halvings) {
+      if (bounded_ || halvings_ == settings_.max_halvings) {
         report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
-                                     settings_.max_halvings > 0 && !last_usable_
+                                     !bounded_ && settings_.max_halvings > 0 && !last_usable_
                                          ? fmt::format(", even with a step of {:.3g} s", h)
                                          : std::string(),
                                      report.failure);
@@ -290,14 +299,16 @@ StepReport OneStep::fixed_step(State& state) {
 bool OneStep::is_too_short(double h, double t, const std::string& unusable,
                            StepReport& report) const {
   if (h > slack_) return false;
-  if (!unusable.empty())
+  if (!unusable.empty()) {
     report.failure = fmt::format("from t = {:.9g} s: {}", t, unusable);
-  else
-    report.failure = fmt::format(
-        "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", t, h,
-        report.failure.empty()
-            ? "the estimated error stays too large at " + system_.name_of(error_norm_->worst_row())
-            : report.failure);
+    return true;
+  }
+  report.failure = fmt::format(
+      "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", t, h,
+      report.failure.empty()
+          ? "the estimated error stays too large at " + system_.name_of(error_norm_->worst_row())
+          : report.failure);
+  if (report.kind == Failure::none) report.kind = Failure::step_size;
   return true;
 }
 
@@ -309,6 +320,7 @@ bool OneStep::stays_short(double h, bool last, double t, StepReport& report) {
       "round-off, "
       "{} of them in a row: {}",
       t, short_step * slack_, most_short_steps, shortened_by_);
+  report.kind = Failure::step_size;
   return true;
 }
 
@@ -335,6 +347,7 @@ StepReport OneStep::adaptive_step(State& state) {
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
                                  end < settings_.end ? " (Stepper::stop_at)" : "");
+    report.kind = Failure::end;
     return report;
   }
   for (;;) {

@@ -70,6 +70,8 @@ class OneStep : public Stepper {
   // The settings that all methods have, and a method's own.
   std::string signature_of(std::string_view method, std::initializer_list<double> own) const;
 
+  bool bounded_ = false;  // a step that fails is not tried otherwise
+
   // eps of rank-tolerant steps, in units of 1/mass.
   static constexpr double rank_tolerance = 1e-3;
   double rank_tolerance_ = rank_tolerance;

@@ -9,7 +9,7 @@
 // Build: see CMakeLists.txt beside this file. Run: struck_arm
 // Expect: before and after the blow the energy is constant, but for what the integrator damps; the blow adds
 // what the change of velocity says. Exit status 0 if so.
-#include <libmbd/mbd.hpp>
+#include <mbd/mbd.hpp>
 
 #include <cmath>
 #include <cstdio>
