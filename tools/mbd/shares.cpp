@@ -26,7 +26,7 @@ constexpr std::array launchers = {
     Launcher{"PMI_RANK", "PMI_SIZE", "MPI"},
     Launcher{"SLURM_PROCID", "SLURM_STEP_NUM_TASKS", "srun"}};
 
-std::size_t number_of(const char* name, const char* text) {
+std::size_t rank_number(const char* name, const char* text) {
   std::size_t value = 0;
   const char* const end = text + std::strlen(text);
   const auto [at, code] = std::from_chars(text, end, value);
@@ -62,7 +62,7 @@ std::optional<Rank> rank_of(const std::function<const char*(const char*)>& varia
     const char* const index = variable(launcher.index);
     const char* const count = variable(launcher.count);
     if (index == nullptr || count == nullptr) continue;
-    const Rank rank{number_of(launcher.index, index), number_of(launcher.count, count),
+    const Rank rank{rank_number(launcher.index, index), rank_number(launcher.count, count),
                     launcher.name};
     if (rank.index >= rank.count)
       throw Error(
@@ -117,16 +117,18 @@ std::string submit(const SlurmJob& job) {
 
 void wait_for(const std::string& id, const std::function<bool()>& done) {
   constexpr int seconds_between_questions = 5;  // the controller is everybody's
+  // A task that is begun again is nowhere for a moment.
+  constexpr int answers_to_believe = 2;
+  int over = 0;
   for (int turn = 1; !done(); ++turn) {
+    if (over == answers_to_believe) return;
     std::this_thread::sleep_for(std::chrono::seconds(1));
     if (turn % seconds_between_questions != 0) continue;
     const Said said = ask({"squeue", "--noheader", "--jobs=" + id, "--format=%T"});
     // A controller that does not answer for a while is waited for.
-    if (said.status == 0 ? said.text.empty()
-                         : said.text.find("Invalid job id") != std::string::npos) {
-      done();
-      return;
-    }
+    const bool is_over = said.status == 0 ? said.text.empty()
+                                          : said.text.find("Invalid job id") != std::string::npos;
+    over = is_over ? over + 1 : 0;
   }
 }
 

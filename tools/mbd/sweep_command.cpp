@@ -54,8 +54,8 @@ SweepPlan plan_of(const SweepArguments& arguments) {
 constexpr std::size_t most_tasks = 100;
 
 // What each process of this sweep is told, but for its share.
-std::vector<std::string> words_of(const SweepArguments& arguments,
-                                  const std::filesystem::path& output, int jobs) {
+std::vector<std::string> task_words(const SweepArguments& arguments,
+                                    const std::filesystem::path& output, int jobs) {
   std::error_code code;
   std::vector<std::string> words = {std::filesystem::read_symlink("/proc/self/exe", code).string(),
                                     "sweep", arguments.model};
@@ -87,7 +87,7 @@ bool run_on_slurm(SweepTable& table, const SweepArguments& arguments,
   if (numbers.empty()) return true;
   job.numbers.assign(numbers.begin(), numbers.end());
   job.jobs = std::max(arguments.jobs, 1);
-  job.command = words_of(arguments, output, job.jobs);
+  job.command = task_words(arguments, output, job.jobs);
   job.logs = output;
   job.options = arguments.sbatch;
   const std::string id = submit(job);

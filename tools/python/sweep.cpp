@@ -22,8 +22,9 @@ namespace {
 using Points = std::vector<std::vector<std::string>>;
 
 // A sweep and the model it is of.
-struct Table {
-  Table(std::shared_ptr<const ModelHandle> m, const SweepPlan& plan, const SweepOptions& options)
+struct SweptModel {
+  SweptModel(std::shared_ptr<const ModelHandle> m, const SweepPlan& plan,
+             const SweepOptions& options)
       : model(std::move(m)), table(reader(), plan, options) {}
   ReadSweptModel reader() const {
     return [this](const Overrides& values) { return model->read(values); };
@@ -32,11 +33,12 @@ struct Table {
   SweepTable table;
 };
 
-std::unique_ptr<Table> make_table(const std::shared_ptr<ModelHandle>& model, const SweepPlan& plan,
-                                  const std::vector<std::string>& quantities,
-                                  const std::optional<std::string>& keep,
-                                  const std::string& fingerprint, const std::string& command,
-                                  const std::string& share) {
+std::unique_ptr<SweptModel> make_table(const std::shared_ptr<ModelHandle>& model,
+                                       const SweepPlan& plan,
+                                       const std::vector<std::string>& quantities,
+                                       const std::optional<std::string>& keep,
+                                       const std::string& fingerprint, const std::string& command,
+                                       const std::string& share) {
   SweepOptions options;
   options.quantities = quantities;
   if (keep) options.keep = *keep;
@@ -44,11 +46,11 @@ std::unique_ptr<Table> make_table(const std::shared_ptr<ModelHandle>& model, con
   options.command = command;
   if (!share.empty()) options.share = share_of(share);
   const py::gil_scoped_release release;
-  return std::make_unique<Table>(model, plan, options);
+  return std::make_unique<SweptModel>(model, plan, options);
 }
 
 // Returns what was raised meanwhile, or None.
-py::object run_here(Table& t, int jobs, const py::object& progress) {
+py::object run_here(SweptModel& t, int jobs, const py::object& progress) {
   SweepOptions options;
   options.jobs = jobs;
   std::atomic<std::size_t> done = 0;
@@ -69,7 +71,7 @@ py::object run_here(Table& t, int jobs, const py::object& progress) {
       show);
 }
 
-py::dict found(const Table& t) {
+py::dict found(const SweptModel& t) {
   const SweepStudy& study = t.table.study();
   const auto points = static_cast<py::ssize_t>(study.rows.size());
   py::list columns, status, messages;
@@ -105,7 +107,7 @@ py::dict found(const Table& t) {
   return all;
 }
 
-std::vector<std::string> column_names(const Table& t) {
+std::vector<std::string> column_names(const SweptModel& t) {
   std::vector<std::string> names;
   for (const Column& column : t.table.study().columns) names.push_back(column.name);
   return names;
@@ -124,7 +126,7 @@ Row run_one(const ModelHandle& model, const Overrides& values,
   return {std::string(word_of(row.status)), row.t, row.cpu, row.values, row.message};
 }
 
-void add(Table& t, std::size_t point, const Row& given) {
+void add(SweptModel& t, std::size_t point, const Row& given) {
   const auto& [status, time, cpu, values, message] = given;
   const SweepStudy& study = t.table.study();
   SweepRow row{status_of(status), time, cpu, values, message};
@@ -148,12 +150,13 @@ void bind_sweep(py::module_& module) {
       .def_static("list", [](std::vector<std::string> parameters, Points points) {
         return list_plan(std::move(parameters), std::move(points));
       });
-  py::class_<Table>(module, "SweepTable", "A sweep as it goes.")
+  py::class_<SweptModel>(module, "SweepTable", "A sweep as it goes.")
       .def(py::init(&make_table), py::arg("model"), py::arg("plan"), py::arg("quantities"),
            py::arg("keep"), py::arg("fingerprint"), py::arg("command"), py::arg("share"))
       .def("run", &run_here, py::arg("jobs"), py::arg("progress"))
       .def("add", &add)
-      .def("open", [](const Table& t) { return t.table.open(); })
+      .def("open", [](const SweptModel& t) { return t.table.open(); })
+      .def("leave", [](SweptModel& t) { t.table.leave(); })
       .def("columns", &column_names)
       .def("found", &found);
   module.def("run_point", &run_one, py::arg("model"), py::arg("values"), py::arg("columns"));

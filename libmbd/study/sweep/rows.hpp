@@ -53,7 +53,7 @@ class KeptRows {
   void add(const std::string& key, const SweepRow& row);
   // Reads what other processes have added meanwhile.
   void look_again();
-  // In a process that was forked: leaves the lock to its parent.
+  // Lets the lock go, or, in a process that was forked, leaves it to its parent. Nothing can be added after it.
   void leave();
 
  private:

@@ -375,6 +375,10 @@ void SweepTable::look_again() {
   fill();
 }
 
+void SweepTable::leave() {
+  if (inside_->rows) inside_->rows->leave();
+}
+
 void SweepTable::run(const ReadSweptModel& read, const SweepOptions& options) {
   if (options.jobs < 1 || options.jobs > 4096)
     throw Error(fmt::format("--jobs {}: give a number of processes from 1 to 4096", options.jobs));

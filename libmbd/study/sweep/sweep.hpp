@@ -80,6 +80,8 @@ class SweepTable {
   // Runs what is open, and looks again at the end. Throws Error when there can be no process. Its processes are forked: no
   // other thread may be inside this library.
   void run(const ReadSweptModel& read, const SweepOptions& options);
+  // Lets another process have the share, before this goes. No rows are to be added after it.
+  void leave();
 
  private:
   void fill();

@@ -138,6 +138,7 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
         else:
             raised = _run_on(client, table, handle, plan, show)
     finally:
+        table.leave()  # however long a traceback may hold it
         if progress is True:
             sys.stderr.write("\r\033[K")
     result = Sweep(table.found())
