@@ -52,14 +52,15 @@ def test_shaft():
     frequencies = [float(number) for number in re.search(r"array\(\[(.*?)\]", said)[1].split(",")]
     assert 53.0 < frequencies[0] < 53.8 and 53.0 < frequencies[1] < 53.8 and pictures == 1
     assert float(re.search(r"largest ([0-9.]+) m", said)[1]) == pytest.approx(0.406, rel=0.03)  # as the model file says
-    below = float(re.search(r"below .* = ([-+0-9.]+) m", said)[1])
-    above = float(re.search(r"above .* = ([-+0-9.]+) m", said)[1])
+    below = float(re.search(r"below .* = ([-+0-9.]+) m;", said)[1])
+    above = float(re.search(r"above .* = ([-+0-9.]+) m;", said)[1])
     assert below > 0.03 and -0.12 < above < -0.03
 
 
 def test_controlled_arm():
     said, pictures = said_by("controlled_arm")
     assert pictures == 1 and "('torque', 'N.m')" in said
+    assert float(said.replace("(", " ").rsplit(",", 1)[1].strip(" )\n")) == pytest.approx(1, rel=1e-9)
     difference = float(re.search(r"largest difference ([0-9.e-]+) rad", said)[1])
     assert difference < 5e-3 and float(re.search(r"at the end ([0-9.]+)", said)[1]) == pytest.approx(0.3, abs=1e-4)
 
