@@ -87,7 +87,7 @@ def mirror():
     for line in listed.splitlines():
         uri, release = line.split()
         if release == "bookworm" and uri.startswith("http") and "debian" in uri:
-            return uri
+            return uri.rstrip("/")
     return None
 
 
