@@ -3,8 +3,8 @@ give the table of one process, byte for byte but for CPU times, also when one of
 
 Tried in it, and killed: shares that take each other's points, or leave out the last; a table written by the first share to end;
 rows of other shares not read, or read with another fingerprint; a last line cut short that is believed; the lock left out; ranks not
-read from the environment; SLURM_NTASKS taken for the size of a step; tasks that begin anew; lost workers of Dask not told from
-results; workers that read another model.
+read from the environment; SLURM_NTASKS taken for the size of a step; files of rows begun anew; lost workers of Dask not told from
+results; workers that read another model; rows of Dask at other points.
 """
 
 import csv
