@@ -5,8 +5,11 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
-#include <mutex>
+#include <memory>
 #include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "libmbd/study/sweep/sweep.hpp"
 #include "tools/python/background.hpp"
@@ -18,72 +21,127 @@ namespace {
 
 using Points = std::vector<std::vector<std::string>>;
 
-py::tuple sweep(const ModelHandle& model, const SweepPlan& plan,
-                const std::vector<std::string>& quantities, int jobs,
-                const std::optional<std::string>& keep, const std::string& fingerprint,
-                const std::string& command, const py::object& progress) {
+// A sweep and the model it is of.
+struct SweptModel {
+  SweptModel(std::shared_ptr<const ModelHandle> m, const SweepPlan& plan,
+             const SweepOptions& options)
+      : model(std::move(m)), table(reader(), plan, options) {}
+  ReadSweptModel reader() const {
+    return [this](const Overrides& values) { return model->read(values); };
+  }
+  std::shared_ptr<const ModelHandle> model;
+  SweepTable table;
+};
+
+std::unique_ptr<SweptModel> make_table(const std::shared_ptr<ModelHandle>& model,
+                                       const SweepPlan& plan,
+                                       const std::vector<std::string>& quantities,
+                                       const std::optional<std::string>& keep,
+                                       const std::string& fingerprint, const std::string& command,
+                                       const std::string& share) {
   SweepOptions options;
   options.quantities = quantities;
-  options.jobs = jobs;
   if (keep) options.keep = *keep;
   options.fingerprint = fingerprint;
   options.command = command;
+  if (!share.empty()) options.share = share_of(share);
+  const py::gil_scoped_release release;
+  return std::make_unique<SweptModel>(model, plan, options);
+}
+
+// Returns what was raised meanwhile, or None.
+py::object run_here(SweptModel& t, int jobs, const py::object& progress) {
+  SweepOptions options;
+  options.jobs = jobs;
   std::atomic<std::size_t> done = 0;
   std::size_t shown = 0;
   std::function<void()> show;
   if (!progress.is_none()) {
     options.progress = [&done](std::size_t now, std::size_t) { done = now; };
     show = [&] {
-      if (const std::size_t now = done; now != shown) progress(shown = now, plan.points.size());
+      if (const std::size_t now = done; now != shown)
+        progress(shown = now, t.table.study().rows.size());
     };
   }
-  std::optional<SweepStudy> study;
-  const py::object raised = in_background(
+  return in_background(
       [&](const std::atomic<bool>& interrupted) {
         options.interrupted = &interrupted;
-        study =
-            study_sweep([&](const Overrides& values) { return model.read(values); }, plan, options);
+        t.table.run(t.reader(), options);
       },
       show);
-  if (!study) return py::make_tuple(py::none(), raised);
-  const auto points = static_cast<py::ssize_t>(study->rows.size());
-  py::list columns, status, messages, texts;
-  py::array_t<double> values({points, static_cast<py::ssize_t>(study->columns.size())}), t(points),
-      cpu(points);
-  for (const Column& column : study->columns)
+}
+
+py::dict found(const SweptModel& t) {
+  const SweepStudy& study = t.table.study();
+  const auto points = static_cast<py::ssize_t>(study.rows.size());
+  py::list columns, status, messages;
+  py::array_t<double> values({points, static_cast<py::ssize_t>(study.columns.size())}),
+      time(points), cpu(points);
+  for (const Column& column : study.columns)
     columns.append(py::make_tuple(column.name, column.unit));
-  constexpr std::array words = {"open", "done", "failed", "refused", "lost"};
   for (py::ssize_t i = 0; i < points; ++i) {
-    const SweepRow& row = study->rows[static_cast<std::size_t>(i)];
+    const SweepRow& row = study.rows[static_cast<std::size_t>(i)];
     for (py::ssize_t c = 0; c < values.shape(1); ++c)
       values.mutable_at(i, c) =
           row.values.empty() ? std::nan("") : row.values[static_cast<std::size_t>(c)];
     const bool is_open = row.status == SweepRow::Status::open;
-    t.mutable_at(i) = is_open ? std::nan("") : row.t;
+    time.mutable_at(i) = is_open ? std::nan("") : row.t;
     cpu.mutable_at(i) = is_open ? std::nan("") : row.cpu;
-    status.append(words[static_cast<std::size_t>(row.status)]);
+    status.append(std::string(word_of(row.status)));
     messages.append(row.message);
   }
   py::dict all;
-  all["model"] = study->model;
-  all["parameters"] = plan.parameters;
-  all["points"] = plan.points;
+  all["model"] = study.model;
+  all["parameters"] = study.plan.parameters;
+  all["points"] = study.plan.points;
   all["columns"] = columns;
   all["values"] = values;
   all["status"] = status;
-  all["t"] = t;
+  all["t"] = time;
   all["cpu"] = cpu;
   all["messages"] = messages;
-  all["found"] = study->found;
-  all["csv"] = to_csv(*study);
-  all["text"] = to_text(*study);
-  return py::make_tuple(all, raised);
+  all["found"] = study.found;
+  all["whole"] = study.whole();
+  all["csv"] = to_csv(study);
+  all["text"] = to_text(study);
+  return all;
+}
+
+std::vector<std::string> column_names(const SweptModel& t) {
+  std::vector<std::string> names;
+  for (const Column& column : t.table.study().columns) names.push_back(column.name);
+  return names;
+}
+
+// A row as a worker sends it.
+using Row = std::tuple<std::string, double, double, std::vector<double>, std::string>;
+
+Row run_one(const ModelHandle& model, const Overrides& values,
+            const std::vector<std::string>& names) {
+  std::vector<Column> columns;
+  for (const std::string& name : names) columns.push_back({name, {}});
+  const py::gil_scoped_release release;
+  const SweepRow row =
+      run_point([&](const Overrides& more) { return model.read(more); }, values, columns);
+  return {std::string(word_of(row.status)), row.t, row.cpu, row.values, row.message};
+}
+
+void add(SweptModel& t, std::size_t point, const Row& given) {
+  const auto& [status, time, cpu, values, message] = given;
+  const SweepStudy& study = t.table.study();
+  SweepRow row{status_of(status), time, cpu, values, message};
+  const bool is_done = row.status == SweepRow::Status::done;
+  if (point >= study.rows.size() || row.status == SweepRow::Status::open ||
+      row.values.size() != (is_done ? study.columns.size() : 0))
+    throw UseError("a row that is none of this sweep");
+  t.table.add(point, std::move(row));
 }
 
 }  // namespace
 
 void bind_sweep(py::module_& module) {
   py::class_<SweepPlan>(module, "SweepPlan", "Which values a sweep gives to parameters.")
+      .def_readonly("parameters", &SweepPlan::parameters)
       .def_readonly("points", &SweepPlan::points)
       .def_static("grid", [](const std::vector<std::string>& vary) { return grid_plan(vary); })
       .def_static("latin", [](const std::vector<std::string>& vary, std::size_t count,
@@ -92,9 +150,16 @@ void bind_sweep(py::module_& module) {
       .def_static("list", [](std::vector<std::string> parameters, Points points) {
         return list_plan(std::move(parameters), std::move(points));
       });
-  module.def("sweep", &sweep, py::arg("model"), py::arg("plan"), py::arg("quantities"),
-             py::arg("jobs"), py::arg("keep"), py::arg("fingerprint"), py::arg("command"),
-             py::arg("progress"));
+  py::class_<SweptModel>(module, "SweepTable", "A sweep as it goes.")
+      .def(py::init(&make_table), py::arg("model"), py::arg("plan"), py::arg("quantities"),
+           py::arg("keep"), py::arg("fingerprint"), py::arg("command"), py::arg("share"))
+      .def("run", &run_here, py::arg("jobs"), py::arg("progress"))
+      .def("add", &add)
+      .def("open", [](const SweptModel& t) { return t.table.open(); })
+      .def("leave", [](SweptModel& t) { t.table.leave(); })
+      .def("columns", &column_names)
+      .def("found", &found);
+  module.def("run_point", &run_one, py::arg("model"), py::arg("values"), py::arg("columns"));
 }
 
 }  // namespace mbd::python

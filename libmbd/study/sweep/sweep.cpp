@@ -16,16 +16,12 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <fstream>
-#include <map>
-#include <sstream>
+#include <ctime>
 #include <string_view>
 
-#include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/history.hpp"
 #include "libmbd/results/observers.hpp"
 #include "libmbd/run/run.hpp"
-#include "libmbd/text/files.hpp"
 #include "libmbd/text/spelling.hpp"
 #include "libmbd/text/tables.hpp"
 #include "libmbd/text/text.hpp"
@@ -37,10 +33,11 @@ using Status = SweepRow::Status;
 
 constexpr std::array<std::string_view, 6> words_of_what = {"end",     "minimum", "maximum",
                                                            "largest", "mean",    "rms"};
-constexpr std::array<std::string_view, 5> words_of_status = {"open", "done", "failed", "refused",
-                                                             "lost"};
-std::string_view word_of(Status status) {
-  return words_of_status[static_cast<std::size_t>(status)];
+// CPU time of this thread [s]: a worker of a cluster may run several points side by side.
+double used_cpu_here() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 // A column of a run, and what is kept of it.
@@ -111,11 +108,11 @@ class Gatherer final : public Observer {
   std::vector<std::size_t> places_;
 };
 
-// What one point gives. In a process of its own.
+// What one point gives.
 SweepRow run_here(const ReadSweptModel& read, const Overrides& overrides,
                   const std::vector<Kept>& kept) {
   SweepRow row;
-  const double begin = used_cpu();
+  const double begin = used_cpu_here();
   try {
     Scene scene = read(overrides);
     scene.plots.clear();
@@ -133,159 +130,9 @@ SweepRow run_here(const ReadSweptModel& read, const Overrides& overrides,
     row.status = Status::refused;
     row.message = error.what();
   }
-  row.cpu = used_cpu() - begin;
+  row.cpu = used_cpu_here() - begin;
   return row;
 }
-
-// ---- rows as text: a line, which is whole if it ends -------------------------------------------------
-
-std::string shielded(std::string_view text) {
-  std::string all;
-  for (const char c : text) {
-    if (c == '\\')
-      all += "\\\\";
-    else if (c == '\n')
-      all += "\\n";
-    else if (c == '\t')
-      all += "\\t";
-    else if (c == '\r')
-      all += ' ';
-    else
-      all += c;
-  }
-  return all;
-}
-
-std::string unshielded(std::string_view text) {
-  std::string all;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '\\' || i + 1 == text.size()) {
-      all += text[i];
-      continue;
-    }
-    const char c = text[++i];
-    all += c == 'n' ? '\n' : c == 't' ? '\t' : c;
-  }
-  return all;
-}
-
-std::string line_of(const SweepRow& row) {
-  return fmt::format("{}\t{}\t{}\t{}\t{}\n", word_of(row.status), row.t, row.cpu,
-                     fmt::join(row.values, " "), shielded(row.message));
-}
-
-std::vector<std::string_view> tabbed(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find('\t', at), line.size());
-    cells.push_back(line.substr(at, end - at));
-    at = end + 1;
-  }
-  return cells;
-}
-
-bool read_number(std::string_view text, double& value) {
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return code == std::errc() && end == text.data() + text.size();
-}
-
-// Nothing for what is not such a line with that many values.
-std::optional<SweepRow> row_of(std::span<const std::string_view> cells, std::size_t columns) {
-  if (cells.size() != 5) return std::nullopt;
-  const auto word = std::find(words_of_status.begin(), words_of_status.end(), cells[0]);
-  SweepRow row;
-  if (word == words_of_status.end() || !read_number(cells[1], row.t) ||
-      !read_number(cells[2], row.cpu))
-    return std::nullopt;
-  row.status = static_cast<Status>(word - words_of_status.begin());
-  std::string_view values = cells[3];
-  while (!values.empty()) {
-    const std::size_t end = std::min(values.find(' '), values.size());
-    double value = 0.0;
-    if (!read_number(values.substr(0, end), value)) return std::nullopt;
-    row.values.push_back(value);
-    values.remove_prefix(std::min(end + 1, values.size()));
-  }
-  if (row.status == Status::open || row.values.size() != (row.status == Status::done ? columns : 0))
-    return std::nullopt;
-  row.message = unshielded(cells[4]);
-  return row;
-}
-
-// A point by its names and values.
-std::string key_of(const SweepPlan& plan, std::size_t point) {
-  std::string key;
-  for (std::size_t i = 0; i < plan.parameters.size(); ++i)
-    key += (i > 0 ? "," : "") + plan.parameters[i] + "=" + shielded(plan.points[point][i]);
-  return key;
-}
-
-// ---- rows that are kept -----------------------------------------------------------------------------
-
-constexpr std::string_view rows_heading = "mbd sweep rows 1";
-
-// sweep.rows: a rows_heading, the fingerprint, then a line for each row as it came. What a killed program leaves of the last
-// line is not believed.
-class KeptRows {
- public:
-  KeptRows(const std::filesystem::path& directory, const std::string& fingerprint,
-           std::size_t columns)
-      : file_(directory / "sweep.rows") {
-    make_directory(directory);
-    const std::string head = fmt::format("{}\n{}\n", rows_heading, shielded(fingerprint));
-    std::ostringstream all;
-    all << std::ifstream(file_, std::ios::binary).rdbuf();
-    const std::string text = all.str();
-    std::string whole = head;
-    if (text.starts_with(head)) {
-      for (std::size_t at = head.size(); at < text.size();) {
-        const std::size_t end = text.find('\n', at);
-        if (end == std::string::npos) break;
-        const std::string_view line(text.data() + at, end - at);
-        const std::vector<std::string_view> cells = tabbed(line);
-        if (cells.size() == 6)
-          if (auto row = row_of(std::span(cells).subspan(1), columns);
-              row && row->status != Status::lost) {
-            rows_[std::string(cells[0])] = std::move(*row);
-            whole.append(line).push_back('\n');
-          }
-        at = end + 1;
-      }
-    }
-    write_file(file_, whole);
-    out_ = ::open(file_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
-    if (out_ < 0) fail();
-  }
-  ~KeptRows() {
-    if (out_ >= 0) ::close(out_);
-  }
-  KeptRows(const KeptRows&) = delete;
-  KeptRows& operator=(const KeptRows&) = delete;
-
-  const SweepRow* find(const std::string& key) const {
-    const auto found = rows_.find(key);
-    return found == rows_.end() ? nullptr : &found->second;
-  }
-  void add(const std::string& key, const SweepRow& row) {
-    const std::string line = key + "\t" + line_of(row);
-    for (std::size_t done = 0; done < line.size();) {
-      const ssize_t n = ::write(out_, line.data() + done, line.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) fail();
-      done += static_cast<std::size_t>(n);
-    }
-  }
-
- private:
-  [[noreturn]] void fail() const {
-    throw Error(fmt::format("{}: cannot be written ({}); check the disk and its permissions",
-                            file_.string(), std::strerror(errno)));
-  }
-
-  std::filesystem::path file_;
-  int out_ = -1;
-  std::map<std::string, SweepRow> rows_;
-};
 
 // ---- processes --------------------------------------------------------------------------------------
 
@@ -305,8 +152,15 @@ void tell(int file, const std::string& text) {
   }
 }
 
+Overrides values_of(const SweepPlan& plan, std::size_t point) {
+  Overrides overrides;
+  for (std::size_t i = 0; i < plan.parameters.size(); ++i)
+    overrides.emplace_back(plan.parameters[i], plan.points[point][i]);
+  return overrides;
+}
+
 Child start_child(const ReadSweptModel& read, const SweepPlan& plan, std::size_t point,
-                  const std::vector<Kept>& kept) {
+                  const std::vector<Kept>& kept, KeptRows* rows) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw Error(fmt::format("no pipe to a process of its own: {}", std::strerror(errno)));
@@ -322,11 +176,9 @@ Child start_child(const ReadSweptModel& read, const SweepPlan& plan, std::size_t
     for (const int signal : {SIGINT, SIGTERM, SIGHUP})
       std::signal(signal, SIG_IGN);  // the parent ends it
     ::close(ends[0]);
+    if (rows != nullptr) rows->leave();
     try {
-      Overrides overrides;
-      for (std::size_t i = 0; i < plan.parameters.size(); ++i)
-        overrides.emplace_back(plan.parameters[i], plan.points[point][i]);
-      tell(ends[1], line_of(run_here(read, overrides, kept)));
+      tell(ends[1], line_of(run_here(read, values_of(plan, point), kept)));
     } catch (...) {  // no memory: nothing may go on here as if it were the parent
     }
     ::_exit(0);
@@ -343,8 +195,7 @@ SweepRow end_of(Child& child, std::size_t columns) {
   while (::wait4(child.pid, &status, 0, &usage) < 0 && errno == EINTR) {
   }
   if (child.text.ends_with('\n'))
-    if (auto row =
-            row_of(tabbed(std::string_view(child.text).substr(0, child.text.size() - 1)), columns))
+    if (auto row = row_of(std::string_view(child.text).substr(0, child.text.size() - 1), columns))
       return *row;
   SweepRow row;
   row.status = Status::lost;
@@ -370,6 +221,18 @@ class Children {
   std::vector<Child> all;
 };
 
+// What stands behind the @ of a quantity; without one, the end.
+SweepOf what_of(const std::string& text) {
+  const std::size_t at = text.find('@');
+  if (at == std::string::npos) return SweepOf::end;
+  const std::string_view word = std::string_view(text).substr(at + 1);
+  const auto found = std::find(words_of_what.begin(), words_of_what.end(), word);
+  if (found == words_of_what.end())
+    throw Error(fmt::format("{}: \"{}\" is none of {}", excerpt(text), excerpt(word),
+                            fmt::join(words_of_what, ", ")));
+  return static_cast<SweepOf>(found - words_of_what.begin());
+}
+
 std::vector<Kept> choose_kept(const std::vector<std::string>& quantities, const History& history) {
   std::vector<Kept> all;
   const auto add = [&](const std::string& name, SweepOf of) {
@@ -385,42 +248,60 @@ std::vector<Kept> choose_kept(const std::vector<std::string>& quantities, const 
   if (quantities.empty()) add("", SweepOf::end);
   for (const std::string& text : quantities) {
     const std::size_t at = text.find('@');
-    SweepOf of = SweepOf::end;
-    if (at != std::string::npos) {
-      const std::string_view word = std::string_view(text).substr(at + 1);
-      const auto found = std::find(words_of_what.begin(), words_of_what.end(), word);
-      if (found == words_of_what.end())
-        throw Error(fmt::format("{}: \"{}\" is none of {}", excerpt(text), excerpt(word),
-                                fmt::join(words_of_what, ", ")));
-      of = static_cast<SweepOf>(found - words_of_what.begin());
-    }
+    const SweepOf of = what_of(text);
     if (at == 0) throw Error(fmt::format("{}: names no quantity before the @", excerpt(text)));
     add(text.substr(0, at), of);
   }
   return all;
 }
 
+// Of names of columns as a study has them.
+std::vector<Kept> kept_of(const std::vector<Column>& columns) {
+  std::vector<Kept> kept;
+  for (const Column& column : columns)
+    kept.push_back({column.name.substr(0, column.name.find('@')), what_of(column.name)});
+  return kept;
+}
+
 }  // namespace
+
+SweepShare share_of(std::string_view text) {
+  SweepShare share;
+  const std::size_t slash = text.find('/');
+  const auto number = [](std::string_view word, std::size_t& value) {
+    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return code == std::errc() && end == word.data() + word.size();
+  };
+  if (slash == std::string_view::npos || !number(text.substr(0, slash), share.number) ||
+      !number(text.substr(slash + 1), share.of) || share.number < 1 || share.number > share.of ||
+      share.of > most_points)
+    throw Error(
+        fmt::format("--share {}: is no share of a sweep; give I/N with I from 1 to N, as "
+                    "2/8 for the second of eight",
+                    excerpt(text)));
+  return share;
+}
 
 std::size_t SweepStudy::count(SweepRow::Status status) const {
   return static_cast<std::size_t>(std::count_if(
       rows.begin(), rows.end(), [status](const SweepRow& row) { return row.status == status; }));
 }
 
-SweepStudy study_sweep(const ReadSweptModel& read, const SweepPlan& plan,
-                       const SweepOptions& options) {
-  const auto begun = std::chrono::steady_clock::now();
-  if (options.jobs < 1 || options.jobs > 4096)
-    throw Error(fmt::format("--jobs {}: give a number of processes from 1 to 4096", options.jobs));
+struct SweepTable::Inside {
   SweepStudy study;
+  std::optional<KeptRows> rows;
+};
+
+SweepTable::SweepTable(const ReadSweptModel& read, const SweepPlan& plan,
+                       const SweepOptions& options)
+    : inside_(std::make_unique<Inside>()) {
+  SweepStudy& study = inside_->study;
   study.plan = plan;
+  study.share = options.share;
   study.command = options.command;
   study.rows.resize(plan.points.size());
 
   // Which columns there are: as the model is, or at the first point if it needs its values.
-  Overrides first;
-  for (std::size_t i = 0; i < plan.parameters.size(); ++i)
-    first.emplace_back(plan.parameters[i], plan.points[0][i]);
   History history;
   std::vector<std::string> known;  // parameters
   const auto look = [&](const Overrides& overrides) {
@@ -435,15 +316,14 @@ SweepStudy study_sweep(const ReadSweptModel& read, const SweepPlan& plan,
   try {
     look({});
   } catch (const Error&) {
-    look(first);
+    look(values_of(plan, 0));
   }
   const std::vector<std::string_view> words(known.begin(), known.end());
   for (const std::string& name : plan.parameters)
     if (std::find(words.begin(), words.end(), name) == words.end())
       throw Error(fmt::format("--vary {}: {} has no such parameter{}", name, study.file,
                               suggest(name, words, "parameters")));
-  const std::vector<Kept> kept = choose_kept(options.quantities, history);
-  for (const Kept& k : kept) {
+  for (const Kept& k : choose_kept(options.quantities, history)) {
     const std::string& unit = history.columns[choose_column(history, k.column)].unit;
     study.columns.push_back(
         {k.of == SweepOf::end
@@ -452,29 +332,68 @@ SweepStudy study_sweep(const ReadSweptModel& read, const SweepPlan& plan,
          unit});
   }
 
-  std::optional<KeptRows> rows;
-  if (options.keep) {
-    std::string fingerprint = options.fingerprint;
-    for (const Column& column : study.columns) fingerprint += ";" + column.name;
-    rows.emplace(*options.keep, fingerprint, kept.size());
-  }
-  std::vector<std::size_t> open;  // the last is begun first
-  for (std::size_t point = plan.points.size(); point-- > 0;) {
-    const SweepRow* const found = rows ? rows->find(key_of(plan, point)) : nullptr;
-    if (found != nullptr) {
-      study.rows[point] = *found;
-      ++study.found;
-    } else {
-      open.push_back(point);
-    }
-  }
+  if (!options.keep) return;
+  std::string fingerprint = options.fingerprint;
+  for (const Column& column : study.columns) fingerprint += ";" + column.name;
+  const std::string name =
+      study.share.of > 1 ? fmt::format("sweep.{}-of-{}.rows", study.share.number, study.share.of)
+                         : "sweep.rows";
+  inside_->rows.emplace(*options.keep, name, fingerprint, study.columns.size());
+  fill();
+  study.found = study.rows.size() - study.count(Status::open) - study.count(Status::lost);
+}
 
-  std::size_t done = study.found;
+SweepTable::~SweepTable() = default;
+
+const SweepStudy& SweepTable::study() const { return inside_->study; }
+
+void SweepTable::fill() {
+  for (std::size_t point = 0; point < inside_->study.rows.size(); ++point)
+    if (const SweepRow* found = inside_->rows->find(key_of(inside_->study.plan, point)))
+      inside_->study.rows[point] = *found;
+}
+
+std::vector<std::size_t> SweepTable::open() const {
+  const SweepStudy& study = inside_->study;
+  std::vector<std::size_t> points;
+  for (std::size_t point = study.share.number - 1; point < study.rows.size();
+       point += study.share.of)
+    if (const Status status = study.rows[point].status;
+        status == Status::open || status == Status::lost)
+      points.push_back(point);
+  return points;
+}
+
+void SweepTable::add(std::size_t point, SweepRow row) {
+  if (inside_->rows) inside_->rows->add(key_of(inside_->study.plan, point), row);
+  inside_->study.rows[point] = std::move(row);
+}
+
+void SweepTable::look_again() {
+  if (!inside_->rows) return;
+  inside_->rows->look_again();
+  fill();
+}
+
+void SweepTable::leave() {
+  if (inside_->rows) inside_->rows->leave();
+}
+
+void SweepTable::run(const ReadSweptModel& read, const SweepOptions& options) {
+  if (options.jobs < 1 || options.jobs > 4096)
+    throw Error(fmt::format("--jobs {}: give a number of processes from 1 to 4096", options.jobs));
+  const auto begun = std::chrono::steady_clock::now();
+  const SweepStudy& study = inside_->study;
+  const std::vector<Kept> kept = kept_of(study.columns);
+  std::vector<std::size_t> open = this->open();
+  std::reverse(open.begin(), open.end());  // the last is begun first
+  std::size_t done = study.rows.size() - study.count(Status::open) - study.count(Status::lost);
   const auto stopped = [&] { return options.interrupted != nullptr && *options.interrupted; };
   Children children;
   while (!stopped() && (!open.empty() || !children.all.empty())) {
     while (!open.empty() && children.all.size() < static_cast<std::size_t>(options.jobs)) {
-      children.all.push_back(start_child(read, plan, open.back(), kept));
+      children.all.push_back(start_child(read, study.plan, open.back(), kept,
+                                         inside_->rows ? &*inside_->rows : nullptr));
       open.pop_back();
     }
     std::vector<pollfd> ready;
@@ -489,21 +408,33 @@ SweepStudy study_sweep(const ReadSweptModel& read, const SweepPlan& plan,
       if (got > 0 || (got < 0 && errno == EINTR)) continue;
       Child ended = std::move(child);
       children.all.erase(children.all.begin() + static_cast<std::ptrdiff_t>(k));
-      SweepRow row = end_of(ended, kept.size());
-      if (rows) rows->add(key_of(plan, ended.point), row);
-      study.rows[ended.point] = std::move(row);
-      if (options.progress) options.progress(++done, plan.points.size());
+      add(ended.point, end_of(ended, kept.size()));
+      if (options.progress) options.progress(++done, study.rows.size());
     }
   }
-  study.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  return study;
+  if (study.share.of > 1) look_again();
+  inside_->study.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+}
+
+SweepStudy study_sweep(const ReadSweptModel& read, const SweepPlan& plan,
+                       const SweepOptions& options) {
+  SweepTable table(read, plan, options);
+  table.run(read, options);
+  return table.study();
+}
+
+SweepRow run_point(const ReadSweptModel& read, const Overrides& values,
+                   const std::vector<Column>& columns) {
+  return run_here(read, values, kept_of(columns));
 }
 
 std::string to_text(const SweepStudy& study) {
   const auto count = [&study](Status status) { return study.count(status); };
   std::string text = fmt::format(
-      "{}: {} points, {} done{}{}{}{}{}; {:.3g} s\n", study.model, study.rows.size(),
-      count(Status::done),
+      "{}: {}{} points, {} done{}{}{}{}{}; {:.3g} s\n", study.model,
+      study.share.of > 1 ? fmt::format("share {}/{}; of ", study.share.number, study.share.of) : "",
+      study.rows.size(), count(Status::done),
       study.found > 0 ? fmt::format(" ({} rows found of an earlier sweep)", study.found) : "",
       count(Status::failed) > 0 ? fmt::format(", {} failed", count(Status::failed)) : "",
       count(Status::refused) > 0 ? fmt::format(", {} refused", count(Status::refused)) : "",

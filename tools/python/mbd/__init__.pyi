@@ -6228,7 +6228,7 @@ def read(directory: Any) -> Results:
     """Results that `mbd run` has written: a directory, or a CSV file with a line of names."""
     ...
 
-def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None, seed: Any = 1, quantity: Any = (), set: Any = None, jobs: Any = None, out: Any = None, progress: Any = False) -> Sweep:
+def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None, seed: Any = 1, quantity: Any = (), set: Any = None, jobs: Any = None, share: Any = None, client: Any = None, out: Any = None, progress: Any = False) -> Sweep:
     """Runs a model for many values of parameters, several at once, each in a process of its own, and returns a Sweep.
 
     model: file, Scene or Model
@@ -6238,6 +6238,11 @@ def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None
     quantity: columns, quantities or records, with "@minimum", "@maximum", "@largest", "@mean" or "@rms" of the rows of
       results in place of the end; none: all that is recorded
     jobs: processes at once; none: as many as there are processors
+    share: "2/8", only every eighth point from the second on, as one of eight processes with the same `out`: the last to
+      end writes the table; the others' points that are not there yet are "open"
+    client: a dask.distributed.Client, whose workers run the points, each in a thread of its own, in place of processes
+      here. They need this mbd, and the model's files under the same names. What a worker that dies was running runs on
+      another; a point with which several have died is "lost"
     out: directory that gets sweep.csv and keeps rows as they come: the same sweep goes on from there after Ctrl-C or a
       kill, with more or other points too
     progress: True, or a function f(done, all)

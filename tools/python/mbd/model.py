@@ -26,7 +26,7 @@ class Model:
     def __init__(self, path=None, *, text=None, set=None, file="model.xml"):
         if (path is None) == (text is None):
             raise TypeError("Model: give a file or a Scene, or text=")
-        overrides = overrides_of(set)
+        self._set = overrides = overrides_of(set)
         self._source = None  # of what is no file
         if text is not None:
             self._source = str(text)

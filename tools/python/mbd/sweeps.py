@@ -1,5 +1,6 @@
 """A model over many values of its parameters."""
 
+import functools
 import hashlib
 import itertools
 import os
@@ -85,8 +86,8 @@ class Sweep:
         return f"<mbd.Sweep of {self._found['model']!r}: {self._found['text'].splitlines()[0]}>"
 
 
-def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set=None, jobs=None, out=None,
-          progress=False) -> "Sweep":
+def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set=None, jobs=None, share=None,
+          client=None, out=None, progress=False) -> "Sweep":
     """Runs a model for many values of parameters, several at once, each in a process of its own, and returns a Sweep.
 
     model: file, Scene or Model
@@ -96,6 +97,11 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
     quantity: columns, quantities or records, with "@minimum", "@maximum", "@largest", "@mean" or "@rms" of the rows of
       results in place of the end; none: all that is recorded
     jobs: processes at once; none: as many as there are processors
+    share: "2/8", only every eighth point from the second on, as one of eight processes with the same `out`: the last to
+      end writes the table; the others' points that are not there yet are "open"
+    client: a dask.distributed.Client, whose workers run the points, each in a thread of its own, in place of processes
+      here. They need this mbd, and the model's files under the same names. What a worker that dies was running runs on
+      another; a point with which several have died is "lost"
     out: directory that gets sweep.csv and keeps rows as they come: the same sweep goes on from there after Ctrl-C or a
       kill, with more or other points too
     progress: True, or a function f(done, all)
@@ -107,28 +113,117 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
     if handle is model and set:
         raise TypeError("set: give it to the Model, or give the file in place of the Model")
     plan = _plan_of(vary, points, latin, seed)
-    if jobs is None:
+    if client is not None:
+        if jobs is not None or share is not None:
+            raise TypeError("client: its workers say how many run at once; leave out jobs and share")
+        _look_at_client(client)
+    elif jobs is None:
         jobs = len(os.sched_getaffinity(0))
-    jobs = int(jobs)
-    if not 1 <= jobs <= 4096:
-        raise UseError(f"jobs = {jobs}: give a number of processes from 1 to 4096")
+    else:
+        jobs = int(jobs)
+        if not 1 <= jobs <= 4096:
+            raise UseError(f"jobs = {jobs}: give a number of processes from 1 to 4096")
+    if share is not None and out is None:
+        raise TypeError("share: give out, the directory that all shares have")
     show = progress or None
     if progress is True:
         def show(done, all):
             sys.stderr.write(f"\r\033[K{done} of {all} points")
             sys.stderr.flush()
-    found, raised = _mbd.sweep(handle._model, plan, names_of(quantity), jobs, None if out is None else os.fspath(out),
-                               _fingerprint(handle), "", show)
-    if progress is True:
-        sys.stderr.write("\r\033[K")
-    result = None if found is None else Sweep(found)
-    if result is not None and out is not None:
-        with open(os.path.join(out, "sweep.csv.part"), "w", encoding="utf-8") as stream:
+    table = _mbd.SweepTable(handle._model, plan, names_of(quantity), None if out is None else os.fspath(out),
+                            _fingerprint(handle), "", "" if share is None else str(share))
+    try:
+        if client is None:
+            raised = table.run(jobs, show)
+        else:
+            raised = _run_on(client, table, handle, plan, show)
+    finally:
+        table.leave()  # however long a traceback may hold it
+        if progress is True:
+            sys.stderr.write("\r\033[K")
+    result = Sweep(table.found())
+    if out is not None and (share is None or result._found["whole"]):
+        part = os.path.join(out, f".sweep.csv.{os.getpid()}.part")
+        with open(part, "w", encoding="utf-8") as stream:
             stream.write(result.csv)
-        os.replace(os.path.join(out, "sweep.csv.part"), os.path.join(out, "sweep.csv"))
+        os.replace(part, os.path.join(out, "sweep.csv"))
     if raised is not None:
         raise Interrupted(result) if isinstance(raised, KeyboardInterrupt) else raised
     return result
+
+
+# ---- workers of Dask -------------------------------------------------------------------------------------
+
+def _look_at_client(client):
+    if not (hasattr(client, "submit") and hasattr(client, "scheduler_info")):
+        raise TypeError(f"client: a {type(client).__name__} is no dask.distributed.Client")
+    if getattr(client, "asynchronous", False):
+        raise UseError("client: it is asynchronous; give one made without asynchronous=True")
+    if not client.scheduler_info()["workers"]:
+        raise UseError("client: its scheduler has no workers; start one (dask worker ADDRESS) and wait for it "
+                       "(client.wait_for_workers(1)), or leave out client to run here")
+
+
+def _model_of(handle):
+    """What a worker reads the model from: (file, text or None, set, digest)."""
+    return (handle.file if handle._source is not None else os.path.abspath(handle.file), handle._source,
+            tuple(handle._set), _digest(handle))
+
+
+@functools.lru_cache(maxsize=4)
+def _read_there(file, text, overrides, digest):
+    handle = Model(text=text, file=file, set=overrides) if text is not None else Model(file, set=overrides)
+    if _digest(handle) != digest:
+        raise UseError(f"{file}: is not the same on a worker as here; give workers the files of the model, and this "
+                       f"version of mbd ({_mbd.version})")
+    return handle
+
+
+def _run_there(model, values, columns):
+    """A point, on a worker."""
+    return _mbd.run_point(_read_there(*model)._model, values, columns)
+
+
+def _run_on(client, table, handle, plan, show):
+    """Lets workers run what is open. Returns what was raised meanwhile, or None."""
+    from distributed import KilledWorker, as_completed
+
+    model, columns = _model_of(handle), table.columns()
+    todo = table.open()
+    done, all = len(plan.points) - len(todo), len(plan.points)
+    todo = iter(todo)
+    # A few more than run at once: rows come soon, and a million points are no burden to the scheduler.
+    ahead = 4 * max(1, sum(worker["nthreads"] for worker in client.scheduler_info()["workers"].values()))
+    point_of = {}
+
+    def submit():
+        for point in itertools.islice(todo, 1):
+            future = client.submit(_run_there, model, list(zip(plan.parameters, plan.points[point])), columns, pure=False)
+            point_of[future] = point
+            return future
+
+    try:
+        running = as_completed([future for future in (submit() for _ in range(ahead)) if future is not None])
+        for future in running:
+            point = point_of.pop(future)
+            try:
+                row = future.result()
+            except KilledWorker as error:
+                row = ("lost", 0.0, 0.0, [], f"workers that ran it died: {error}")
+            except ModuleNotFoundError as error:
+                raise UseError(f"client: a worker has no mbd ({error}); install it where workers run") from error
+            table.add(point, row)
+            done += 1
+            if show is not None:
+                show(done, all)
+            another = submit()
+            if another is not None:
+                running.add(another)
+    except KeyboardInterrupt as error:
+        return error
+    finally:
+        client.cancel(list(point_of))
+    return None
 
 
 def _plan_of(vary, points, latin, seed):
@@ -174,9 +269,13 @@ def _plan_of(vary, points, latin, seed):
 
 def _fingerprint(model):
     """Of the model, its parameters and this library: rows of another are not believed."""
-    digest = hashlib.sha256()
     module = os.stat(_mbd.__file__)
-    digest.update(f"{module.st_size} {module.st_mtime_ns} {model._model.parameters}".encode())
+    return f"{_digest(model)} {module.st_size} {module.st_mtime_ns}"
+
+
+def _digest(model):
+    """Of the model and its parameters."""
+    digest = hashlib.sha256(f"{_mbd.version} {model._model.parameters}".encode())
     if model._source is not None:
         digest.update(model._source.encode())
     else:
