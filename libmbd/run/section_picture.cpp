@@ -87,6 +87,24 @@ std::string code_of(const Colour& colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", level(colour.r), level(colour.g), level(colour.b));
 }
 
+// The shades and what they stand for, at a height in the picture; closes it.
+std::string legend(double bar, double least, double most) {
+  std::string svg;
+  constexpr int shades = 48;
+  const double width = (picture_width - 2.0 * border) / shades;
+  for (int i = 0; i < shades; ++i)
+    svg += fmt::format(
+        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.0f}\" fill=\"{}\"/>\n",
+        border + i * width, bar, width + 0.2, bar_height,
+        code_of(Stage::shade((i + 0.5) / shades)));
+  svg += fmt::format(
+      "<text x=\"{:.0f}\" y=\"{:.1f}\">{:.4g}</text>\n<text x=\"{:.0f}\" y=\"{:.1f}\" "
+      "text-anchor=\"end\">{:.4g}</text>\n</svg>\n",
+      border, bar + bar_height + letter_size, least, picture_width - border,
+      bar + bar_height + letter_size, most);
+  return svg;
+}
+
 }  // namespace
 
 std::string section_picture(const Scene& scene, const std::string& section,
@@ -149,19 +167,7 @@ std::string section_picture(const Scene& scene, const std::string& section,
                          bottom - scale * (x(1) - low(1)));
     svg += "\"/>\n";
   }
-  constexpr int shades = 48;
-  const double width = (picture_width - 2.0 * border) / shades;
-  for (int i = 0; i < shades; ++i)
-    svg += fmt::format(
-        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.0f}\" fill=\"{}\"/>\n",
-        border + i * width, bar, width + 0.2, bar_height,
-        code_of(Stage::shade((i + 0.5) / shades)));
-  svg += fmt::format(
-      "<text x=\"{:.0f}\" y=\"{:.1f}\">{:.4g}</text>\n<text x=\"{:.0f}\" y=\"{:.1f}\" "
-      "text-anchor=\"end\">{:.4g}</text>\n</svg>\n",
-      border, bar + bar_height + letter_size, least, picture_width - border,
-      bar + bar_height + letter_size, most);
-  return svg;
+  return svg + legend(bar, least, most);
 }
 
 }  // namespace mbd

@@ -134,6 +134,40 @@ void describe(const SectionArguments& arguments) {
     fmt::print("{}{}", i == 0 ? "" : "\n", to_text(reports[i]));
 }
 
+void add_stress_options(CLI::App& command, SectionArguments& arguments) {
+  command
+      .add_option(
+          "--stress", arguments.stress,
+          "stresses under these resultants N Q2 Q3 M1 M2 M3 about the reference line [N, N.m]")
+      ->type_name("NUMBERS");
+  command.add_option("--run", arguments.run, "stresses under the resultants of a run: its results")
+      ->type_name("DIR");
+  command
+      .add_option(
+          "--record", arguments.record,
+          "of that run: a record at a place of a beam, with the quantities force and moment")
+      ->type_name("NAME");
+  command
+      .add_option("--station", arguments.station, "of a section that varies: one of its stations")
+      ->type_name("S");
+  command
+      .add_option(
+          "--point", arguments.point,
+          "stresses and strains at this point x2 x3 [m]; of a run, when the stress of von Mises "
+          "over the section is the largest")
+      ->type_name("POINT");
+  command
+      .add_option("--image", arguments.image,
+                  "draw the section with these stresses as an SVG; of a run, when the stress of "
+                  "von Mises over the section is the largest")
+      ->type_name("FILE");
+  command
+      .add_option("--colour", arguments.colour,
+                  "of that picture: a failure index, von_mises (default), LL TT NN TN LN LT, or "
+                  "warping, the displacement along b1")
+      ->type_name("QUANTITY");
+}
+
 }  // namespace
 
 void add_section_command(CLI::App& app, int& status) {
@@ -153,38 +187,7 @@ void add_section_command(CLI::App& app, int& status) {
                    "write the matrices, or the largest indices and stresses by rows of the run, to "
                    "this file, as CSV")
       ->type_name("FILE");
-  command
-      ->add_option(
-          "--stress", arguments->stress,
-          "stresses under these resultants N Q2 Q3 M1 M2 M3 about the reference line [N, N.m]")
-      ->type_name("NUMBERS");
-  command
-      ->add_option("--run", arguments->run, "stresses under the resultants of a run: its results")
-      ->type_name("DIR");
-  command
-      ->add_option(
-          "--record", arguments->record,
-          "of that run: a record at a place of a beam, with the quantities force and moment")
-      ->type_name("NAME");
-  command
-      ->add_option("--station", arguments->station, "of a section that varies: one of its stations")
-      ->type_name("S");
-  command
-      ->add_option(
-          "--point", arguments->point,
-          "stresses and strains at this point x2 x3 [m]; of a run, when the stress of von Mises "
-          "over the section is the largest")
-      ->type_name("POINT");
-  command
-      ->add_option("--image", arguments->image,
-                   "draw the section with these stresses as an SVG; of a run, when the stress of "
-                   "von Mises over the section is the largest")
-      ->type_name("FILE");
-  command
-      ->add_option("--colour", arguments->colour,
-                   "of that picture: a failure index, von_mises (default), LL TT NN TN LN LT, or "
-                   "warping, the displacement along b1")
-      ->type_name("QUANTITY");
+  add_stress_options(*command, *arguments);
   set_examples(*command,
                "mbd section models/shaft_tube.xml\n"
                "mbd section models/four_bar_boxes.xml box16 --json\n"
