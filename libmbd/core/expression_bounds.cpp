@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -329,6 +330,14 @@ void Expression::enclose(double a, double b, std::span<Interval> c) const {
       case Opcode::negate_after:
         if (is_after == (op == Opcode::negate_after)) stack.back() = with.negative(stack.back());
         break;
+      // Of what is sampled, where nothing is differentiated: no bound is known.
+      case Opcode::less:
+      case Opcode::less_equal:
+      case Opcode::equal:
+      case Opcode::min:
+      case Opcode::max:
+        std::ranges::fill(c, everything);
+        return;
       case Opcode::jump:
       case Opcode::jump_if_false:
         if (op == Opcode::jump || !with.is_true(pop(stack)))
