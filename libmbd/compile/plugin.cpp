@@ -180,7 +180,7 @@ class PluginForce final : public Force {
         Eigen::Map<Vec3>(places[i].position) = at.poses[i].r;
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(places[i].rotation) =
             at.poses[i].R();
-        Eigen::Map<Vec6>(places[i].velocity) = at.velocities[0];
+        Eigen::Map<Vec6>(places[i].velocity) = at.velocities[i];
       }
       all = {at.t, places.size(), places.data()};
     }

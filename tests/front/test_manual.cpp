@@ -199,7 +199,8 @@ TEST(Manual, EachElementStandsInAnExample) {
   std::string text;
   for (const Example& example : examples()) text += example.text;
   for (const schema::Element& element : schema::elements())
-    if (schema::find_joint_kind(element.name) == nullptr) {
+    if (schema::find_joint_kind(element.name) == nullptr &&
+        element.name != "extension") {  // it needs a plug-in
       EXPECT_HAS(text, "<" + std::string(element.name));
     }
 }

@@ -1,9 +1,9 @@
 // Forces of plug-ins (tests/plugins/forces.cpp): against closed forms, the model's own springs and loads, and forces of a program;
 // and plug-ins that are none.
 //
-// Tried in libmbd/compile/plugin.cpp, and killed: rotations column by column; velocities of the place before; derivatives column by column
-// (iterations); energy left out; the version not compared; exceptions let through; numbers that are none let through (force_batch.cpp);
-// false taken for true; values in another order than their names; a plug-in without use taken.
+// Tried in libmbd/compile/plugin.cpp and elements/node/force_batch.cpp, and killed: rotations column by column; derivatives column by
+// column; the velocity of the first place everywhere; energy left out; the version not compared; exceptions let through; numbers that are
+// none let through, or not said; false taken for true; values under the name of the first; a plug-in without use taken.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 # Builds the shared library, unoptimised, and uses it: what it exports and needs, its name, and programs of another alignment.
 #   cmake -DBUILD=<scratch build tree> -DSOURCE=<source tree> -DWORK=<scratch> -P shared.cmake
-# Tried, and killed: no version script; one that exports all of std and Eigen; no SOVERSION; SUNDIALS linked; the symbol of the
-# alignment left out of the script.
+# Tried, and killed: no version script; one that exports std and Eigen, or not the symbol of the alignment; no version in the name;
+# SUNDIALS linked.
 cmake_minimum_required(VERSION 3.25)
 include("${CMAKE_CURRENT_LIST_DIR}/package.cmake")
 

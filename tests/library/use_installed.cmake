@@ -1,7 +1,8 @@
 # Installs the library and uses it as a stranger would: from elsewhere, with other flags than ours, by CMake and by pkg-config.
 #   cmake -DBUILD=<build tree> -DSOURCE=<source tree> -DWORK=<scratch> -P use_installed.cmake
-# Tried, and killed: a header that is installed with the tree's includes; the definitions left out of mbd.pc; the assertion left out of
-# abi.hpp, and its symbol; another symbol in the library; SUNDIALS linked; a page of the manual not installed.
+# Tried on what is installed, and killed: a header with the includes of the tree, or one that does not look at the alignment; another
+# directory beside mbd/; the definitions, or KLU, left out of mbd.pc; the assertion left out of abi.hpp; its symbol not asked for; the
+# manual, or a page that others link to, not installed.
 cmake_minimum_required(VERSION 3.25)
 include("${CMAKE_CURRENT_LIST_DIR}/package.cmake")
 

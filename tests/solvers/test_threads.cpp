@@ -1,7 +1,6 @@
 // Steppers of several threads over one model: what ENGINE.md promises of it. Under the preset `thread` the thread sanitizer looks on.
 //
-// Tried, and seen by the thread sanitizer's like (helgrind) and by the bits of the result: scratch of laws of sensors shared by
-// threads (system.cpp, static in place of thread_local); seen by the bits: one stepper's tangent used by both.
+// Tried, and killed: scratch of laws of sensors shared by threads (system.cpp, static in place of thread_local).
 #include <gtest/gtest.h>
 
 #include <array>
