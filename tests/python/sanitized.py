@@ -1,11 +1,12 @@
 """The module under address, leak and undefined-behaviour sanitizers: 10,000 random calls (those of test_errors.py), and each thing
-made, used and dropped many times. A leak counts where the module has a part in it: Python has its own.
+made, used and dropped many times. A leak counts where the module or the library has a part in it: Python has its own.
 
-Usage: sanitized.py RUNTIME     the sanitizers' shared library; PYTHONPATH has the module
+Usage: sanitized.py RUNTIME     the sanitizers' shared library; PYTHONPATH has the module with instruments
 
 Tried in it, and killed: a state that is never freed; a read beyond the end of an array; an overflow of an int in the module.
 """
 
+import ctypes.util
 import importlib.util
 import os
 import re
@@ -29,7 +30,7 @@ for k in range(30):
     state, bytes_ = s.state(), s.save()
     s.restore(bytes_)
     s.start(state)
-    s.remember(); s.step(); s.go_back()
+    at = s.remember(); s.step(); s.go_back(at)
     s.linearize()
     views = [s.positions, s.quaternions, s.velocities, s.accelerations]
     for wrong in (lambda: s["nothing"], lambda: r["nothing"], lambda: mbd.Model(text=text[:-9]), lambda: s.restore(b"x")):
@@ -58,29 +59,34 @@ def main():
     if not os.path.exists(runtime):
         print(f"skipped: there is no {runtime}")
         return 77
+    # What throws has to be there when the sanitizers look for it.
+    standard = ctypes.util.find_library("stdc++")
     os.environ.setdefault("MBD_PROGRAM", "none")
     from conftest import PENDULUM
 
     with open(os.path.join(os.path.dirname(__file__), "test_errors.py"), encoding="utf-8") as stream:
         fuzz = re.search(r'FUZZ = r"""(.*?)"""', stream.read(), re.S)[1]
     short = PENDULUM.replace('duration="0.5"', 'duration="0.02"')
-    environment = dict(os.environ, LD_PRELOAD=runtime, PYTHONMALLOC="malloc",
-                       ASAN_OPTIONS="detect_leaks=1:allocator_may_return_null=1:detect_odr_violation=0",
-                       UBSAN_OPTIONS="print_stacktrace=1", LSAN_OPTIONS="exitcode=0:print_suppressions=0:max_leaks=0")
+    environment = dict(os.environ, LD_PRELOAD=f"{runtime} {standard}", PYTHONMALLOC="malloc",
+                       ASAN_OPTIONS="detect_leaks=1:fast_unwind_on_malloc=0:allocator_may_return_null=1:detect_odr_violation=0"
+                                    ":detect_container_overflow=0",  # the library makes containers without instruments
+                       UBSAN_OPTIONS="print_stacktrace=1", LSAN_OPTIONS="exitcode=0:print_suppressions=0")
     failed = False
+    said = re.compile("ERROR: AddressSanitizer|CHECK failed|runtime error:")  # the status of leaks, 0, is that of all
     for what, code, arguments in [("use", USE, ["0", "0"]), ("random calls", fuzz, ["0", "10000"])]:
         done = subprocess.run([sys.executable, "-X", "faulthandler", "-c", code, *arguments, short], env=environment, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, errors="replace", check=False)
         leaks = [leak for leak in re.split(r"\n\s*\n", done.stderr) if re.search(r"leak of \d+ byte", leak)]
         ours = [leak for leak in leaks if re.search(r"/_mbd\.|mbd::", leak)]
         print(f"{what}: status {done.returncode}, {len(leaks)} leaks, {len(ours)} of the module; {done.stdout.strip()[-200:]}")
-        if done.returncode != 0:
+        wrong = done.returncode != 0 or not done.stdout or bool(said.search(done.stderr))
+        if wrong:
             print(done.stderr[-6000:])
         for leak in ours[:5]:
             print(leak)
         if "LeakSanitizer has encountered a fatal error" in done.stderr:
             print("no leaks were looked for: " + done.stderr[-500:])
-        failed |= done.returncode != 0 or bool(ours)
+        failed |= wrong or bool(ours)
     return int(failed)
 
 
