@@ -207,7 +207,6 @@ const std::vector<LongFunction> long_functions{
     {"libmbd/view/page.cpp", "moving_page", not_yet},
     {"libmbd/view/drawing.cpp", "add_beam", not_yet},
     {"libmbd/view/figure.cpp", "Stage::Data::read", not_yet},
-    {"libmbd/study/sweep/sweep.cpp", "study_sweep", not_yet},
     {"tools/mbd/run_command.cpp", "add_run_command", not_yet},
     {"tools/mbd/run_command.cpp", "run_model", not_yet},
 };

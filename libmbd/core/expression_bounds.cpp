@@ -286,6 +286,25 @@ Series pop(std::vector<Series>& stack) {
 
 }  // namespace
 
+namespace {
+
+// Takes two numbers from the stack and leaves one.
+bool is_of_two(Opcode op) {
+  constexpr Opcode all[] = {
+      Opcode::add,   Opcode::subtract, Opcode::multiply, Opcode::divide,       Opcode::power,
+      Opcode::atan2, Opcode::both,     Opcode::either,   Opcode::first_before, Opcode::first_after};
+  return std::ranges::find(all, op) != std::end(all);
+}
+
+// Of what is sampled, where nothing is differentiated: no bound is known.
+bool is_of_two_without_bounds(Opcode op) {
+  constexpr Opcode all[] = {Opcode::less, Opcode::less_equal, Opcode::equal, Opcode::min,
+                            Opcode::max};
+  return std::ranges::find(all, op) != std::end(all);
+}
+
+}  // namespace
+
 void Expression::enclose(double a, double b, std::span<Interval> c) const {
   const Calculator with{std::min(c.size(), most)};
   const double middle = a + 0.5 * (b - a);
@@ -309,20 +328,6 @@ void Expression::enclose(double a, double b, std::span<Interval> c) const {
       case Opcode::after:
         stack.push_back(with.truth(is_after == (op == Opcode::after)));
         break;
-      case Opcode::add:
-      case Opcode::subtract:
-      case Opcode::multiply:
-      case Opcode::divide:
-      case Opcode::power:
-      case Opcode::atan2:
-      case Opcode::both:
-      case Opcode::either:
-      case Opcode::first_before:
-      case Opcode::first_after: {
-        const Series y = pop(stack);
-        stack.back() = with.two(op, stack.back(), y, is_after);
-        break;
-      }
       case Opcode::power_constant:
         stack.back() = with.power(stack.back(), instruction.value);
         break;
@@ -330,21 +335,22 @@ void Expression::enclose(double a, double b, std::span<Interval> c) const {
       case Opcode::negate_after:
         if (is_after == (op == Opcode::negate_after)) stack.back() = with.negative(stack.back());
         break;
-      // Of what is sampled, where nothing is differentiated: no bound is known.
-      case Opcode::less:
-      case Opcode::less_equal:
-      case Opcode::equal:
-      case Opcode::min:
-      case Opcode::max:
-        std::ranges::fill(c, everything);
-        return;
       case Opcode::jump:
       case Opcode::jump_if_false:
         if (op == Opcode::jump || !with.is_true(pop(stack)))
           i = static_cast<std::size_t>(instruction.target) - 1;
         break;
       default:
-        stack.back() = with.one(op, stack.back());
+        if (is_of_two_without_bounds(op)) {
+          std::ranges::fill(c, everything);
+          return;
+        }
+        if (is_of_two(op)) {
+          const Series y = pop(stack);
+          stack.back() = with.two(op, stack.back(), y, is_after);
+        } else {
+          stack.back() = with.one(op, stack.back());
+        }
         break;
     }
   }

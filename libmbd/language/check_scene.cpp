@@ -216,7 +216,7 @@ void check_shape(const Checked& item, const ShapeScene& shape, bool of_body, boo
       (shape.density || is_placed) && forms == 0,
       "density, at and orientation are of a form; give a box, cylinder, sphere or mesh, or "
       "leave them out");
-  item.fail_if(shape.unit != 1.0 && shape.mesh.empty(),
+  item.fail_if(shape.unit && shape.mesh.empty(),
                "unit is of a mesh; lengths of other forms have units of their own");
   item.fail_if(forms == 0 && !shape.has_outline() && shape.colour.empty(),
                of_body ? "give a form (box, cylinder, sphere or mesh), or a colour"

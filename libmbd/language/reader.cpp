@@ -334,7 +334,8 @@ class Reader {
     } else if constexpr (std::is_same_v<T, Vec3>) {
       return item.vector(name);
     } else if constexpr (std::is_same_v<T, Mat3>) {
-      return about.has(field::rotation) ? item.orientation(name) : item.symmetric(name);
+      return about.has(field::rotation) || about.has(field::own_rotation) ? item.orientation(name)
+                                                                          : item.symmetric(name);
     } else if constexpr (std::is_same_v<T, Mat6>) {
       return upper_half(item.numbers(name));
     } else if constexpr (std::is_same_v<T, std::array<double, 2>>) {
@@ -757,6 +758,8 @@ class Reader {
     bool has_mass = false;
     each(item, [&](const Item& part) {
       body.shapes.push_back(read_fields<ShapeScene>(part));
+      if (!body.shapes.back().mesh.empty() && !body.shapes.back().unit)
+        body.shapes.back().unit = 1.0;
       has_mass = has_mass || body.shapes.back().density;
     });
     // Its shapes may be all that there is of it; without any, what is left out was forgotten.

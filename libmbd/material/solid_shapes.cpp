@@ -66,7 +66,7 @@ MassProperties solid_form(const ShapeScene& shape, const std::string& of) {
                               "leave density out and give the body mass and inertia",
                               of, shape.mesh, error.what()));
     }
-    const double u = shape.unit, volume = u * u * u;
+    const double u = shape.unit.value_or(1.0), volume = u * u * u;
     is.mass *= volume;
     is.center *= u;
     is.inertia *= volume * u * u;

@@ -87,7 +87,8 @@ enum Is : unsigned {
   // Of what acts along a beam or at a place: it is of one of the two, which may need it.
   along_beam = 1 << 9,
   at_place = 1 << 10,
-  needed = 1 << 11
+  needed = 1 << 11,
+  own_rotation = 1 << 12  // written as `rotation`, but from other axes, which move with the scene
 };
 
 // Units of the blocks of a matrix of six: of forces over displacements, mixed, and of moments over rotations.
@@ -112,7 +113,7 @@ struct About {
     if (what == item_name) attribute.kind = Kind::name;
     if (what == first_place) attribute.kind = Kind::places;
     if (what == of_rate) attribute.kind = Kind::rate_law;
-    if (what == rotation) attribute.sizes = {3, 9};
+    if (what == rotation || what == own_rotation) attribute.sizes = {3, 9};
   }
 };
 

@@ -50,8 +50,8 @@ struct ShapeScene {
   std::optional<Vec3> box;
   std::optional<std::array<double, 2>> cylinder;  // diameter and length
   std::optional<double> sphere;
-  std::string mesh;  // a file beside the model, or an absolute path
-  double unit = 1.0;
+  std::string mesh;            // a file beside the model, or an absolute path
+  std::optional<double> unit;  // [m] of the mesh's file; nothing: 1 m
   Vec3 at = Vec3::Zero();
   Mat3 orientation = Mat3::Identity();
   std::optional<double> density;
@@ -79,14 +79,14 @@ struct ShapeScene {
     f(Field(&S::mesh, "mesh", "", optional,
             "of a body: a file of triangles, .stl, .obj, .gltf or .glb; a relative path is from "
             "the model's directory. The file's origin and axes are those of the shape"));
-    f(Field(&S::unit, "unit", "m", preset, "length of one unit of the mesh's file, such as 1 mm",
-            positive));
+    f(Field(&S::unit, "unit", "m", optional,
+            "length of one unit of the mesh's file, such as 1 mm (default 1 m)", positive));
     f(Field(&S::at, "at", "m", optional,
             "middle of the form (of a mesh: its origin) from the reference point, body axes "
             "(default 0 0 0)"));
     f(Field(&S::orientation, "orientation", "rad", optional,
             "axes of the shape in the body's: rotation vector, or (without unit) matrix row by row",
-            rotation));
+            own_rotation));
     f(Field(&S::density, "density", "kg/m3", optional,
             "of a body: the form is solid and adds its mass and inertia to those stated",
             positive));

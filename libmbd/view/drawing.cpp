@@ -449,7 +449,7 @@ class Drawing {
     if (!shape.has_form()) return all;
     const auto put = [&](const Vec3& x) { all.emplace_back(shape.at + shape.orientation * x); };
     if (!shape.mesh.empty())
-      for (const Vec3& x : surface_of(shape, "shape")->points) put(shape.unit * x);
+      for (const Vec3& x : surface_of(shape, "shape")->points) put(shape.unit.value_or(1.0) * x);
     else
       for (int i = 0; i < 8; ++i)
         put(0.5 * sides_of(shape).cwiseProduct(
@@ -477,7 +477,7 @@ class Drawing {
     const auto surface = surface_of(shape, "shape");
     Json points = Json::array(), triangles = Json::array();
     for (const Vec3& x : surface->points)
-      for (Index i = 0; i < 3; ++i) points.push_back(digits(shape.unit * x(i)));
+      for (Index i = 0; i < 3; ++i) points.push_back(digits(shape.unit.value_or(1.0) * x(i)));
     for (const auto& t : surface->triangles)
       for (const std::uint32_t corner : t) triangles.push_back(corner);
     all["points"] = std::move(points);

@@ -412,7 +412,12 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     }
     if (kept_.is_poor()) refactor = true;
   }
-  if (bounded_ && in_range && report.iterations == most && report.failure.empty()) {
+  return take_unconverged(in_range && report.iterations == most, report);
+}
+
+// A step of bounded cost is taken as the last of its iterations leaves it (`whole`: all were made); another has failed.
+bool GeneralizedAlpha::take_unconverged(bool whole, StepReport& report) {
+  if (bounded_ && whole && report.failure.empty()) {
     report.undone = true;
     refactor_next_ = true;
     return true;

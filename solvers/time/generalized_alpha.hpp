@@ -139,6 +139,7 @@ class GeneralizedAlpha final : public OneStep {
   };
   Rest rest_after(double e, double before, double s);
   bool iterate(StepReport& report);
+  bool take_unconverged(bool whole, StepReport& report);
   LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }
 
   GeneralizedAlphaParameters a_;

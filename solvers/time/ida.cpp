@@ -512,14 +512,12 @@ StepReport Ida::one_step(State& state) {
   if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, slack_, report))
     return report;
   tiny_ = h < slack_ && !landed ? tiny_ + 1 : 0;
-  if (tiny_ > most_tiny_steps) {
+  report.converged = tiny_ <= most_tiny_steps;
+  if (!report.converged)
     report.failure = fmt::format(
         "at t = {:.9g} s the step has shrunk to {:.3g} s (worst equation: {}); look for a "
         "singularity there",
         state.t, h, integrator_->worst_error());
-    return report;
-  }
-  report.converged = true;
   return report;
 }
 

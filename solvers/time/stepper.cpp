@@ -94,20 +94,22 @@ Landing Stepper::landing_of(const System& system, const State& state, double end
   return landing;
 }
 
+// The state is the one that was left.
+bool Stepper::goes_on_from(const State& state, StepReport& report) const {
+  if (watched_ && state.t == *watched_) return true;
+  report.failure = !watched_
+                       ? "start() comes before step()"
+                       : fmt::format(
+                             "the state is of t = {:.9g} s, and the stepper was left at {:.9g} s; "
+                             "call start() with it",
+                             state.t, *watched_);
+  report.kind = Failure::order;
+  return false;
+}
+
 bool Stepper::may_step(const System& system, State& state, InputChange restarts,
                        StepReport& report) {
-  if (!watched_) {
-    report.failure = "start() comes before step()";
-    report.kind = Failure::order;
-    return false;
-  }
-  if (state.t != *watched_) {
-    report.failure = fmt::format(
-        "the state is of t = {:.9g} s, and the stepper was left at {:.9g} s; call start() with it",
-        state.t, *watched_);
-    report.kind = Failure::order;
-    return false;
-  }
+  if (!goes_on_from(state, report)) return false;
   const auto same = [](const InputValue& a, const InputValue& b) {
     return a.f == b.f && a.fdot == b.fdot && a.fddot == b.fddot && a.since == b.since;
   };

@@ -139,6 +139,8 @@ class Stepper {
   void resume(const Checkpoint& checkpoint, State& state);
   virtual const System& system() const = 0;
 
+  bool goes_on_from(const State& state, StepReport& report) const;
+
   std::optional<double> watched_;   // the time that was reached [s]; none: not started
   std::vector<InputValue> inputs_;  // with which
 };

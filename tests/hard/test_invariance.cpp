@@ -413,6 +413,8 @@ TEST(Invariance, TrialsHaveEveryAttribute) {
   std::set<std::string> had, missed;
   for (const Case& c : cases) add_attributes(file_of(c), had);
   for (const schema::Element& element : schema::elements()) {
+    if (element.name == "extension")
+      continue;  // numbers of a plug-in, whose units nobody else knows
     if (!had.contains(std::string(element.name))) missed.insert(std::string(element.name));
     for (const schema::Attribute& a : element.attributes)
       if (const std::string name = std::string(element.name) + "." + std::string(a.name);

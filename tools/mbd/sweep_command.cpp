@@ -107,6 +107,22 @@ bool run_on_slurm(SweepTable& table, const SweepArguments& arguments,
   return table.study().whole() || InterruptHandler::flag();
 }
 
+SweepOptions options_of(const SweepArguments& arguments, const std::optional<Rank>& rank) {
+  SweepOptions options;
+  options.quantities = arguments.quantities;
+  options.jobs = arguments.jobs > 0 ? arguments.jobs
+                 : rank             ? 1
+                        : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (rank) options.share = {rank->index + 1, rank->count};
+  if (!arguments.share.empty()) options.share = share_of(arguments.share);
+  options.command = "mbd sweep " + arguments.model + given("--vary", arguments.vary) +
+                    given("--quantity", arguments.quantities) + given("--set", arguments.set);
+  if (!arguments.points.empty()) options.command += " --points " + arguments.points;
+  if (arguments.latin > 0)
+    options.command += fmt::format(" --latin {} --seed {}", arguments.latin, arguments.seed);
+  return options;
+}
+
 int sweep_model(const SweepArguments& arguments) {
   const bool on_slurm = arguments.on == "slurm";
   const std::optional<Rank> rank = arguments.share.empty()
@@ -129,22 +145,11 @@ int sweep_model(const SweepArguments& arguments) {
     files.insert(files.end(), scene.includes.begin(), scene.includes.end());
   } catch (const Error&) {  // the sweep says it, if its points do not mend it
   }
-  SweepOptions options;
-  options.quantities = arguments.quantities;
-  options.jobs = arguments.jobs > 0 ? arguments.jobs
-                 : rank             ? 1
-                        : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const std::filesystem::path output =
       results_directory(arguments.output, arguments.model, "sweep");
+  SweepOptions options = options_of(arguments, rank);
   options.keep = output;
   options.fingerprint = fingerprint(files, arguments.set);
-  if (rank) options.share = {rank->index + 1, rank->count};
-  if (!arguments.share.empty()) options.share = share_of(arguments.share);
-  options.command = "mbd sweep " + arguments.model + given("--vary", arguments.vary) +
-                    given("--quantity", arguments.quantities) + given("--set", arguments.set);
-  if (!arguments.points.empty()) options.command += " --points " + arguments.points;
-  if (arguments.latin > 0)
-    options.command += fmt::format(" --latin {} --seed {}", arguments.latin, arguments.seed);
   const bool shown = !arguments.quiet && !rank && isatty(STDERR_FILENO);
   if (shown)
     options.progress = [](std::size_t done, std::size_t all) {
@@ -178,6 +183,33 @@ int sweep_model(const SweepArguments& arguments) {
                     "may say why; the same command goes on from here",
                     study.count(SweepRow::Status::open), output.string()));
   return 0;
+}
+
+// More than one machine.
+void add_machine_options(CLI::App& command, SweepArguments& arguments) {
+  command
+      .add_option(
+          "--share", arguments.share,
+          "only points I, I+N, … of the sweep, as one of N processes with the same --out: the last "
+          "to end "
+          "writes the table; default: what mpirun or srun say, which start a share in each rank")
+      ->type_name("I/N");
+  command.add_option("--on", arguments.on, "where it runs; default: here")
+      ->check(CLI::IsMember({"slurm"}))
+      ->type_name("slurm");
+  command
+      .add_option("--tasks", arguments.tasks,
+                  "of Slurm, each a share of the sweep; default: one for each point, 100 at most")
+      ->check(CLI::Range(std::size_t{1}, most_points))
+      ->type_name("N");
+  command
+      .add_option("--sbatch", arguments.sbatch,
+                  "options for sbatch, as in --sbatch=--partition=long; those of all jobs are "
+                  "better set in "
+                  "SBATCH_PARTITION, SBATCH_TIMELIMIT …")
+      ->type_name("OPTION …");
+  command.add_flag("--no-wait", arguments.no_wait,
+                   "submit to Slurm and end: the last task writes the table");
 }
 
 }  // namespace
@@ -221,29 +253,7 @@ void add_sweep_command(CLI::App& app, int& status) {
                    "directory of the table; rows that an interrupted or killed sweep of the same "
                    "model has left there are not run again; default: results/MODEL/sweep")
       ->type_name("DIR");
-  command
-      ->add_option(
-          "--share", arguments->share,
-          "only points I, I+N, … of the sweep, as one of N processes with the same --out: the last "
-          "to end "
-          "writes the table; default: what mpirun or srun say, which start a share in each rank")
-      ->type_name("I/N");
-  command->add_option("--on", arguments->on, "where it runs; default: here")
-      ->check(CLI::IsMember({"slurm"}))
-      ->type_name("slurm");
-  command
-      ->add_option("--tasks", arguments->tasks,
-                   "of Slurm, each a share of the sweep; default: one for each point, 100 at most")
-      ->check(CLI::Range(std::size_t{1}, most_points))
-      ->type_name("N");
-  command
-      ->add_option("--sbatch", arguments->sbatch,
-                   "options for sbatch, as in --sbatch=--partition=long; those of all jobs are "
-                   "better set in "
-                   "SBATCH_PARTITION, SBATCH_TIMELIMIT …")
-      ->type_name("OPTION …");
-  command->add_flag("--no-wait", arguments->no_wait,
-                    "submit to Slurm and end: the last task writes the table");
+  add_machine_options(*command, *arguments);
   add_set_option(*command, arguments->set);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(

@@ -258,11 +258,11 @@ class Scene(Element):
           <stiffness>, <mass>, <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>,
           <beam>, <arc>, <curve>, <point>, <body>, <shape>, <drive>, <motion>, <load>,
           <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
-          <joint_torque>, <drag>, <added_mass>, <base_motion>, <gravity>, <static>,
-          <path>, <mark>, <stop>, <transient>, <record>, <motion_output>, <plot>,
-          <expect>, <region>, <input>, <function>, <controller>, <mesh>, <fixed>,
-          <rigid_link>, <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>,
-          <spherical>, <planar>, <point_on_line>, <distance>.
+          <joint_torque>, <drag>, <added_mass>, <extension>, <base_motion>, <gravity>,
+          <static>, <path>, <mark>, <stop>, <transient>, <record>, <motion_output>,
+          <plot>, <expect>, <region>, <input>, <function>, <controller>, <mesh>,
+          <fixed>, <rigid_link>, <revolute>, <prismatic>, <cylindrical>, <screw>,
+          <universal>, <spherical>, <planar>, <point_on_line>, <distance>.
 
         For example:
           <mbd name="balls" version="1">
@@ -1283,6 +1283,38 @@ class Scene(Element):
           </mbd>
         """
         ...
+    def extension(self, *, name: Value = None, force: Value = None, at: Value = None, values: Value = None) -> ExtensionElement:
+        """<extension>
+          A force that a plug-in computes, as `mbd run --plugin FILE` gives it
+          (libmbd/plugin.h).
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, optional
+                             name, for messages
+          force              text, required
+                             what its plug-in calls it
+          at                 words, required
+                             what it acts on, in the order its plug-in wants: places
+                             with a node, or beams, which stand for all of their nodes
+          values             text, optional
+                             numbers for it: name=expression, separated by blanks, which
+                             expressions do not contain, in SI units
+
+        For example:
+          <mbd name="servo_arm">
+            <!-- A horizontal arm held by a motor whose torque a program sets; here it keeps its first value, the arm's weight. -->
+            <input name="torque" unit="N.mm" value="-4905"/>
+            <body name="arm" at="0 0 0" center="0.5 0 0" mass="1" inertia="0.001 0.08 0.08"/>
+            <revolute name="shoulder" between="ground arm" axis="0 1 0"/>
+            <joint_torque joint="shoulder" moment="torque"/>
+            <gravity acceleration="0 0 -9.81"/>
+            <transient duration="0.5" step="1 ms"/>
+            <record name="shoulder" joint="shoulder" quantities="angle rate"/>
+            <expect quantity="shoulder.angle" at="0.5" value="0" tolerance="1e-9" source="equilibrium"/>
+          </mbd>
+        """
+        ...
     def base_motion(self, *, acceleration: Value = None, velocity: Value = None, displacement: Value = None) -> BaseMotionElement:
         """<base_motion>
           Accelerates the ground without turning it; everything else is relative to the
@@ -1778,8 +1810,8 @@ class Scene(Element):
           Stands in <mbd>, <repeat>, <curve>, <layup>, <section>. Holds <material>,
           <layup>, <ply>, <section>, <station>, <beam>, <arc>, <curve>, <point>, <body>,
           <drive>, <motion>, <load>, <distributed>, <rigid>, <point_mass>, <spring>,
-          <bushing>, <joint_spring>, <joint_torque>, <drag>, <added_mass>, <mark>,
-          <stop>, <record>, <plot>, <expect>, <repeat>, <input>, <function>,
+          <bushing>, <joint_spring>, <joint_torque>, <drag>, <added_mass>, <extension>,
+          <mark>, <stop>, <record>, <plot>, <expect>, <repeat>, <input>, <function>,
           <controller>, <fixed>, <rigid_link>, <revolute>, <prismatic>, <cylindrical>,
           <screw>, <universal>, <spherical>, <planar>, <point_on_line>, <distance>.
 
@@ -3335,6 +3367,9 @@ class DefaultsElement(Element):
         ...
     def added_mass(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, density: Value = None, diameter: Value = None, coefficient: Value = None, at: Value = None, matrix: Value = None) -> AddedMassElement:
         """Inertia of a fluid that a beam or a body sets in motion: of a fluid at rest, without its weight."""
+        ...
+    def extension(self, *, name: Value = None, force: Value = None, at: Value = None, values: Value = None) -> ExtensionElement:
+        """A force that a plug-in computes, as `mbd run --plugin FILE` gives it (libmbd/plugin.h)."""
         ...
     def base_motion(self, *, acceleration: Value = None, velocity: Value = None, displacement: Value = None) -> BaseMotionElement:
         """Accelerates the ground without turning it; everything else is relative to the ground."""
@@ -5458,6 +5493,9 @@ class DragElement(Element):
 class AddedMassElement(Element):
     ...
 
+class ExtensionElement(Element):
+    ...
+
 class BaseMotionElement(Element):
     ...
 
@@ -5732,6 +5770,9 @@ class RepeatElement(Element):
         ...
     def added_mass(self, *, name: Value = None, beam: Value = None, from_: Value = None, to: Value = None, density: Value = None, diameter: Value = None, coefficient: Value = None, at: Value = None, matrix: Value = None) -> AddedMassElement:
         """Inertia of a fluid that a beam or a body sets in motion: of a fluid at rest, without its weight."""
+        ...
+    def extension(self, *, name: Value = None, force: Value = None, at: Value = None, values: Value = None) -> ExtensionElement:
+        """A force that a plug-in computes, as `mbd run --plugin FILE` gives it (libmbd/plugin.h)."""
         ...
     def mark(self, *, quantity: Value = None, value: Value = None) -> MarkElement:
         """<mark>
