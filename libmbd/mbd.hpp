@@ -13,6 +13,7 @@
 
 #include "elements/node/force.hpp"
 #include "libmbd/compile/model.hpp"
+#include "libmbd/compile/plugin.hpp"
 #include "libmbd/compile/ports.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/error.hpp"

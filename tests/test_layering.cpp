@@ -1,6 +1,7 @@
 // The rooms of the house: who may include whom, where third-party headers may appear, what may lie
-// at the top level. The rules are the tables below; violations() applies them to a set of files;
-// the tests apply it to small sets with one violation each, then to the repository's own sources.
+// at the top level; and how long a function may be. The rules are the tables below; violations() and
+// too_long() apply them to a set of files; the tests apply these to small sets with one violation
+// each, then to the repository's own sources.
 //
 // Includes are written from the root of the repository ("elements/beam.hpp"), so a line says by
 // itself which room it enters; nothing has to be resolved.
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -40,6 +42,8 @@ struct Room {
   std::vector<std::string_view> uses;  // earlier rooms; of a folder of rooms: all of them
 };
 
+constexpr std::string_view plugin_interface =
+    "libmbd/plugin.h";  // of C, for those who write plug-ins
 constexpr std::string_view solvers = "solvers/", study = "libmbd/study/";
 
 // Each room uses itself and rooms above it only. Scenes are plain data: they know neither kernels nor solvers; and
@@ -58,8 +62,9 @@ const std::vector<Room>& rooms() {
     const auto scene = with(core, {"libmbd/text/", "libmbd/scene/"});
     const auto material = with(scene, {"libmbd/section/", "libmbd/material/"});
     const auto language = with(material, {"joints/", "libmbd/language/"});
-    const auto compile = with(language, {"elements/", "elements/beam/", "elements/node/",
-                                         "elements/pair/", solvers, "libmbd/compile/"});
+    const auto compile =
+        with(language, {"elements/", "elements/beam/", "elements/node/", "elements/pair/", solvers,
+                        plugin_interface, "libmbd/compile/"});
     const auto results = with(compile, {"libmbd/results/"});
     const auto pictures = with(results, {"libmbd/pictures/"});
     const auto view = with(results, {"libmbd/view/"});
@@ -85,6 +90,7 @@ const std::vector<Room>& rooms() {
         {"libmbd/scene/", scene},
         {"libmbd/material/", material},
         {"libmbd/language/", language},
+        {plugin_interface, {}},
         {"libmbd/compile/", compile},
         {"libmbd/results/", results},
         {"libmbd/pictures/", pictures},
@@ -120,6 +126,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"tinyxml2.h", {"libmbd/language/"}, true, true},
       {"udunits2.h", {"libmbd/language/"}, true, true},
       {"hdf5.h", {"libmbd/view/"}, true, true},
+      {"assimp/", {"libmbd/material/"}, true, true},
       {"zlib.h", {"libmbd/view/"}, true, false},
       {"klu.h", {"solvers/linear/"}, true, true},
       {"suitesparse/klu.h", {"solvers/linear/"}, true, true},
@@ -180,6 +187,30 @@ const std::vector<std::string> outside_paths{
     "shared",
     "/work"
     "/"};
+
+// A function is read at one glance: its pieces have names.
+constexpr std::ptrdiff_t most_lines = 60;  // from its opening to its closing brace
+const std::vector<std::string_view> of_short_functions{"libmbd/", "joints/", "elements/",
+                                                       "solvers/", "tools/mbd/"};
+
+// Those that are longer all the same.
+struct LongFunction {
+  std::string_view path, name;  // as written where it is defined
+  std::string_view reason;
+};
+constexpr std::string_view not_yet = "was being worked on when the others were divided";
+const std::vector<LongFunction> long_functions{
+    {"solvers/time/radau.cpp", "Radau::iterate", not_yet},
+    {"libmbd/view/picture.cpp", "picture_svg", not_yet},
+    {"libmbd/view/picture.cpp", "picture_pixels", not_yet},
+    {"libmbd/view/page.cpp", "overlaid_page", not_yet},
+    {"libmbd/view/page.cpp", "moving_page", not_yet},
+    {"libmbd/view/drawing.cpp", "add_beam", not_yet},
+    {"libmbd/view/figure.cpp", "Stage::Data::read", not_yet},
+    {"libmbd/study/sweep/sweep.cpp", "study_sweep", not_yet},
+    {"tools/mbd/run_command.cpp", "add_run_command", not_yet},
+    {"tools/mbd/run_command.cpp", "run_model", not_yet},
+};
 
 // ---- checks -----------------------------------------------------------------------------------
 
@@ -282,13 +313,21 @@ std::vector<std::string> violations(const std::vector<SourceFile>& files) {
     }
 
     if (!is_source(file.path)) continue;
-    if (!is_cpp(file.path) && !file.path.ends_with(".hpp")) {
+    if (!is_cpp(file.path) && !file.path.ends_with(".hpp") && file.path != plugin_interface) {
       found.push_back(file.path + ": sources end in .hpp or .cpp");
     }
     if (room_of(file.path) == nullptr && file.path != umbrella) {
       found.push_back(file.path + ": is in no room");
       continue;
     }
+
+    // What a program that uses the library should know is in reports and errors.
+    if (const Room* const room = room_of(file.path);
+        room != nullptr && !is_outside_the_library(*room))
+      for (const std::string_view stream :
+           {"std::cerr", "std::cout", "std::clog", "stderr", "fmt::print", "perror"})
+        if (file.text.find(stream) != std::string::npos)
+          found.push_back(file.path + ": the library writes to no stream: " + std::string(stream));
 
     for (const Include& include : includes_of(file.text)) {
       const std::string where =
@@ -321,6 +360,130 @@ std::vector<std::string> violations(const std::vector<SourceFile>& files) {
       }
     }
   }
+  return found;
+}
+
+struct Function {
+  std::string name;
+  std::ptrdiff_t line, lines;  // of its opening brace; from that to the closing one
+};
+
+// `Newton::iterate` of "bool Newton::iterate(int k) {"; "lambda" of what has no name before its parentheses
+std::string name_in(const std::string& head) {
+  const auto end = head.find('(');
+  const auto before = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_:~<>").find(c) != std::string_view::npos;
+  };
+  auto begin = end;
+  while (begin != std::string::npos && begin > 0 && before(head[begin - 1])) --begin;
+  return end == std::string::npos || begin == end ? "lambda" : head.substr(begin, end - begin);
+}
+
+// `class`, or a word like it, begins what follows `template <...>`.
+bool begins_with(std::string_view head, std::initializer_list<std::string_view> words) {
+  if (head.starts_with("template <")) {
+    std::size_t at = 9;
+    int depth = 0;
+    do depth += head[at] == '<' ? 1 : head[at] == '>' ? -1 : 0;
+    while (++at < head.size() && depth > 0);
+    head.remove_prefix(std::min(head.find_first_not_of(' ', at), head.size()));
+  }
+  return std::any_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return head.starts_with(word); });
+}
+
+// Lines without what stands in raw strings and behind code as a comment
+std::vector<std::string> code_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  std::string raw_end;  // of the raw string that a line begins in
+  for (std::string line; std::getline(stream, line);) {
+    if (!raw_end.empty()) {
+      const auto end = line.find(raw_end);
+      const bool ends = end != std::string::npos;
+      line = ends ? std::string(100, ' ') + line.substr(end + raw_end.size()) : std::string();
+      if (ends) raw_end.clear();
+    }
+    if (const auto raw = line.find("R\"");
+        raw != std::string::npos &&
+        (raw == 0 || std::string_view(" ({").find(line[raw - 1]) != std::string_view::npos)) {
+      const auto open = std::min(line.find('(', raw), line.size());
+      raw_end = ')' + line.substr(raw + 2, open - raw - 2) + '"';
+      if (line.find(raw_end, open) != std::string::npos) raw_end.clear();
+    }
+    line.erase(std::min(line.find("  // "), line.size()));
+    line.erase(line.find_last_not_of(' ') + 1);
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+// Functions of a source in the layout of clang-format (tools/format): what stands in a namespace begins in the first column, what
+// stands in a class two farther in, and a block is closed in the column in which what opens it begins.
+std::vector<Function> functions_of(const std::string& text) {
+  const std::vector<std::string> lines = code_lines(text);
+  const auto column = [](const std::string& line) {
+    return std::min(line.find_first_not_of(' '), line.size());
+  };
+  std::vector<Function> found;
+  std::size_t level = 0;  // column of what stands in the present namespace or class
+  std::string head;       // what has been read of a declaration
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string& line = lines[i];
+    const std::size_t at = column(line);
+    if (at == line.size() || line[at] == '#' || line.compare(at, 2, "//") == 0) continue;
+    if (head.empty() && line[at] == '}') {
+      if (at + 2 == level) level = at;
+      continue;
+    }
+    if (at < level) continue;  // public: and its like
+    head += (head.empty() ? "" : " ") + line.substr(at);
+    const bool opens = head.ends_with("{");
+    if (opens && begins_with(head, {"class ", "struct ", "union "})) {
+      level += 2;
+    } else if (opens && !begins_with(head, {"namespace", "inline namespace", "extern \"C\""})) {
+      const std::size_t begin = i;
+      const auto is_inside = [&](const std::string& l) {
+        return l.empty() || l[0] == '#' || column(l) > level;
+      };
+      while (i + 1 < lines.size() && is_inside(lines[i + 1])) ++i;
+      if (i + 1 < lines.size() && column(lines[i + 1]) == level && lines[i + 1][level] == '}') ++i;
+      if (head.ends_with(") {") || head.ends_with("const {") || head.ends_with("override {") ||
+          head.ends_with("noexcept {") || head.find("-> ") != std::string::npos ||
+          head.find(") : ") != std::string::npos)
+        found.push_back({name_in(head), static_cast<std::ptrdiff_t>(begin) + 1,
+                         static_cast<std::ptrdiff_t>(i - begin) + 1});
+    }
+    if (opens || head.ends_with("}") || head.ends_with(";")) head.clear();
+  }
+  return found;
+}
+
+// Functions that are too long, but for those that may be.
+std::vector<std::string> too_long(const std::vector<SourceFile>& files,
+                                  const std::vector<LongFunction>& allowed) {
+  std::vector<std::string> found;
+  std::set<const LongFunction*> met;
+  for (const SourceFile& file : files) {
+    if (!is_source(file.path) || !begins_with_any(file.path, of_short_functions)) continue;
+    for (const Function& function : functions_of(file.text)) {
+      if (function.lines <= most_lines) continue;
+      const auto one = std::find_if(allowed.begin(), allowed.end(), [&](const LongFunction& may) {
+        return may.path == file.path && may.name == function.name;
+      });
+      if (one != allowed.end())
+        met.insert(&*one);
+      else
+        found.push_back(file.path + ":" + std::to_string(function.line) + ": " + function.name +
+                        " has " + std::to_string(function.lines) + " lines, more than " +
+                        std::to_string(most_lines) + "; divide it into pieces with names");
+    }
+  }
+  for (const LongFunction& may : allowed)
+    if (!met.contains(&may))
+      found.push_back(std::string(may.path) + ": " + std::string(may.name) +
+                      " is listed as a long function, and is none; take it off the list");
   return found;
 }
 
@@ -416,6 +579,9 @@ TEST(Layering, FindsEachViolation) {
       {"foreign extension", {{"elements/a.h", "\n"}}},
       {"XML in the core", {{"libmbd/core/a.cpp", include("<tinyxml2.h>")}}},
       {"XML in a header", {{"libmbd/language/a.hpp", include("<tinyxml2.h>")}}},
+      {"the library writes to a stream",
+       {{"solvers/time/a.cpp", "void f() { std::cerr << 1; }\n"}}},
+      {"the library prints", {{"libmbd/run/a.cpp", "void f() { fmt::print(\"a\"); }\n"}}},
       {"two XML readers",
        {{"libmbd/language/a.cpp", include("<tinyxml2.h>")},
         {"libmbd/language/b.cpp", include("<tinyxml2.h>")}}},
@@ -447,6 +613,52 @@ TEST(Layering, SaysWhereAndWhy) {
       found[0],
       "elements/beam.hpp:2: includes joints/revolute.hpp: elements/ does not use joints/; move "
       "what is needed to a room that both use");
+}
+
+// A body of that many lines, braces included.
+std::string block(int lines, const std::string& indent = "") {
+  std::string text = " {\n";
+  for (int i = 2; i < lines; ++i) text += indent + "  f({1}, [] { return 2; });\n";
+  return text + indent + "}\n";
+}
+
+TEST(Layering, FindsLongFunctions) {
+  const auto names = [](const std::string& text) {
+    std::vector<std::string> found;
+    for (const std::string& line : too_long({{"solvers/newton/a.cpp", text}}, {}))
+      found.push_back(line.substr(0, line.find(" lines")));
+    return found;
+  };
+  const std::string where = "solvers/newton/a.cpp:";
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names("int f(int x)" + block(60)), Names{});
+  EXPECT_EQ(names("int f(int x)" + block(61)), Names{where + "1: f has 61"});
+  EXPECT_EQ(names("namespace mbd {\nnamespace {\n\n// f\nvoid A::f(int x,\n       int y) const" +
+                  block(62) + "\n}  // namespace\n"),
+            Names{where + "6: A::f has 62"});
+  EXPECT_EQ(names("class A : public B {\n public:\n  A() = default;\n  struct C {\n    int c;\n"
+                  "    bool f() const" +
+                  block(70, "    ") + "  };\n\n private:\n  A(int x)\n      : x_(x)" +
+                  block(63, "  ") + "  int x_;\n};\n\nvoid g()" + block(64)),
+            (Names{where + "6: f has 70", where + "80: A has 63", where + "146: g has 64"}));
+  EXPECT_EQ(names("template <class T, class U = A<B<int>>>\nstruct A {\n  void f()" +
+                  block(61, "  ") + "};\n"),
+            Names{where + "3: f has 61"});
+  EXPECT_EQ(names("void f() {\n#pragma x\n  g(R\"(\n}\n)\");\n" + block(60).substr(3)),
+            Names{where + "1: f has 64"});
+  EXPECT_EQ(names("constexpr auto f = [](int x)" + block(61)).size(), 1U);
+  EXPECT_EQ(names("constexpr int table[] =" + block(100)), Names{});
+  EXPECT_EQ(too_long({{"tests/a.cpp", "int f()" + block(100)}}, {}), Names{});
+}
+
+TEST(Layering, TheListOfLongFunctionsDoesNotRot) {
+  const std::vector<LongFunction> allowed{{"libmbd/run/a.cpp", "f", "for a reason"}};
+  EXPECT_EQ(joined(too_long({{"libmbd/run/a.cpp", "int f()" + block(61)}}, allowed)), "");
+  for (const std::string& text : {"int f()" + block(60), std::string("int g();\n")}) {
+    EXPECT_EQ(
+        joined(too_long({{"libmbd/run/a.cpp", text}}, allowed)),
+        "libmbd/run/a.cpp: f is listed as a long function, and is none; take it off the list\n");
+  }
 }
 
 // ---- the repository ---------------------------------------------------------------------------
@@ -483,6 +695,11 @@ TEST(Layering, NoRoomIsTooLarge) {
     EXPECT_LE(size.first, 30) << room->folder;
     EXPECT_LE(size.second, 6000) << room->folder;
   }
+}
+
+TEST(Layering, FunctionsAreShort) {
+  EXPECT_EQ(joined(too_long(read_repository(MBD_SOURCE_DIR), long_functions)), "");
+  for (const LongFunction& one : long_functions) EXPECT_FALSE(one.reason.empty()) << one.name;
 }
 
 TEST(Layering, NothingElseAtTheTopLevel) {

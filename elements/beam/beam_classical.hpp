@@ -451,6 +451,35 @@ struct Classical {
     return h;
   }
 
+  // The part of (8) that forces make where they act: on their own axes, which turn.
+  template <class S>
+  static void add_turning_of_forces(const Work<S>& work, int order, Output<S>& out) {
+    for (int k = 0; k <= order; ++k) {
+      const auto K = static_cast<std::size_t>(k);
+      const Vector3<S> n = rows_at<3>(out.r, 6 * k), m = rows_at<3>(out.r, 6 * k + 3);
+      block_at<3, 3>(out.K, 6 * k, 6 * k + 3) += hat(n);
+      block_at<3, 3>(out.K, 6 * k + 3, 6 * k + 3) += S(0.5) * hat(m);
+      out.K.diagonal().template segment<3>(6 * k + 3).array() -=
+          S(0.25) * work.node.p[K].dot(work.y[K]);
+    }
+  }
+
+  // Of a point, with 1/J of l'/J taken in once for all nodes.
+  template <class S>
+  static Curvature<S> scaled_derivative(const Shared& shared, const Data& data, const Work<S>& work,
+                                        int i) {
+    const auto I = static_cast<std::size_t>(i);
+    const Matrix6<S> D = S(data.wJ[I]) * D_at(shared, data, i).template cast<S>();
+    Curvature<S> h = second_derivative(work.point[I], D, work.force[I]);
+    const S inverse_J = S(data.inverse_J[I]), square = inverse_J * inverse_J;
+    h.ab *= inverse_J;
+    h.ac *= inverse_J;
+    h.bb *= square;
+    h.bc *= square;
+    h.cc *= square;
+    return h;
+  }
+
   // (8)
   template <class S>
   [[gnu::noinline, gnu::flatten]] static void tangent(const Shared& shared, const Data& data,
@@ -467,18 +496,8 @@ struct Classical {
       const auto K = static_cast<std::size_t>(k);
       Q[K] = S(0.5) * product_of<S>(node.p[K]);
     }
-    for (int i = 0; i < table.points; ++i) {
-      const auto I = static_cast<std::size_t>(i);
-      const Matrix6<S> D = S(data.wJ[I]) * D_at(shared, data, i).template cast<S>();
-      h[I] = second_derivative(work.point[I], D, work.force[I]);
-      // 1/J of l'/J once for all nodes
-      const S inverse_J = S(data.inverse_J[I]), square = inverse_J * inverse_J;
-      h[I].ab *= inverse_J;
-      h[I].ac *= inverse_J;
-      h[I].bb *= square;
-      h[I].bc *= square;
-      h[I].cc *= square;
-    }
+    for (int i = 0; i < table.points; ++i)
+      h[static_cast<std::size_t>(i)] = scaled_derivative(shared, data, work, i);
     out.K.resize(6 * (order + 1), 6 * (order + 1));
     for (int k = 0; k <= order; ++k) {
       const auto K = static_cast<std::size_t>(k);
@@ -513,13 +532,7 @@ struct Classical {
         if (j < k) block_at<6, 6>(out.K, 6 * k, 6 * j) = block.transpose();
       }
     }
-    for (int k = 0; k <= order; ++k) {
-      const auto K = static_cast<std::size_t>(k);
-      const Vector3<S> n = rows_at<3>(out.r, 6 * k), m = rows_at<3>(out.r, 6 * k + 3);
-      block_at<3, 3>(out.K, 6 * k, 6 * k + 3) += hat(n);
-      block_at<3, 3>(out.K, 6 * k + 3, 6 * k + 3) += S(0.5) * hat(m);
-      out.K.diagonal().template segment<3>(6 * k + 3).array() -= S(0.25) * node.p[K].dot(work.y[K]);
-    }
+    add_turning_of_forces(work, order, out);
   }
 };
 

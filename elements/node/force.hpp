@@ -48,6 +48,9 @@ class Force {
 
   // Of a force that has a potential [J]: it is counted with strain energy, and not as work of loads.
   virtual std::optional<double> energy(const PlacesMotion& /*at*/) const { return {}; }
+
+  // For messages, after evaluate() was false: why; empty: it is out of its range.
+  virtual std::string fault() const { return {}; }
 };
 
 // A force from a function.

@@ -166,8 +166,13 @@ bool ForceBatch::linearize_powers(const State& state, std::span<const Mat6> V_ha
 void ForceBatch::load_rate(const State& state, VecX& r) const { add_wrenches(state, 1.0, r); }
 
 std::string ForceBatch::out_of_range(const State& state) const {
-  std::vector<Vec6> wrenches;
-  return evaluate(state, wrenches) ? std::string() : type_;
+  std::vector<Vec6> wrenches(places_.size(), Vec6::Zero());
+  if (!force_->evaluate(motion_of(state).at(state.t), wrenches)) {
+    const std::string fault = force_->fault();
+    return fault.empty() ? type_ : type_ + " fails (" + fault + ")";
+  }
+  return is_finite(wrenches) ? std::string()
+                             : type_ + " gives numbers that are none (NaN or infinite)";
 }
 
 Energies ForceBatch::energies(const State& state) const {

@@ -22,6 +22,7 @@
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/nodal_terms.hpp"
+#include "libmbd/compile/plugin.hpp"
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/section_point.hpp"
 #include "libmbd/compile/springs.hpp"
@@ -29,6 +30,7 @@
 #include "libmbd/language/check_scene.hpp"
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
+#include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
 #include "libmbd/scene/reference_line.hpp"
@@ -71,12 +73,7 @@ class Compiler {
       system_->add_input({input.name, input.unit, input.factor, input.value, input.controller});
     find_boundaries();
     fuse();
-    for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
-    for (const BodyScene& body : scene_.bodies) add_body(body);
-    for (CompiledBeam& beam : beams_) add_beam(beam);
-    for (const BodyScene& body : scene_.bodies) body_of_.try_emplace(body.name, &body);
-    for (const BodyScene& body : scene_.bodies) attach_body(body);
-    for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
+    add_parts();
     measure();
     const std::vector<Mat6> all = with_added_masses();
     if (scene_.transient) add_inertia(all);
@@ -89,18 +86,11 @@ class Compiler {
                     [this](std::size_t joint) { return fusion_->is_fused(joint); });
     joints_->add_all();
     add_springs(nodes.find);
-    for (const std::shared_ptr<const Force>& force : extensions.forces) add_force(force);
-
-    ControlCompiler control(
-        scene_, *system_, *joints_,
-        [this](const SensorName& of, const std::string& who) { return sensor_place(of, who); },
-        [this](const SensorName& of) -> Sample {
-          const Quantities one{of.quantity};
-          return of.record.at ? place_sample(of.record, one) : sample_of(of.record, *of.quantity);
-        });
-    control.feed_back();
-    control.add_controllers();
-
+    for (const ExtensionScene& extension : scene_.extensions)
+      add_force(make_plugin_force(extension), extension.source);
+    for (const std::shared_ptr<const Force>& force : extensions.forces)
+      add_force(force, scene_.source);
+    add_control();
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
     system_->finish(scene_.transient.has_value(), length_);
@@ -111,6 +101,7 @@ class Compiler {
       throw Error(unusable);
     set_velocities(model.initial);
     check(model.initial);
+    check_plugins(model.initial);
     find_repetitions(model);
     if (scene_.path) add_path_channel(model);
     add_channels(model);
@@ -125,6 +116,27 @@ class Compiler {
   }
 
  private:
+  void add_parts() {
+    for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
+    for (const BodyScene& body : scene_.bodies) add_body(body);
+    for (CompiledBeam& beam : beams_) add_beam(beam);
+    for (const BodyScene& body : scene_.bodies) body_of_.try_emplace(body.name, &body);
+    for (const BodyScene& body : scene_.bodies) attach_body(body);
+    for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
+  }
+
+  void add_control() {
+    ControlCompiler control(
+        scene_, *system_, *joints_,
+        [this](const SensorName& of, const std::string& who) { return sensor_place(of, who); },
+        [this](const SensorName& of) -> Sample {
+          const Quantities one{of.quantity};
+          return of.record.at ? place_sample(of.record, one) : sample_of(of.record, *of.quantity);
+        });
+    control.feed_back();
+    control.add_controllers();
+  }
+
   // --- sections ---
 
   const Section& section_of(const BeamScene& beam) const {
@@ -225,6 +237,38 @@ class Compiler {
     mass_damping_.try_emplace(node, Mat6::Zero()).first->second += P;
   }
 
+  // A beam whose elements are being added. Indices are of the batches' stiffnesses and viscosities, -1 where they vary.
+  struct Growing {
+    CompiledBeam& compiled;
+    const SectionTable& section;
+    const ReferenceLine& line;
+    BeamElasticBatch& elastic;
+    BeamDampingBatch* damping;  // null without damping
+    int stiffness = -1, viscosity = -1;
+    double mass_damping;
+    int count = 0;  // of nodes
+
+    const std::string& name() const { return compiled.scene->name; }
+  };
+
+  // The nodes of an element, both ends included.
+  struct ElementNodes {
+    std::vector<int> nodes;
+    std::vector<Pose<double>> poses, frames;  // in each node's
+    std::vector<double> places;
+
+    void add(const Made& made, const Pose<double>& pose, double s) {
+      nodes.push_back(made.node);
+      poses.push_back(pose);
+      frames.push_back(made.frame);
+      places.push_back(s);
+    }
+  };
+
+  static bool is_none(const Pose<double>& frame) {
+    return frame.p.vec().isZero(0.0) && frame.r.isZero(0.0);
+  }
+
   void add_beam(CompiledBeam& compiled) {
     stop::check();
     const BeamScene& beam = *compiled.scene;
@@ -243,83 +287,101 @@ class Compiler {
     }
     if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
     BeamElasticBatch& batch = elastic_batch(beam);
-    int stiffness = section.is_uniform() ? batch.add_stiffness(section.stiffness(0.0)) : -1;
     BeamDampingBatch* const damping = damping_batch(beam, scene_section);
-    int viscosity = damping && section.is_uniform()
-                        ? damping->add_viscosity(section.viscosity_of(section.stiffness(0.0), 0.0))
-                        : -1;
-    const double alpha = mass_proportional(scene_section);
-    const SpectralTable& table = batch.table();
-    const auto order = static_cast<std::size_t>(beam.order);
-    int count = 0;
-    const auto add_node = [&](double s, int group) {
-      const Pose<double> H = line.at(s);
-      include(H.r);
-      return make_node(group, fmt::format("beam '{}' node {}", beam.name, ++count), H);
-    };
-    const auto group_at = [&](std::size_t boundary) {
-      return fusion_->group_of_boundary(beam.name, boundary);
-    };
-    const auto add_boundary = [&](const Made& made, std::size_t boundary) {
-      compiled.boundary_nodes.push_back({made.node, true, line.at(compiled.boundaries[boundary]),
-                                         nullptr, group_at(boundary) >= 0});
-    };
-    Made end = add_node(0.0, group_at(0));
-    add_boundary(end, 0);
+    Growing growing{.compiled = compiled,
+                    .section = section,
+                    .line = line,
+                    .elastic = batch,
+                    .damping = damping,
+                    .mass_damping = mass_proportional(scene_section)};
+    if (section.is_uniform()) {
+      const Mat6 D = section.stiffness(0.0);
+      growing.stiffness = batch.add_stiffness(D);
+      if (damping) growing.viscosity = damping->add_viscosity(section.viscosity_of(D, 0.0));
+    }
+    Made end = add_boundary(growing, 0);
     compiled.ends.resize(compiled.boundaries.size());
-    for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) {
-      const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
-      const auto at = [&](double xi) { return s0 + 0.5 * (s1 - s0) * (1.0 + xi); };
-      std::vector<int> nodes{end.node};
-      std::vector<Pose<double>> poses{line.at(s0)}, frames{end.frame};
-      std::vector<double> places{s0};
-      for (std::size_t k = 1; k <= order; ++k) {
-        places.push_back(k == order ? s1 : at(table.nodes.points[k]));
-        const Made made = add_node(places[k], k == order ? group_at(e + 1) : -1);
-        nodes.push_back(made.node);
-        poses.push_back(line.at(places[k]));
-        frames.push_back(made.frame);
-        if (k == order) end = made;
+    for (std::size_t e = 0; e + 1 < compiled.boundaries.size(); ++e) add_element(growing, e, end);
+  }
+
+  Made add_node(Growing& beam, double s, int group) {
+    const Pose<double> H = beam.line.at(s);
+    include(H.r);
+    return make_node(group, fmt::format("beam '{}' node {}", beam.name(), ++beam.count), H);
+  }
+
+  Made add_boundary(Growing& beam, std::size_t boundary) {
+    CompiledBeam& compiled = beam.compiled;
+    const double s = compiled.boundaries[boundary];
+    const int group = fusion_->group_of_boundary(beam.name(), boundary);
+    const Made made = add_node(beam, s, group);
+    compiled.boundary_nodes.push_back({made.node, true, beam.line.at(s), nullptr, group >= 0});
+    return made;
+  }
+
+  // From the node at its beginning to `end`, which becomes the one at its end.
+  void add_element(Growing& beam, std::size_t e, Made& end) {
+    CompiledBeam& compiled = beam.compiled;
+    const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+    const std::vector<double>& points = beam.elastic.table().nodes.points;
+    const auto order = static_cast<std::size_t>(compiled.scene->order);
+    ElementNodes element;
+    element.add(end, beam.line.at(s0), s0);
+    for (std::size_t k = 1; k < order; ++k) {
+      const double s = s0 + 0.5 * (s1 - s0) * (1.0 + points[k]);
+      element.add(add_node(beam, s, -1), beam.line.at(s), s);
+    }
+    end = add_boundary(beam, e + 1);
+    element.add(end, beam.line.at(s1), s1);
+    const double J = 0.5 * (s1 - s0) * beam.line.length;
+    add_stiffness(beam, e, element, J);
+    add_masses(beam, s0, s1, element, J);
+  }
+
+  // The element's part in the batches.
+  void add_stiffness(Growing& beam, std::size_t e, const ElementNodes& of, double J) {
+    CompiledBeam& compiled = beam.compiled;
+    BeamElasticBatch& batch = beam.elastic;
+    BeamDampingBatch* const damping = beam.damping;
+    const double s0 = compiled.boundaries[e], s1 = compiled.boundaries[e + 1];
+    const bool uniform = beam.section.is_uniform();
+    int stiffness = beam.stiffness, viscosity = beam.viscosity;  // the first of the element
+    if (!uniform)
+      for (const Mat6& D : beam.section.stiffnesses(s0, s1, batch.table().rule)) {
+        const int one = batch.add_stiffness(D);
+        if (stiffness < 0) stiffness = one;
+        if (!damping) continue;
+        const int viscous = damping->add_viscosity(beam.section.viscosity_of(D, 0.5 * (s0 + s1)));
+        if (viscosity < 0) viscosity = viscous;
       }
-      const double J = 0.5 * (s1 - s0) * line.length;
-      const std::vector<double> Js(order + 1, J);
-      if (!section.is_uniform()) {
-        bool first = true;
-        for (const Mat6& D : section.stiffnesses(s0, s1, table.rule)) {
-          const int one = batch.add_stiffness(D);
-          const int viscous =
-              damping ? damping->add_viscosity(section.viscosity_of(D, 0.5 * (s0 + s1))) : -1;
-          if (first) stiffness = one, viscosity = viscous;
-          first = false;
-        }
-      }
-      const std::string name = fmt::format("beam '{}' element {}", beam.name, e + 1);
-      const int stride = section.is_uniform() ? 0 : 1;
-      const Index element = batch.add_element(Js, poses, nodes, stiffness, stride, name);
-      const Index damped =
-          damping ? damping->add_element(Js, poses, nodes, viscosity, stride, name) : -1;
-      const auto is_none = [](const Pose<double>& frame) {
-        return frame.p.vec().isZero(0.0) && frame.r.isZero(0.0);
-      };
-      if (!std::all_of(frames.begin(), frames.end(), is_none)) {
-        batch.set_frames_of(element, frames);
-        if (damping) damping->set_frames_of(damped, frames);
-      }
-      add_boundary(end, e + 1);
-      compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
-      compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
-      const std::vector<Mat6> masses = section.has_mass() && !section.is_uniform()
-                                           ? section.masses(s0, s1, table.nodes)
-                                           : std::vector<Mat6>();
-      for (std::size_t k = 0; k <= order; ++k) {
-        const double weight = table.nodes.weights[k] * J;
-        compiled.nodes.push_back({nodes[k], places[k], weight, frames[k]});
-        if (!section.has_mass()) continue;
-        Mat6 M = masses.empty() ? weight * section.mass(places[k]) : line.length * masses[k];
-        if (!is_none(frames[k])) M = transformed_mass(M, frames[k]);
-        masses_[static_cast<std::size_t>(nodes[k])] += M;
-        if (alpha > 0.0) add_mass_damping(nodes[k], alpha * M);
-      }
+    const std::string name = fmt::format("beam '{}' element {}", beam.name(), e + 1);
+    const int stride = uniform ? 0 : 1;
+    const std::vector<double> Js(of.nodes.size(), J);
+    const Index element = batch.add_element(Js, of.poses, of.nodes, stiffness, stride, name);
+    const Index damped =
+        damping ? damping->add_element(Js, of.poses, of.nodes, viscosity, stride, name) : -1;
+    if (!std::all_of(of.frames.begin(), of.frames.end(), is_none)) {
+      batch.set_frames_of(element, of.frames);
+      if (damping) damping->set_frames_of(damped, of.frames);
+    }
+    compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
+    compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
+  }
+
+  void add_masses(Growing& beam, double s0, double s1, const ElementNodes& of, double J) {
+    const SectionTable& section = beam.section;
+    const Quadrature& rule = beam.elastic.table().nodes;
+    const std::vector<Mat6> masses = section.has_mass() && !section.is_uniform()
+                                         ? section.masses(s0, s1, rule)
+                                         : std::vector<Mat6>();
+    for (std::size_t k = 0; k < of.nodes.size(); ++k) {
+      const double weight = rule.weights[k] * J;
+      beam.compiled.nodes.push_back({of.nodes[k], of.places[k], weight, of.frames[k]});
+      if (!section.has_mass()) continue;
+      Mat6 M = masses.empty() ? weight * section.mass(of.places[k]) : beam.line.length * masses[k];
+      if (!is_none(of.frames[k])) M = transformed_mass(M, of.frames[k]);
+      masses_[static_cast<std::size_t>(of.nodes[k])] += M;
+      if (beam.mass_damping > 0.0) add_mass_damping(of.nodes[k], beam.mass_damping * M);
     }
   }
 
@@ -482,6 +544,7 @@ class Compiler {
     stop::check();
     const std::string who = label(body);
     const Mat3& I = body.inertia;
+    const MassProperties& is = masses_of_.emplace(body.name, mass_properties(body)).first->second;
     if (!(I - I.transpose()).isZero(1e-12 * (I.norm() + 1e-300)))
       throw Error(body.source,
                   who + ": inertia is not symmetric; it must be a matrix xx yy zz xy xz yz");
@@ -503,9 +566,9 @@ class Compiler {
                       who, principal(0), principal(1), principal(2)));
     if (body.attached_to) return;
     include(body.at);
-    include(body.at + body.orientation * body.center);
+    include(body.at + body.orientation * is.center);
     const Pose<double> pose = make_pose(body.orientation, body.at);
-    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+    const Mat6 M = rigid_mass(is.mass, is.center, is.inertia);
     if (const RigidScene* const rigid = rigid_of(body.name)) {
       const int node = rigid_nodes_.at(rigid);
       masses_[static_cast<std::size_t>(node)] +=
@@ -545,15 +608,17 @@ class Compiler {
     stop::check();
     const Place& to = *body.attached_to;
     const Attachment at = find(to, body.source, label(body));
-    if (at.node == 0)
+    if (at.node == 0 && body.shapes.empty())
       throw Error(body.source, label(body) +
                                    ": attached_to: on the ground it does nothing; leave "
-                                   "the body out");
-    include(at.pose * body.center);
-    const Mat6 M = rigid_mass(body.mass, body.center, body.inertia);
+                                   "the body out, or give it a <shape> to be seen");
+    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid, at.is_fused};
+    if (at.node == 0) return;
+    const MassProperties& is = masses_of_.at(body.name);
+    include(at.pose * is.center);
+    const Mat6 M = rigid_mass(is.mass, is.center, is.inertia);
     masses_[static_cast<std::size_t>(at.node)] +=
         at.is_offset() ? transformed_mass(M, frame_of(at)) : M;
-    body_nodes_[body.name] = {at.node, false, at.pose, at.rigid, at.is_fused};
   }
 
   void add_point_mass(const PointMassScene& point) {
@@ -639,9 +704,8 @@ class Compiler {
   // Diameter of gyration of bodies about their own mass centre, which have no other size; 1 m of points.
   double largest_gyration() const {
     double most = 0.0;
-    for (const BodyScene& body : scene_.bodies)
-      if (body.mass > 0.0)
-        most = std::max(most, 2.0 * std::sqrt(0.5 * body.inertia.trace() / body.mass));
+    for (const auto& [name, is] : masses_of_)
+      if (is.mass > 0.0) most = std::max(most, 2.0 * std::sqrt(0.5 * is.inertia.trace() / is.mass));
     return most > 0.0 ? most : 1.0;
   }
 
@@ -809,16 +873,27 @@ class Compiler {
 
   // --- forces of a program ---
 
-  void add_force(const std::shared_ptr<const Force>& force) {
+  void add_force(const std::shared_ptr<const Force>& force, const Source& source) {
     std::vector<ForceBatch::At> places;
     for (const std::string& name : force->places()) {
-      const std::vector<ForceBatch::At> at = nodes_called(name, *force);
+      const std::vector<ForceBatch::At> at = nodes_called(name, *force, source);
       places.insert(places.end(), at.begin(), at.end());
     }
     if (places.empty())
-      throw Error(scene_.source,
-                  fmt::format("force \"{}\" acts on no place; give it one", force->name()));
+      throw Error(source, fmt::format("force \"{}\" acts on no place; give it one", force->name()));
     system_->add_batch(std::make_unique<ForceBatch>(force, std::move(places), length_));
+  }
+
+  // One that throws, or gives no numbers, is refused before anything is run with it.
+  void check_plugins(const State& state) const {
+    std::size_t k = 0;
+    for (const auto& batch : system_->batches()) {
+      const auto* const force = dynamic_cast<const ForceBatch*>(batch.get());
+      if (force == nullptr || k == scene_.extensions.size()) continue;
+      const Source& source = scene_.extensions[k++].source;
+      if (const std::string fault = force->out_of_range(state); fault.ends_with(")"))
+        throw Error(source, fault);
+    }
   }
 
   // Those of a beam, each once: where two elements meet, both have one.
@@ -830,10 +905,16 @@ class Compiler {
   }
 
   // All nodes of a beam of that name, or the node of a place.
-  std::vector<ForceBatch::At> nodes_called(const std::string& name, const Force& force) const {
+  std::vector<ForceBatch::At> nodes_called(const std::string& name, const Force& force,
+                                           const Source& source) const {
     std::vector<std::string> known;
     for (const BodyScene& body : scene_.bodies) {
       const Attachment& at = body_nodes_.at(body.name);
+      if (body.name == name && at.node == 0)
+        throw Error(body.source,
+                    fmt::format("{}: a force of the program acts on it, and it is on the "
+                                "ground",
+                                label(body)));
       if (body.name == name) return {{at.node, frame_of(at)}};
       known.push_back(body.name);
     }
@@ -848,9 +929,8 @@ class Compiler {
       known.push_back(beam.scene->name);
     }
     const std::vector<std::string_view> words(known.begin(), known.end());
-    throw Error(scene_.source,
-                fmt::format("force \"{}\": there is no node at \"{}\"{}", force.name(),
-                            excerpt(name), suggest(name, words, "places and beams")));
+    throw Error(source, fmt::format("force \"{}\": there is no node at \"{}\"{}", force.name(),
+                                    excerpt(name), suggest(name, words, "places and beams")));
   }
 
   void add_springs(const FindPlace& find_place) {
@@ -1147,6 +1227,7 @@ class Compiler {
   std::map<int, Mat6> mass_damping_;  // by node, of those that have any [kg/s, kg.m/s, kg.m2/s]
   std::vector<CompiledBeam> beams_;
   std::map<std::string, Attachment> body_nodes_;
+  std::map<std::string, MassProperties> masses_of_;  // of bodies
   std::map<const RigidScene*, int> rigid_nodes_;
   std::unordered_map<std::string_view, const RigidScene*> rigids_;  // by the names of their parts
   std::unordered_map<std::string_view, std::size_t> beam_of_;       // in beams_, by name
@@ -1192,6 +1273,9 @@ std::string without_potential(const Scene& scene) {
     if (std::string what = fault(load); !what.empty()) return what;
   for (const DragScene& drag : scene.drags)
     if (flows(drag)) return label(drag) + " is of a flow, whose work depends on the way";
+  for (const ExtensionScene& extension : scene.extensions)
+    if (!has_potential(extension))
+      return "the plug-in's force \"" + extension.force + "\" has no potential that it tells";
   return {};
 }
 

@@ -138,42 +138,40 @@ class SampledController final : public Controller {
   std::vector<Part> parts_;
 };
 
-}  // namespace
+using Fail = std::function<Error(const std::string&)>;  // in the name of a sensor
 
-SensorName find_sensor(const Scene& scene, const std::string& name, const std::string& who) {
-  const std::size_t cut = std::min(name.find_first_of(".@"), name.size());
-  const std::string first = name.substr(0, cut);
-  std::string_view rest = std::string_view(name).substr(cut);
-  const auto fail = [&](const std::string& what) -> Error {
-    return Error(fmt::format("{}: sensor \"{}\": {}", who, excerpt(name), what));
-  };
-  SensorName found;
-  RecordScene& record = found.record;
-  record.name = name;
+// The place on a beam that `rest` begins with, which is taken off.
+Place place_on_beam(const std::string& beam, std::string_view& rest, const Fail& fail) {
+  Place place{Place::Kind::beam, beam, 0.0};
+  if (rest.starts_with(".end")) {
+    place.parameter = 1.0;
+    rest.remove_prefix(4);
+  } else if (rest.starts_with(".start")) {
+    rest.remove_prefix(6);
+  } else {
+    const char* const from = rest.data() + (rest.starts_with('@') ? 1 : 0);
+    const auto [end, error] =
+        std::from_chars(from, rest.data() + rest.size(), place.parameter, std::chars_format::fixed);
+    if (!rest.starts_with('@') || error != std::errc() ||
+        !(place.parameter >= 0.0 && place.parameter <= 1.0))
+      throw fail(
+          fmt::format("\"{}\" is a beam; write {}.start, {}.end or {}@0.5 before the "
+                      "quantity, as {}.end.displacement.1",
+                      beam, beam, beam, beam, beam));
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+  }
+  return place;
+}
+
+// What `first` names; `rest` follows it.
+void find_thing(const Scene& scene, const std::string& first, std::string_view& rest,
+                RecordScene& record, const Fail& fail) {
   if (has_named(scene.joints, first) || has_named(scene.motions, first)) {
     record.joint = first;
   } else if (has_named(scene.bodies, first)) {
     record.at = Place{Place::Kind::body, first, 0.0};
   } else if (has_named(scene.beams, first)) {
-    Place place{Place::Kind::beam, first, 0.0};
-    if (rest.starts_with(".end")) {
-      place.parameter = 1.0;
-      rest.remove_prefix(4);
-    } else if (rest.starts_with(".start")) {
-      rest.remove_prefix(6);
-    } else {
-      const char* const from = rest.data() + (rest.starts_with('@') ? 1 : 0);
-      const auto [end, error] = std::from_chars(from, rest.data() + rest.size(), place.parameter,
-                                                std::chars_format::fixed);
-      if (!rest.starts_with('@') || error != std::errc() ||
-          !(place.parameter >= 0.0 && place.parameter <= 1.0))
-        throw fail(
-            fmt::format("\"{}\" is a beam; write {}.start, {}.end or {}@0.5 before the "
-                        "quantity, as {}.end.displacement.1",
-                        first, first, first, first, first));
-      rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
-    }
-    record.at = place;
+    record.at = place_on_beam(first, rest, fail);
   } else if (has_named(scene.springs, first) || has_named(scene.bushings, first) ||
              has_named(scene.joint_springs, first)) {
     record.spring = first;
@@ -192,6 +190,21 @@ SensorName find_sensor(const Scene& scene, const std::string& name, const std::s
     throw fail(fmt::format("there is no joint, body, beam or spring \"{}\"{}", excerpt(first),
                            suggest(first, known, "things with sensors")));
   }
+}
+
+}  // namespace
+
+SensorName find_sensor(const Scene& scene, const std::string& name, const std::string& who) {
+  const std::size_t cut = std::min(name.find_first_of(".@"), name.size());
+  const std::string first = name.substr(0, cut);
+  std::string_view rest = std::string_view(name).substr(cut);
+  const auto fail = [&](const std::string& what) -> Error {
+    return Error(fmt::format("{}: sensor \"{}\": {}", who, excerpt(name), what));
+  };
+  SensorName found;
+  RecordScene& record = found.record;
+  record.name = name;
+  find_thing(scene, first, rest, record, fail);
   if (rest.starts_with('.')) rest.remove_prefix(1);
   const std::size_t dot = std::min(rest.find('.'), rest.size());
   const std::string_view quantity = rest.substr(0, dot);
@@ -308,10 +321,81 @@ void ControlCompiler::refuse_held_motions() const {
   }
 }
 
+namespace {
+
+// One controller of a scene, whose parts are added to `made`.
+struct ControllerCompiler {
+  const Scene& all;
+  const System& system;
+  const ReadRecord& read;
+  const ControllerScene& scene;
+  SampledController& made;
+  std::map<std::string, int, std::less<>> own{};  // states
+
+  SampledController::Law law(const Expression& expression, const auto& part) const {
+    SampledController::Law result{expression, {}};
+    for (const std::string& name : expression.sensors()) {
+      if (const auto it = own.find(name); it != own.end()) {
+        result.readings.push_back({it->second, {}});
+        continue;
+      }
+      const std::string of = said(part.source, fmt::format("{}: {}", label(scene), label(part)));
+      const SensorName sensor = find_sensor(all, name, of);
+      result.readings.push_back({-1, [values = read(sensor), n = sensor.quantity->components,
+                                      i = sensor.component](const State& state) {
+                                   std::array<double, 3> numbers{};
+                                   values(state,
+                                          std::span(numbers).first(static_cast<std::size_t>(n)));
+                                   return numbers[static_cast<std::size_t>(i)];
+                                 }});
+    }
+    return result;
+  }
+
+  std::size_t input(const std::string& name) const {
+    const auto& inputs = system.inputs();
+    const auto it = std::find_if(inputs.begin(), inputs.end(),
+                                 [&](const InputInfo& info) { return info.name == name; });
+    if (it == inputs.end())
+      throw Error(scene.source, fmt::format("{}: \"{}\" is not among the scene's inputs; a "
+                                            "program that makes a scene adds an InputScene for "
+                                            "each output",
+                                            label(scene), name));
+    return static_cast<std::size_t>(it - inputs.begin());
+  }
+
+  void operator()(const ControlStateScene& x) const {
+    made.add(SampledController::Next{law(x.next, x), static_cast<std::size_t>(own.at(x.name))});
+  }
+
+  void operator()(const ControlOutputScene& x) const {
+    made.add(SampledController::Output{law(x.value, x), input(x.name), x.name});
+  }
+
+  void operator()(const PidScene& x) const {
+    const std::size_t first = made.add_state(x.start);
+    for (int i = 0; i < 3; ++i) made.add_state(0.0);
+    made.add(SampledController::Pid{law(x.error, x), input(x.name), first, x.name, x.proportional,
+                                    x.integral, x.derivative, x.filter, x.limits});
+  }
+
+  void operator()(const StateSpaceScene& x) const {
+    SampledController::Matrices matrices{{}, 0, {}, x.A, x.B, x.C, x.D, label(x)};
+    for (const Expression& w : x.inputs) matrices.w.push_back(law(w, x));
+    for (const std::string& name : x.outputs) matrices.inputs.push_back(input(name));
+    for (std::size_t i = 0; i < x.start.size(); ++i) {
+      const std::size_t place = made.add_state(x.start[i]);
+      if (i == 0) matrices.own = place;
+    }
+    made.add(std::move(matrices));
+  }
+};
+
+}  // namespace
+
 void ControlCompiler::add_controllers() {
   refuse_held_motions();
   for (const ControllerScene& scene : scene_.controllers) {
-    const std::string who = said(scene.source, label(scene));
     if (!scene_.transient)
       throw Error(scene.source, label(scene) +
                                     ": it samples a motion, and there is none; give a <transient>, "
@@ -323,68 +407,11 @@ void ControlCompiler::add_controllers() {
                               "{:g}; give a longer one",
                               label(scene), scene.period, instants, most_instants));
     auto made = std::make_unique<SampledController>(scene.name, scene.period);
-    std::map<std::string, int, std::less<>> own;
+    ControllerCompiler compiler{scene_, system_, read_, scene, *made};
     for (const ControlPart& part : scene.parts)
       if (const auto* const state = std::get_if<ControlStateScene>(&part))
-        own[state->name] = static_cast<int>(made->add_state(state->start));
-    const auto law = [&](const Expression& expression, const Source& source,
-                         const std::string& what) {
-      SampledController::Law result{expression, {}};
-      for (const std::string& name : expression.sensors()) {
-        if (const auto it = own.find(name); it != own.end()) {
-          result.readings.push_back({it->second, {}});
-          continue;
-        }
-        const std::string of = said(source, fmt::format("{}: {}", label(scene), what));
-        const SensorName sensor = find_sensor(scene_, name, of);
-        const auto read = read_(sensor);
-        result.readings.push_back(
-            {-1, [read, n = sensor.quantity->components, i = sensor.component](const State& state) {
-               std::array<double, 3> all{};
-               read(state, std::span(all).first(static_cast<std::size_t>(n)));
-               return all[static_cast<std::size_t>(i)];
-             }});
-      }
-      return result;
-    };
-    const auto input = [&](const std::string& name) {
-      const auto& all = system_.inputs();
-      const auto it = std::find_if(all.begin(), all.end(),
-                                   [&](const InputInfo& info) { return info.name == name; });
-      if (it == all.end())
-        throw Error(scene.source, fmt::format("{}: \"{}\" is not among the scene's inputs; a "
-                                              "program that makes a scene adds an InputScene for "
-                                              "each output",
-                                              label(scene), name));
-      return static_cast<std::size_t>(it - all.begin());
-    };
-    const field::Overloaded add{
-        [&](const ControlStateScene& x) {
-          made->add(SampledController::Next{law(x.next, x.source, label(x)),
-                                            static_cast<std::size_t>(own.at(x.name))});
-        },
-        [&](const ControlOutputScene& x) {
-          made->add(
-              SampledController::Output{law(x.value, x.source, label(x)), input(x.name), x.name});
-        },
-        [&](const PidScene& x) {
-          const std::size_t first = made->add_state(x.start);
-          for (int i = 0; i < 3; ++i) made->add_state(0.0);
-          made->add(SampledController::Pid{law(x.error, x.source, label(x)), input(x.name), first,
-                                           x.name, x.proportional, x.integral, x.derivative,
-                                           x.filter, x.limits});
-        },
-        [&](const StateSpaceScene& x) {
-          SampledController::Matrices all{{}, 0, {}, x.A, x.B, x.C, x.D, label(x)};
-          for (const Expression& w : x.inputs) all.w.push_back(law(w, x.source, label(x)));
-          for (const std::string& name : x.outputs) all.inputs.push_back(input(name));
-          for (std::size_t i = 0; i < x.start.size(); ++i) {
-            const std::size_t place = made->add_state(x.start[i]);
-            if (i == 0) all.own = place;
-          }
-          made->add(std::move(all));
-        }};
-    for (const ControlPart& part : scene.parts) std::visit(add, part);
+        compiler.own[state->name] = static_cast<int>(made->add_state(state->start));
+    for (const ControlPart& part : scene.parts) std::visit(compiler, part);
     system_.add_controller(std::move(made));
   }
 }

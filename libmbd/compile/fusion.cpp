@@ -34,14 +34,33 @@ std::size_t nearest_boundary(std::span<const double> boundaries, double s) {
 
 Fusion::Found Fusion::find(const Place& place) { return find(place, 0); }
 
+const ReferenceLine& Fusion::line_of(const BeamScene& beam) {
+  ReferenceLine& line = lines_[beam.name];
+  if (!line.at) line = make_reference_line(beam);
+  return line;
+}
+
+// A rigid group has the frame of its first, and the velocity of those of its bodies that have any.
+Fusion::Member Fusion::member_of(const RigidScene& rigid) {
+  Member one;
+  if (const auto first = bodies_.find(rigid.of.front()); first != bodies_.end())
+    one.pose = make_pose(first->second->orientation, first->second->at);
+  else if (const auto beam = lines_of_.find(rigid.of.front()); beam != lines_of_.end())
+    one.pose = line_of(*beam->second).at(0.0);
+  for (const std::string& name : rigid.of) {
+    const auto body = bodies_.find(name);
+    if (body == bodies_.end()) continue;
+    const BodyScene& b = *body->second;
+    if (b.velocity.isZero() && b.angular_velocity.isZero()) continue;
+    one.angular_velocity = b.orientation * b.angular_velocity;
+    one.velocity = b.velocity + one.angular_velocity.cross(one.pose.r - b.at);
+  }
+  return one;
+}
+
 Fusion::Found Fusion::find(const Place& place, int depth) {
   constexpr int deepest = 100;  // bodies attached to each other in a ring are refused later
   if (place.kind == Place::Kind::ground || depth > deepest) return {};
-  const auto line_of = [this](const BeamScene& beam) -> const ReferenceLine& {
-    ReferenceLine& line = lines_[beam.name];
-    if (!line.at) line = make_reference_line(beam);
-    return line;
-  };
   const auto member = [this](std::string name, const auto& make) {
     const auto [it, is_new] = members_.try_emplace(std::move(name), static_cast<int>(all_.size()));
     if (is_new) {
@@ -54,23 +73,6 @@ Fusion::Found Fusion::find(const Place& place, int depth) {
     return Member{make_pose(body.orientation, body.at), body.velocity,
                   body.orientation * body.angular_velocity};  // which is given in body axes
   };
-  // A rigid group has the frame of its first, and the velocity of those of its bodies that have any.
-  const auto of_rigid = [&](const RigidScene& rigid) {
-    Member one;
-    if (const auto first = bodies_.find(rigid.of.front()); first != bodies_.end())
-      one.pose = make_pose(first->second->orientation, first->second->at);
-    else if (const auto beam = lines_of_.find(rigid.of.front()); beam != lines_of_.end())
-      one.pose = line_of(*beam->second).at(0.0);
-    for (const std::string& name : rigid.of) {
-      const auto body = bodies_.find(name);
-      if (body == bodies_.end()) continue;
-      const BodyScene& b = *body->second;
-      if (b.velocity.isZero() && b.angular_velocity.isZero()) continue;
-      one.angular_velocity = b.orientation * b.angular_velocity;
-      one.velocity = b.velocity + one.angular_velocity.cross(one.pose.r - b.at);
-    }
-    return one;
-  };
   const auto rigid = rigid_of_.find(place.name);
   if (place.kind == Place::Kind::body) {
     const auto it = bodies_.find(place.name);
@@ -79,14 +81,14 @@ Fusion::Found Fusion::find(const Place& place, int depth) {
     if (body.attached_to) return find(*body.attached_to, depth + 1);
     const Pose<double> pose = make_pose(body.orientation, body.at);
     if (rigid != rigid_of_.end())
-      return {member(key('r', rigid->second->name), [&] { return of_rigid(*rigid->second); }), pose,
-              false};
+      return {member(key('r', rigid->second->name), [&] { return member_of(*rigid->second); }),
+              pose, false};
     return {member(key('b', body.name), [&] { return of_body(body); }), pose, false};
   }
   const auto scene = lines_of_.find(place.name);
   if (scene == lines_of_.end()) return {};
   if (rigid != rigid_of_.end())
-    return {member(key('r', rigid->second->name), [&] { return of_rigid(*rigid->second); }),
+    return {member(key('r', rigid->second->name), [&] { return member_of(*rigid->second); }),
             line_of(*scene->second).at(place.parameter), true, line_of(*scene->second).length};
   const auto it = beams_.find(place.name);
   if (it == beams_.end()) return {};
@@ -105,6 +107,21 @@ void Fusion::index(std::span<const Beam> beams) {
   for (const Beam& beam : beams) beams_.try_emplace(beam.beam->name, &beam);
 }
 
+namespace {
+
+// Joints of which more is said than that they hold.
+std::unordered_set<std::string_view> joints_in_use(const Scene& scene) {
+  std::unordered_set<std::string_view> used;
+  for (const RecordScene& record : scene.records)
+    if (record.joint) used.insert(*record.joint);
+  for (const DriveScene& drive : scene.drives) used.insert(drive.joint);
+  for (const JointSpringScene& spring : scene.joint_springs) used.insert(spring.joint);
+  for (const JointTorqueScene& torque : scene.joint_torques) used.insert(torque.joint);
+  return used;
+}
+
+}  // namespace
+
 Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) {
   fused_.assign(scene.joints.size(), 0);
   if (scene.transient && scene.transient->inertia != InertiaTerms::full) return;
@@ -112,12 +129,7 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
   if (std::none_of(scene.joints.begin(), scene.joints.end(), is_fixed)) return;
   index(beams);
 
-  std::unordered_set<std::string_view> asked;  // of which more is said than that they hold
-  for (const RecordScene& record : scene.records)
-    if (record.joint) asked.insert(*record.joint);
-  for (const DriveScene& drive : scene.drives) asked.insert(drive.joint);
-  for (const JointSpringScene& spring : scene.joint_springs) asked.insert(spring.joint);
-  for (const JointTorqueScene& torque : scene.joint_torques) asked.insert(torque.joint);
+  const std::unordered_set<std::string_view> used = joints_in_use(scene);
 
   std::vector<int> refused;                   // members of groups that stay apart
   std::vector<std::pair<int, int>> together;  // what acts between two members
@@ -131,8 +143,7 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
       return end.is_point &&
              !((end.pose.r - point).norm() <= same_point * std::max(A.size, B.size));
     };
-    if (!is_fixed(j) || asked.contains(j.name) || A.member == B.member || is_open(A) ||
-        is_open(B)) {
+    if (!is_fixed(j) || used.contains(j.name) || A.member == B.member || is_open(A) || is_open(B)) {
       together.emplace_back(A.member, B.member);
       continue;
     }
@@ -151,8 +162,13 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
   for (const auto& [a, b] : together)
     if (joined_.root(a) == joined_.root(b)) refused.push_back(a);
 
-  const auto count = static_cast<int>(all_.size());
-  for (int m = 0; m < count; ++m) {
+  refuse_other_velocities(refused);
+  number_groups(refused, of_joint);
+}
+
+// Members that would not move as their group does.
+void Fusion::refuse_other_velocities(std::vector<int>& refused) {
+  for (int m = 0; m < static_cast<int>(all_.size()); ++m) {
     const Member &one = all_[static_cast<std::size_t>(m)],
                  &first = all_[static_cast<std::size_t>(joined_.root(m))];
     const Vec3 turning = first.angular_velocity.cross(one.pose.r - first.pose.r);
@@ -163,7 +179,9 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
         !((one.angular_velocity - first.angular_velocity).norm() <= same_velocity * spin))
       refused.push_back(m);
   }
+}
 
+void Fusion::number_groups(const std::vector<int>& refused, const std::vector<int>& of_joint) {
   std::vector<char> apart(all_.size(), 0), has_joint(all_.size(), 0);
   for (const int m : refused) apart[static_cast<std::size_t>(joined_.root(m))] = 1;
   for (std::size_t i = 0; i < of_joint.size(); ++i) {
@@ -174,7 +192,7 @@ Fusion::Fusion(const Scene& scene, std::span<const Beam> beams) : scene_(scene) 
     has_joint[r] = 1;
   }
   group_.assign(all_.size(), -1);
-  for (int m = 0; m < count; ++m) {
+  for (int m = 0; m < static_cast<int>(all_.size()); ++m) {
     const int r = joined_.root(m);
     if (has_joint[static_cast<std::size_t>(r)] == 0) continue;
     int& group = group_[static_cast<std::size_t>(r)];  // the root comes first
@@ -187,10 +205,12 @@ int Fusion::group_of_body(const std::string& body) const {
   const auto it = members_.find(key('b', body));
   return it == members_.end() || group_.empty() ? -1 : group_[static_cast<std::size_t>(it->second)];
 }
+
 int Fusion::group_of_rigid(const std::string& rigid) const {
   const auto it = members_.find(key('r', rigid));
   return it == members_.end() || group_.empty() ? -1 : group_[static_cast<std::size_t>(it->second)];
 }
+
 int Fusion::group_of_boundary(const std::string& beam, std::size_t boundary) const {
   const auto it = members_.find(key(beam, boundary));
   return it == members_.end() || group_.empty() ? -1 : group_[static_cast<std::size_t>(it->second)];

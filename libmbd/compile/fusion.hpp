@@ -58,7 +58,12 @@ class Fusion {
 
   Found find(const Place& place);
   Found find(const Place& place, int depth);
+  const ReferenceLine& line_of(const BeamScene& beam);
+  Member member_of(const RigidScene& rigid);
   void index(std::span<const Beam> beams);
+  // `refused`: members of groups that stay apart; `of_joint`: a member of the group of each joint, or -1.
+  void refuse_other_velocities(std::vector<int>& refused);
+  void number_groups(const std::vector<int>& refused, const std::vector<int>& of_joint);
 
   const Scene& scene_;
   std::unordered_map<std::string_view, const BodyScene*> bodies_;

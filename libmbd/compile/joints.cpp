@@ -126,56 +126,55 @@ Vec3 JointCompiler::own_point(const Place& place, const Attachment& at, const Jo
   return at.pose.r;
 }
 
-void JointCompiler::add_joint(const JointScene& j) {
+// A joint of a thing to itself: within a rigid part it is left out, and else an error.
+void JointCompiler::leave_out(const JointScene& j, const Attachment& A) {
   const std::string who = label(j);
-  const schema::JointKind* kind = schema::find_joint_kind(j.kind);
-  const joint::Traits& traits = kind->traits;
-  const bool two_points = traits.points == joint::Points::two;
-  const Attachment A = find_(j.a, j.source, who), B = find_(j.b, j.source, who);
-  if (A.node == B.node && A.rigid != nullptr) {
-    // It keeps what it joins from moving apart, which nothing can.
-    readings_[j.name].why_none = fmt::format(
-        "lies within {}, which transmits no forces that could be told apart", label(*A.rigid));
-    for (const DriveScene& d : scene_.drives)
-      if (d.joint == j.name)
-        throw Error(d.source, fmt::format("drive: {} lies within {}, where nothing moves; leave "
-                                          "the drive out",
-                                          who, label(*A.rigid)));
-    return;
-  }
-  if (A.node == B.node)
+  if (A.rigid == nullptr)
     throw Error(j.source,
                 fmt::format("{}: it joins a thing to itself{}; give two places that move apart",
                             who, A.node == 0 ? ", the ground" : ""));
-  check_axes(j.axis, j.second_axis, j.source, who);
-  if (j.parameter && !(std::abs(*j.parameter) > 0.0))
-    throw Error(j.source, fmt::format("{}: the {} is zero; give another, or a revolute joint", who,
-                                      traits.parameter.name));
+  // It keeps what it joins from moving apart, which nothing can.
+  readings_[j.name].why_none = fmt::format(
+      "lies within {}, which transmits no forces that could be told apart", label(*A.rigid));
+  for (const DriveScene& d : scene_.drives)
+    if (d.joint == j.name)
+      throw Error(d.source, fmt::format("drive: {} lies within {}, where nothing moves; leave "
+                                        "the drive out",
+                                        who, label(*A.rigid)));
+}
 
-  // A beam is joined at its node, but by an arm; ground and bodies anywhere.
-  Vec3 point_a, point_b;
-  if (two_points) {
-    point_a = j.at_a ? *j.at_a : own_point(j.a, A, j, "at_a");
-    point_b = j.at_b ? *j.at_b : own_point(j.b, B, j, "at_b");
-  } else if (j.at) {
-    point_a = point_b = *j.at;
-  } else {
-    const bool at_b = traits.points == joint::Points::one_away
-                          ? B.node != 0
-                          : B.is_point || (!A.is_point && B.node != 0);
-    point_a = point_b = (at_b ? B : A).pose.r;
-  }
+// In the joint, of A and of B. A beam is joined at its node, but by an arm; ground and bodies anywhere.
+std::array<Vec3, 2> JointCompiler::points_of(const JointScene& j, const joint::Traits& traits,
+                                             const Attachment& A, const Attachment& B) const {
+  if (traits.points == joint::Points::two)
+    return {j.at_a ? *j.at_a : own_point(j.a, A, j, "at_a"),
+            j.at_b ? *j.at_b : own_point(j.b, B, j, "at_b")};
+  if (j.at) return {*j.at, *j.at};
+  const bool at_b = traits.points == joint::Points::one_away
+                        ? B.node != 0
+                        : B.is_point || (!A.is_point && B.node != 0);
+  const Vec3 point = (at_b ? B : A).pose.r;
+  return {point, point};
+}
+
+void JointCompiler::check_closed(const JointScene& j, const Attachment& end,
+                                 const Vec3& point) const {
+  if (!end.is_point) return;
+  const double gap = (end.pose.r - point).norm();
+  if (!(gap <= open_tolerance * length_))
+    throw Error(j.source, fmt::format("{}: it is open: {} is {:.6g} m from the joint's point "
+                                      "({:.9g}, {:.9g}, {:.9g}); mend the "
+                                      "geometry or leave out at=",
+                                      label(j), system_.node_name(end.node), gap, point(0),
+                                      point(1), point(2)));
+}
+
+joint::Definition JointCompiler::definition_of(const JointScene& j, const joint::Traits& traits,
+                                               const Attachment& A, const Attachment& B) const {
+  const auto [point_a, point_b] = points_of(j, traits, A, B);
   if (traits.points != joint::Points::one_away) {
-    for (const auto& [end, point] : {std::pair{A, point_a}, std::pair{B, point_b}}) {
-      if (!end.is_point) continue;
-      const double gap = (end.pose.r - point).norm();
-      if (!(gap <= open_tolerance * length_))
-        throw Error(j.source, fmt::format("{}: it is open: {} is {:.6g} m from the joint's point "
-                                          "({:.9g}, {:.9g}, {:.9g}); mend the "
-                                          "geometry or leave out at=",
-                                          who, system_.node_name(end.node), gap, point(0), point(1),
-                                          point(2)));
-    }
+    check_closed(j, A, point_a);
+    check_closed(j, B, point_b);
   }
   const Mat3 R = j.axis ? frame_with_third(*j.axis, j.second_axis) : Mat3(Mat3::Identity());
   joint::Definition f;
@@ -184,15 +183,27 @@ void JointCompiler::add_joint(const JointScene& j) {
   f.P = A.node;
   f.Q = B.node;
   if (j.parameter) f.parameter = *j.parameter;
-  if (two_points) {
+  if (traits.points == joint::Points::two) {
     f.parameter = (point_b - point_a).norm();
     if (!(f.parameter > open_tolerance * length_))
       throw Error(j.source,
                   fmt::format("{}: its two points are the same; a distance needs a length "
                               "(at_a, at_b), a spherical joint holds points together",
-                              who));
+                              label(j)));
   }
+  return f;
+}
 
+void JointCompiler::add_joint(const JointScene& j) {
+  const std::string who = label(j);
+  const joint::Traits& traits = schema::find_joint_kind(j.kind)->traits;
+  const Attachment A = find_(j.a, j.source, who), B = find_(j.b, j.source, who);
+  if (A.node == B.node) return leave_out(j, A);
+  check_axes(j.axis, j.second_axis, j.source, who);
+  if (j.parameter && !(std::abs(*j.parameter) > 0.0))
+    throw Error(j.source, fmt::format("{}: the {} is zero; give another, or a revolute joint", who,
+                                      traits.parameter.name));
+  const joint::Definition f = definition_of(j, traits, A, B);
   const auto [batch, i, followed] =
       add(j.kind, fmt::format("{} '{}'", j.kind, j.name), who, j.source, f);
   definitions_[j.name] = f;
@@ -206,18 +217,23 @@ void JointCompiler::add_joint(const JointScene& j) {
   if (traits.displacement) reading.displacement = bind(&joint::AnyJointBatch::displacement);
   reading.relative_velocity = bind(&joint::AnyJointBatch::relative_velocity);
   reading.reaction = bind(&joint::AnyJointBatch::reaction);
+  add_drives(j, f, 6 - batch->rows().size());
+}
 
-  std::size_t free = 6 - batch->rows().size();
+// `free`: how many motions the joint leaves.
+void JointCompiler::add_drives(const JointScene& j, const joint::Definition& definition,
+                               std::size_t free) {
   const DriveScene* previous = nullptr;
   for (const DriveScene& d : scene_.drives) {
     if (d.joint != j.name) continue;
     const auto is_turning = [](const DriveScene& x) { return x.rate || x.angle; };
     if (previous != nullptr && (free == 0 || is_turning(d) == is_turning(*previous)))
-      throw Error(d.source, fmt::format("drive: {} is driven twice{}; leave one drive out", who,
-                                        previous->source.line > 0
-                                            ? fmt::format(" (line {})", previous->source.line)
-                                            : ""));
-    add_drive(d, j, f);
+      throw Error(
+          d.source,
+          fmt::format(
+              "drive: {} is driven twice{}; leave one drive out", label(j),
+              previous->source.line > 0 ? fmt::format(" (line {})", previous->source.line) : ""));
+    add_drive(d, j, definition);
     previous = &d;
     --free;
   }
@@ -303,11 +319,8 @@ int JointCompiler::add_law(const Expression& law, bool is_rate, const Source& so
                                excerpt(law.text())))));
 }
 
-// The node's pose is the reference moved by d(t) and turned by exp(theta(t)), both in inertial axes; only
-// what is given is held. Frames a and b have inertial axes, or e3 along the axis of turning.
-void JointCompiler::add_motion(const MotionScene& m) {
+void check_motion(const MotionScene& m, const Attachment& at) {
   const std::string who = label(m);
-  const Attachment at = find_(m.of, m.source, who);
   if (at.node == 0)
     throw Error(m.source, fmt::format("{}: the ground does not move; give a beam or a body", who));
   if (m.displacement && m.velocity)
@@ -323,33 +336,39 @@ void JointCompiler::add_motion(const MotionScene& m) {
                                       turns ? "an angle or a rate needs an axis; give one"
                                             : "an axis needs an angle or a rate; or leave it out"));
   check_direction(m.axis, "axis", m.source, who);
-  const auto* const translation = m.displacement ? &*m.displacement
-                                  : m.velocity   ? &*m.velocity
-                                                 : nullptr;
-  if (translation == nullptr && !m.rotation && !turns)
+  if (!m.displacement && !m.velocity && !m.rotation && !turns)
     throw Error(m.source,
                 fmt::format("{}: it prescribes nothing; give a displacement, a velocity, a "
                             "rotation, or an axis and an angle or a rate",
                             who));
+}
 
-  const Vec3 point = at.pose.r;
-  const auto prescribe = [&](std::string_view type, const Mat3& R, std::array<int, 3> signals) {
-    const Pose<double> H = make_pose(R, point);
-    joint::Definition f;
-    f.a = H;
-    f.b = relative(reference(at.node), H);
-    f.Q = at.node;
-    f.signals = signals;
-    const auto [batch, i, followed] =
-        add(type, fmt::format("motion '{}'", m.name), who, m.source, f);
-    Reading& reading = readings_[m.name];
-    reading.what = label(m);
-    reading.reaction = [b = batch, n = i, R, before = reading.reaction](const State& s) {
-      const Vec6 r = b->reaction(s, n);
-      const Vec6 f_i = six<double>(R * Vec3(linear(r)), R * Vec3(angular(r)));
-      return before ? Vec6(before(s) + f_i) : f_i;
-    };
+// Adds one joint of the motion to the ground, whose signals are along R.
+void JointCompiler::prescribe(const MotionScene& m, int node, std::string_view type, const Mat3& R,
+                              const Vec3& point, std::array<int, 3> signals) {
+  const Pose<double> H = make_pose(R, point);
+  joint::Definition f;
+  f.a = H;
+  f.b = relative(reference(node), H);
+  f.Q = node;
+  f.signals = signals;
+  const auto [batch, i, followed] =
+      add(type, fmt::format("motion '{}'", m.name), label(m), m.source, f);
+  Reading& reading = readings_[m.name];
+  reading.what = label(m);
+  reading.reaction = [b = batch, n = i, R, before = reading.reaction](const State& s) {
+    const Vec6 r = b->reaction(s, n);
+    const Vec6 f_i = six<double>(R * Vec3(linear(r)), R * Vec3(angular(r)));
+    return before ? Vec6(before(s) + f_i) : f_i;
   };
+};
+
+// The node's pose is the reference moved by d(t) and turned by exp(theta(t)), both in inertial axes; only
+// what is given is held. Frames a and b have inertial axes, or e3 along the axis of turning.
+void JointCompiler::add_motion(const MotionScene& m) {
+  const std::string who = label(m);
+  const Attachment at = find_(m.of, m.source, who);
+  check_motion(m, at);
   const auto laws = [&](const std::array<Expression, 3>& components, bool is_rate,
                         std::string_view what) {
     std::array<int, 3> signals{};
@@ -357,14 +376,17 @@ void JointCompiler::add_motion(const MotionScene& m) {
       signals[i] = add_law(components[i], is_rate, m.source, who, what);
     return signals;
   };
-  if (translation != nullptr)
-    prescribe(joint::PrescribedTranslation::name, Mat3::Identity(),
-              laws(*translation, m.velocity.has_value(), "displacement"));
+  const auto hold = [&](std::string_view type, const Mat3& R, const std::array<int, 3>& signals) {
+    prescribe(m, at.node, type, R, at.pose.r, signals);
+  };
+  if (m.displacement || m.velocity)
+    hold(joint::PrescribedTranslation::name, Mat3::Identity(),
+         laws(m.displacement ? *m.displacement : *m.velocity, m.velocity.has_value(),
+              "displacement"));
   if (m.rotation)
-    prescribe(joint::PrescribedRotation::name, Mat3::Identity(),
-              laws(*m.rotation, false, "rotation"));
-  if (turns)
-    prescribe(
+    hold(joint::PrescribedRotation::name, Mat3::Identity(), laws(*m.rotation, false, "rotation"));
+  if (m.angle || m.rate)
+    hold(
         joint::PrescribedRotation::name, frame_with_third(*m.axis),
         {-1, -1, add_law(m.rate ? *m.rate : *m.angle, m.rate.has_value(), m.source, who, "angle")});
 }

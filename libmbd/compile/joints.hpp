@@ -70,9 +70,18 @@ class JointCompiler {
   Added add(std::string_view type, const std::string& name, const std::string& label,
             const Source& source, joint::Definition definition);
   void add_joint(const JointScene& joint);
+  void leave_out(const JointScene& joint, const Attachment& A);
+  joint::Definition definition_of(const JointScene& joint, const joint::Traits& traits,
+                                  const Attachment& A, const Attachment& B) const;
+  std::array<Vec3, 2> points_of(const JointScene& joint, const joint::Traits& traits,
+                                const Attachment& A, const Attachment& B) const;
+  void check_closed(const JointScene& joint, const Attachment& end, const Vec3& point) const;
+  void add_drives(const JointScene& joint, const joint::Definition& definition, std::size_t free);
   void add_drive(const DriveScene& drive, const JointScene& joint,
                  const joint::Definition& definition);
   void add_motion(const MotionScene& motion);
+  void prescribe(const MotionScene& motion, int node, std::string_view type, const Mat3& R,
+                 const Vec3& point, std::array<int, 3> signals);
   int add_law(const Expression& law, bool is_rate, const Source& source, const std::string& who,
               std::string_view what);
   Vec3 own_point(const Place& place, const Attachment& at, const JointScene& joint,

@@ -111,6 +111,122 @@ void Loads::add(const LoadScene& load) {
       1.0, offset, node);
 }
 
+// One distributed load.
+class Loads::Distribution {
+ public:
+  // Throws Error where the load cannot be evaluated.
+  Distribution(Loads& loads, const DistributedLoadScene& load) : loads_(loads), load_(load) {
+    for (Row& row : rows_)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (row.fields && !(*row.fields)[i].varies())
+          row.everywhere[i] = signal_at(row, i, load.from);
+  }
+
+  // Where two elements meet, the load's signals and kernel are needed once.
+  void act_on(std::span<const BeamNode> nodes) {
+    const int node = nodes.front().node;
+    const bool rigid = std::all_of(nodes.begin(), nodes.end(),
+                                   [&](const BeamNode& here) { return here.node == node; });
+    Sums dead, follower;
+    for (const BeamNode& here : nodes_between(nodes, load_.from, load_.to)) {
+      const load::Signals followers = is_unturned(here.frame) ? at(2, here.s) : turned(here);
+      if (rigid) {
+        add_to(dead, at(0, here.s), here);
+        add_to(follower, followers, here);
+      } else {
+        loads_.add_dead(at(0, here.s), here.weight, here.frame.r, here.node);
+        loads_.add_follower(followers, here.weight, here.frame.r, here.node);
+      }
+    }
+    for (const auto& [signals, sum] : dead)
+      loads_.add_dead(signals, sum.weight, sum.moment / sum.weight, node);
+    for (const auto& [signals, sum] : follower)
+      loads_.add_follower(signals, sum.weight, sum.moment / sum.weight, node);
+  }
+
+ private:
+  using Fields = std::optional<std::array<FieldExpression, 3>>;
+  struct Row {
+    std::string_view name;
+    const Fields& fields;
+    std::array<int, 3> everywhere{-1, -1,
+                                  -1};  // an expression without s is one signal for all nodes
+  };
+
+  // Of a rigid beam: all points with the same signals are one load at their centre.
+  struct Sum {
+    double weight = 0.0;
+    Vec3 moment = Vec3::Zero();  // sum of weight x offset [m2]
+  };
+  using Sums = std::map<load::Signals, Sum>;
+
+  static void add_to(Sums& sums, const load::Signals& signals, const BeamNode& here) {
+    Sum& sum = sums[signals];
+    sum.weight += here.weight;
+    sum.moment += here.weight * here.frame.r;
+  }
+
+  std::string said_of(const Row& row) const {
+    return fmt::format("{} on {}: {}", label(load_), load_.beam, row.name);
+  }
+
+  int signal_at(const Row& row, std::size_t i, double s) {
+    const FieldExpression& field = (*row.fields)[i];
+    try {
+      std::string name = said(load_.source, fmt::format("{} {}", said_of(row), i + 1));
+      if (field.varies()) name += fmt::format(" at s = {:.6g}", s);
+      return loads_.signal(field.at(s), name);
+    } catch (const Stopped&) {
+      throw;
+    } catch (const Error& e) {
+      throw Error(load_.source, fmt::format("{}, at s = {:.6g}: {}", label(load_), s, e.what()));
+    }
+  }
+
+  // Force and moment at s: of two rows, in the axes in which they are given.
+  load::Signals at(std::size_t force, double s) {
+    load::Signals result{-1, -1, -1, -1, -1, -1};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const Row& row = rows_[force + k / 3];
+      const std::size_t i = k % 3;
+      if (!row.fields) continue;
+      result[k] = (*row.fields)[i].varies() ? signal_at(row, i, s) : row.everywhere[i];
+    }
+    return result;
+  }
+
+  // Those that follow, of the axes of a node that are not the section's: three laws at a time.
+  load::Signals turned(const BeamNode& here) {
+    const bool varies = std::any_of(rows_.begin() + 2, rows_.end(), [](const Row& row) {
+      return row.fields && std::any_of(row.fields->begin(), row.fields->end(),
+                                       [](const FieldExpression& f) { return f.varies(); });
+    });
+    if (last_ && !varies && last_->first.coeffs() == here.frame.p.coeffs()) return last_->second;
+    load::Signals result{-1, -1, -1, -1, -1, -1};
+    for (std::size_t r = 0; r < 2; ++r) {
+      const Row& row = rows_[2 + r];
+      if (!row.fields) continue;
+      const auto law = [&](std::size_t i) { return (*row.fields)[i].at(here.s); };
+      const auto laws = turned_law({law(0), law(1), law(2)}, here.frame.R());
+      for (std::size_t i = 0; i < 3; ++i)
+        result[3 * r + i] = loads_.signal(
+            laws[i],
+            said(load_.source,
+                 fmt::format("{}, component {} in the axes of {} at s = {:.6g}", said_of(row),
+                             i + 1, loads_.system_.node_name(here.node), here.s)));
+    }
+    last_ = {here.frame.p, result};
+    return result;
+  }
+
+  Loads& loads_;
+  const DistributedLoadScene& load_;
+  std::array<Row, 4> rows_{Row{"force", load_.force}, Row{"moment", load_.moment},
+                           Row{"follower_force", load_.follower_force},
+                           Row{"follower_moment", load_.follower_moment}};
+  std::optional<std::pair<Quaternion<double>, load::Signals>> last_;  // turned, and by what
+};
+
 void Loads::add(const DistributedLoadScene& load) {
   const std::string who = label(load);
   const std::span<const BeamNode> nodes = nodes_.along(load.beam, load.source, who);
@@ -119,93 +235,7 @@ void Loads::add(const DistributedLoadScene& load) {
                 fmt::format("{}: from={:g} and to={:g} must be fractions of the beam's length, "
                             "0 <= from < to <= 1",
                             who, load.from, load.to));
-  // An expression without s is one signal for all nodes.
-  using Fields = std::optional<std::array<FieldExpression, 3>>;
-  struct Row {
-    std::string_view name;
-    const Fields& fields;
-    std::array<int, 3> everywhere{-1, -1, -1};
-  };
-  std::array<Row, 4> rows{Row{"force", load.force}, Row{"moment", load.moment},
-                          Row{"follower_force", load.follower_force},
-                          Row{"follower_moment", load.follower_moment}};
-  const auto signal_at = [&](const Row& row, std::size_t i, double s) {
-    const FieldExpression& field = (*row.fields)[i];
-    try {
-      std::string name =
-          said(load.source, fmt::format("{} on {}: {} {}", who, load.beam, row.name, i + 1));
-      if (field.varies()) name += fmt::format(" at s = {:.6g}", s);
-      return signal(field.at(s), name);
-    } catch (const Stopped&) {
-      throw;
-    } catch (const Error& e) {
-      throw Error(load.source, fmt::format("{}, at s = {:.6g}: {}", who, s, e.what()));
-    }
-  };
-  for (Row& row : rows)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (row.fields && !(*row.fields)[i].varies())
-        row.everywhere[i] = signal_at(row, i, load.from);
-
-  // Of the axes of a node that are not the section's: three laws at a time.
-  std::optional<std::pair<Quaternion<double>, load::Signals>> last;
-  const auto turned = [&](const BeamNode& here) {
-    const bool varies = std::any_of(rows.begin() + 2, rows.end(), [](const Row& row) {
-      return row.fields && std::any_of(row.fields->begin(), row.fields->end(),
-                                       [](const FieldExpression& f) { return f.varies(); });
-    });
-    if (last && !varies && last->first.coeffs() == here.frame.p.coeffs()) return last->second;
-    load::Signals result{-1, -1, -1, -1, -1, -1};
-    for (std::size_t r = 0; r < 2; ++r) {
-      const Row& row = rows[2 + r];
-      if (!row.fields) continue;
-      const auto law = [&](std::size_t i) { return (*row.fields)[i].at(here.s); };
-      const auto laws = turned_law({law(0), law(1), law(2)}, here.frame.R());
-      for (std::size_t i = 0; i < 3; ++i)
-        result[3 * r + i] =
-            signal(laws[i], said(load.source, fmt::format("{} on {}: {}, component {} in the "
-                                                          "axes of {} at s = {:.6g}",
-                                                          who, load.beam, row.name, i + 1,
-                                                          system_.node_name(here.node), here.s)));
-    }
-    last = {here.frame.p, result};
-    return result;
-  };
-  const auto at = [&](std::size_t force, double s) {
-    load::Signals result{-1, -1, -1, -1, -1, -1};
-    for (std::size_t k = 0; k < 6; ++k) {
-      const Row& row = rows[force + k / 3];
-      const std::size_t i = k % 3;
-      if (!row.fields) continue;
-      result[k] = (*row.fields)[i].varies() ? signal_at(row, i, s) : row.everywhere[i];
-    }
-    return result;
-  };
-  const bool rigid = std::all_of(nodes.begin(), nodes.end(), [&](const BeamNode& here) {
-    return here.node == nodes.front().node;
-  });
-  Sums dead, follower;
-  const auto add_to = [](Sums& sums, const load::Signals& signals, const BeamNode& here) {
-    Sum& sum = sums[signals];
-    sum.weight += here.weight;
-    sum.moment += here.weight * here.frame.r;
-  };
-  // Where two elements meet, the load's signals and kernel are needed once.
-  for (const BeamNode& here : nodes_between(nodes, load.from, load.to)) {
-    const load::Signals followers = is_unturned(here.frame) ? at(2, here.s) : turned(here);
-    if (rigid) {
-      add_to(dead, at(0, here.s), here);
-      add_to(follower, followers, here);
-    } else {
-      add_dead(at(0, here.s), here.weight, here.frame.r, here.node);
-      add_follower(followers, here.weight, here.frame.r, here.node);
-    }
-  }
-  const int node = nodes.front().node;
-  for (const auto& [signals, sum] : dead)
-    add_dead(signals, sum.weight, sum.moment / sum.weight, node);
-  for (const auto& [signals, sum] : follower)
-    add_follower(signals, sum.weight, sum.moment / sum.weight, node);
+  Distribution(*this, load).act_on(nodes);
 }
 
 void Loads::finish() {

@@ -43,12 +43,7 @@ class Loads {
   int signal(const Expression& e, const std::string& name);
   void add_dead(const load::Signals& signals, double weight, const Vec3& offset, int node);
   void add_follower(const load::Signals& signals, double weight, const Vec3& offset, int node);
-  // Of a rigid beam: all points with the same signals are one load at their centre.
-  struct Sum {
-    double weight = 0.0;
-    Vec3 moment = Vec3::Zero();  // sum of weight x offset [m2]
-  };
-  using Sums = std::map<load::Signals, Sum>;
+  class Distribution;
 
   const Nodes& nodes_;
   System& system_;

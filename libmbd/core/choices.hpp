@@ -57,6 +57,26 @@ enum class Mesh { equal, stations };
 // What of a quantity is expected: its value at one time, an extreme, or its value at a special point of a path.
 enum class ExpectedOf { value_at, minimum, maximum, limit, bifurcation, mark };
 
+// What kind of thing went wrong, for programs that act on it: of mbd::Error, of steps and of runs that ended. Messages say it to
+// people, with names and remedies.
+enum class Failure {
+  none,
+  request,  // what a program or a command asked for: a setting, a size, a name, a file that is not there
+  model,    // what the model says
+  plug_in,  // a shared object that is no plug-in, or one whose force throws or gives no numbers
+  file,     // could not be written, or not read
+  order,    // step() before start(), or with a state of another time
+  inconsistent,  // the state breaks its constraints
+  law,           // a law, an input or a controller cannot be used at that time, or jumps
+  range,         // out of what an element or a force is defined for, or numbers that are none
+  singular,      // the equations do not determine the motion
+  convergence,   // Newton's iterations do not come to their end, also in shorter steps
+  step_size,     // steps have become as short as round-off of times
+  end,           // of the time that adaptive steps were made for, or stop_at()
+  stopped,       // asked to
+  memory
+};
+
 // The words of an enum, separated by blanks.
 template <class Enum>
 inline constexpr std::string_view words_of = {};
@@ -88,6 +108,10 @@ template <>
 inline constexpr std::string_view words_of<Interpolation> = "linear smooth";
 template <>
 inline constexpr std::string_view words_of<Mesh> = "equal stations";
+template <>
+inline constexpr std::string_view words_of<Failure> =
+    "none request model plug_in file order inconsistent law range singular convergence step_size "
+    "end stopped memory";
 template <>
 inline constexpr std::string_view words_of<ExpectedOf> =
     "value minimum maximum limit bifurcation mark";

@@ -97,6 +97,16 @@ Taylor<S> apply(Opcode op, const Taylor<S>& x) {
     case Opcode::sqrt:
       return sqrt(x);
     default:
+    case Opcode::opposite:
+      return {S(1) - x.v, x.d, x.dd};
+    case Opcode::abs:
+      return x.v < S(0) ? -x : x;
+    case Opcode::floor:
+      return {std::floor(x.v), S(0), S(0)};
+    case Opcode::ceil:
+      return {std::ceil(x.v), S(0), S(0)};
+    case Opcode::round:
+      return {std::round(x.v), S(0), S(0)};
       return {std::numeric_limits<S>::quiet_NaN(), S(0), S(0)};
   }
 }
@@ -116,24 +126,27 @@ Taylor<S> apply(Opcode op, const Taylor<S>& x, const Taylor<S>& y) {
       return pow(x, y);
     case Opcode::atan2:
       return atan2(x, y);
+    case Opcode::both:
+      return {x.v * y.v, x.d, x.dd};
+    case Opcode::either:
+      return {std::max(x.v, y.v), x.d, x.dd};
+    case Opcode::less:
+      return {x.v < y.v ? S(1) : S(0), S(0), S(0)};
+    case Opcode::less_equal:
+      return {x.v <= y.v ? S(1) : S(0), S(0), S(0)};
+    case Opcode::equal:
+      return {x.v == y.v ? S(1) : S(0), S(0), S(0)};
+    case Opcode::min:
+      return !(x.v <= y.v) || std::isnan(y.v) ? y : x;
+    case Opcode::max:
+      return !(x.v >= y.v) || std::isnan(y.v) ? y : x;
     default:
       return {std::numeric_limits<S>::quiet_NaN(), S(0), S(0)};
   }
 }
 
 double fold(Opcode op, double x) {
-  switch (op) {
-    case Opcode::abs:
-      return std::abs(x);
-    case Opcode::floor:
-      return std::floor(x);
-    case Opcode::ceil:
-      return std::ceil(x);
-    case Opcode::round:
-      return std::round(x);
-    default:
-      return apply(op, Taylor2{x, 0.0, 0.0}).v;
-  }
+  return op == Opcode::abs ? std::abs(x) : apply(op, Taylor2{x, 0.0, 0.0}).v;
 }
 
 double fold(Opcode op, double x, double y) {
@@ -1251,46 +1264,61 @@ double Expression::derivative(std::size_t sensor, double t, Side side,
   return run(t, side, inputs, sensors, {.time = 0.0, .sensor = sensor}).d;
 }
 
+namespace {
+
+// Where a program is evaluated, and whose derivatives are wanted.
+template <class S>
+struct Surroundings {
+  S t;
+  Side side;
+  std::span<const InputValue> inputs;
+  std::span<const double> sensors;
+  S seed_of_time;
+  std::size_t seeded;  // sensor
+
+  bool is_after(double time) const { return side == Side::right ? t >= S(time) : t > S(time); }
+
+  // The time, an input or a sensor.
+  Taylor<S> pushed(Opcode op, double value, std::size_t place) const {
+    constexpr S unknown = std::numeric_limits<S>::quiet_NaN();
+    switch (op) {
+      case Opcode::time:
+        return {t, seed_of_time, S(0)};
+      case Opcode::input: {
+        const Taylor<S> u =
+            place < inputs.size() ? inputs[place].at(t) : Taylor<S>{unknown, unknown, unknown};
+        const S rate = S(value) * seed_of_time;
+        return {S(value) * u.v, rate * u.d, rate * u.dd};
+      }
+      default:
+        return {place < sensors.size() ? S(sensors[place]) : unknown, place == seeded ? S(1) : S(0),
+                S(0)};
+    }
+  }
+};
+
+}  // namespace
+
 template <class S>
 Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
                           std::span<const double> sensors, const Seed& seed) const {
+  const Surroundings<S> here{t, side, inputs, sensors, S(seed.time), seed.sensor};
   std::array<Taylor<S>, kMaxStack> stack;  // uninitialised; the parser has checked the depth
   std::size_t size = 0;
-  const auto push = [&](S v, S d) { stack[size++] = {v, d, S(0)}; };
-  const auto is_after = [&](double time) {
-    return side == Side::right ? t >= S(time) : t > S(time);
-  };
   for (std::size_t i = 0; i < program_.size(); ++i) {
-    const Instruction& instruction = program_[i];
-    const Opcode op = instruction.op;
-    const double value = instruction.value;
+    const auto& [op, target, value] = program_[i];
     switch (op) {
       case Opcode::constant:
-        push(S(value), S(0));
+        stack[size++] = {S(value), S(0), S(0)};
         break;
       case Opcode::time:
-        push(t, S(seed.time));
+      case Opcode::input:
+      case Opcode::sensor:
+        stack[size++] = here.pushed(op, value, static_cast<std::size_t>(target));
         break;
-      case Opcode::input: {
-        constexpr S unknown = std::numeric_limits<S>::quiet_NaN();
-        const auto place = static_cast<std::size_t>(instruction.target);
-        const Taylor<S> u =
-            place < inputs.size() ? inputs[place].at(t) : Taylor<S>{unknown, unknown, unknown};
-        const S rate = S(value) * S(seed.time);
-        stack[size++] = {S(value) * u.v, rate * u.d, rate * u.dd};
-        break;
-      }
-      case Opcode::sensor: {
-        const auto place = static_cast<std::size_t>(instruction.target);
-        push(place < sensors.size() ? S(sensors[place]) : std::numeric_limits<S>::quiet_NaN(),
-             place == seed.sensor ? S(1) : S(0));
-        break;
-      }
       case Opcode::before:
-        push(is_after(value) ? S(0) : S(1), S(0));
-        break;
       case Opcode::after:
-        push(is_after(value) ? S(1) : S(0), S(0));
+        stack[size++] = {here.is_after(value) == (op == Opcode::after) ? S(1) : S(0), S(0), S(0)};
         break;
       case Opcode::add:
       case Opcode::subtract:
@@ -1298,6 +1326,13 @@ Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
       case Opcode::divide:
       case Opcode::power:
       case Opcode::atan2:
+      case Opcode::both:
+      case Opcode::either:
+      case Opcode::less:
+      case Opcode::less_equal:
+      case Opcode::equal:
+      case Opcode::min:
+      case Opcode::max:
         --size;
         stack[size - 1] = apply(op, stack[size - 1], stack[size]);
         break;
@@ -1305,64 +1340,18 @@ Taylor<S> Expression::run(S t, Side side, std::span<const InputValue> inputs,
         stack[size - 1] = pow(stack[size - 1], S(value));
         break;
       case Opcode::negate_before:
-        if (!is_after(value)) stack[size - 1] = -stack[size - 1];
-        break;
       case Opcode::negate_after:
-        if (is_after(value)) stack[size - 1] = -stack[size - 1];
+        if (here.is_after(value) == (op == Opcode::negate_after))
+          stack[size - 1] = -stack[size - 1];
         break;
       case Opcode::first_before:
-        --size;
-        if (is_after(value)) stack[size - 1] = stack[size];
-        break;
       case Opcode::first_after:
         --size;
-        if (!is_after(value)) stack[size - 1] = stack[size];
+        if (here.is_after(value) == (op == Opcode::first_before)) stack[size - 1] = stack[size];
         break;
-      case Opcode::both:
-        --size;
-        stack[size - 1].v *= stack[size].v;
-        break;
-      case Opcode::either:
-        --size;
-        stack[size - 1].v = std::max(stack[size - 1].v, stack[size].v);
-        break;
-      case Opcode::opposite:
-        stack[size - 1].v = S(1) - stack[size - 1].v;
-        break;
-      case Opcode::less:
-      case Opcode::less_equal:
-      case Opcode::equal: {
-        --size;
-        const S x = stack[size - 1].v, y = stack[size].v;
-        const bool holds = op == Opcode::less ? x < y : op == Opcode::equal ? x == y : x <= y;
-        stack[size - 1] = {holds ? S(1) : S(0), S(0), S(0)};
-        break;
-      }
-      case Opcode::min:
-      case Opcode::max: {
-        --size;
-        const S x = stack[size - 1].v, y = stack[size].v;
-        if (!(op == Opcode::min ? x <= y : x >= y) || std::isnan(y)) stack[size - 1] = stack[size];
-        break;
-      }
-      case Opcode::abs:
-        if (stack[size - 1].v < S(0)) stack[size - 1] = -stack[size - 1];
-        break;
-      case Opcode::floor:
-      case Opcode::ceil:
-      case Opcode::round: {
-        const S x = stack[size - 1].v;
-        stack[size - 1] = {op == Opcode::floor  ? std::floor(x)
-                           : op == Opcode::ceil ? std::ceil(x)
-                                                : std::round(x),
-                           S(0), S(0)};
-        break;
-      }
       case Opcode::jump:
-        i = static_cast<std::size_t>(instruction.target) - 1;
-        break;
       case Opcode::jump_if_false:
-        if (stack[--size].v == S(0)) i = static_cast<std::size_t>(instruction.target) - 1;
+        if (op == Opcode::jump || stack[--size].v == S(0)) i = static_cast<std::size_t>(target) - 1;
         break;
       default:
         stack[size - 1] = apply(op, stack[size - 1]);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -237,13 +238,17 @@ struct Calculator {
         return scaled(std::numbers::log10e, log(u));
       case Opcode::sqrt:
         return sqrt(u);
+      case Opcode::opposite:
+        return truth(!is_true(u));
       default: {
         for (Interval& x : s) x = everything;
         return s;
       }
     }
   }
-  Series two(Opcode op, const Series& x, const Series& y) const {
+  static bool is_true(const Series& x) { return x[0].lo != 0.0; }
+  Series truth(bool is) const { return constant(is ? 1.0 : 0.0); }
+  Series two(Opcode op, const Series& x, const Series& y, bool is_after) const {
     switch (op) {
       case Opcode::add:
         return add(x, y);
@@ -257,6 +262,13 @@ struct Calculator {
         return exp(multiply(y, log(x)));
       case Opcode::atan2:
         return atan2(x, y);
+      case Opcode::both:
+        return truth(is_true(x) && is_true(y));
+      case Opcode::either:
+        return truth(is_true(x) || is_true(y));
+      case Opcode::first_before:
+      case Opcode::first_after:
+        return is_after == (op == Opcode::first_before) ? y : x;
       default: {
         Series s{};
         for (Interval& each : s) each = everything;
@@ -266,97 +278,73 @@ struct Calculator {
   }
 };
 
+Series pop(std::vector<Series>& stack) {
+  const Series last = stack.back();
+  stack.pop_back();
+  return last;
+}
+
 }  // namespace
 
 void Expression::enclose(double a, double b, std::span<Interval> c) const {
   const Calculator with{std::min(c.size(), most)};
   const double middle = a + 0.5 * (b - a);
   std::vector<Series> stack;
-  const auto push_truth = [&](bool is) { stack.push_back(with.constant(is ? 1.0 : 0.0)); };
-  const auto is_true = [](const Series& x) { return x[0].lo != 0.0; };
   for (std::size_t i = 0; i < program_.size(); ++i) {
     const Instruction& instruction = program_[i];
+    const Opcode op = instruction.op;
     const bool is_after = middle > instruction.value;
-    const auto pop = [&] {
-      const Series last = stack.back();
-      stack.pop_back();
-      return last;
-    };
-    switch (instruction.op) {
+    switch (op) {
       case Opcode::constant:
         stack.push_back(with.constant(instruction.value));
         break;
       case Opcode::input:
-      case Opcode::sensor: {
-        Series unknown;
-        unknown.fill(
-            {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()});
-        stack.push_back(unknown);
+      case Opcode::sensor:
+        stack.emplace_back().fill(everything);
         break;
-      }
-      case Opcode::time: {
-        Series t{};
-        t[0] = {a, b};
-        t[1] = point(1.0);
-        stack.push_back(t);
+      case Opcode::time:
+        stack.push_back({Interval{a, b}, point(1.0)});
         break;
-      }
       case Opcode::before:
-        push_truth(!is_after);
-        break;
       case Opcode::after:
-        push_truth(is_after);
+        stack.push_back(with.truth(is_after == (op == Opcode::after)));
         break;
       case Opcode::add:
       case Opcode::subtract:
       case Opcode::multiply:
       case Opcode::divide:
       case Opcode::power:
-      case Opcode::atan2: {
-        const Series y = pop();
-        stack.back() = with.two(instruction.op, stack.back(), y);
+      case Opcode::atan2:
+      case Opcode::both:
+      case Opcode::either:
+      case Opcode::first_before:
+      case Opcode::first_after: {
+        const Series y = pop(stack);
+        stack.back() = with.two(op, stack.back(), y, is_after);
         break;
       }
       case Opcode::power_constant:
         stack.back() = with.power(stack.back(), instruction.value);
         break;
       case Opcode::negate_before:
-        if (!is_after) stack.back() = with.negative(stack.back());
-        break;
       case Opcode::negate_after:
-        if (is_after) stack.back() = with.negative(stack.back());
+        if (is_after == (op == Opcode::negate_after)) stack.back() = with.negative(stack.back());
         break;
-      case Opcode::first_before: {
-        const Series y = pop();
-        if (is_after) stack.back() = y;
-        break;
-      }
-      case Opcode::first_after: {
-        const Series y = pop();
-        if (!is_after) stack.back() = y;
-        break;
-      }
-      case Opcode::both: {
-        const bool y = is_true(pop()), x = is_true(pop());
-        push_truth(x && y);
-        break;
-      }
-      case Opcode::either: {
-        const bool y = is_true(pop()), x = is_true(pop());
-        push_truth(x || y);
-        break;
-      }
-      case Opcode::opposite:
-        push_truth(!is_true(pop()));
-        break;
+      // Of what is sampled, where nothing is differentiated: no bound is known.
+      case Opcode::less:
+      case Opcode::less_equal:
+      case Opcode::equal:
+      case Opcode::min:
+      case Opcode::max:
+        std::ranges::fill(c, everything);
+        return;
       case Opcode::jump:
-        i = static_cast<std::size_t>(instruction.target) - 1;
-        break;
       case Opcode::jump_if_false:
-        if (!is_true(pop())) i = static_cast<std::size_t>(instruction.target) - 1;
+        if (op == Opcode::jump || !with.is_true(pop(stack)))
+          i = static_cast<std::size_t>(instruction.target) - 1;
         break;
       default:
-        stack.back() = with.one(instruction.op, stack.back());
+        stack.back() = with.one(op, stack.back());
         break;
     }
   }

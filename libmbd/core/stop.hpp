@@ -11,13 +11,13 @@ namespace mbd {
 
 class Stopped : public Error {
  public:
-  Stopped() : Error("interrupted") {}
+  Stopped() : Error("interrupted", Failure::stopped) {}
 };
 
 // Work for which there is no memory, or whose sizes cannot be counted; says which.
 class OutOfMemory : public Error {
  public:
-  using Error::Error;
+  explicit OutOfMemory(const std::string& message) : Error(message, Failure::memory) {}
 };
 
 namespace stop {

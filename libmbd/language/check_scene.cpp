@@ -179,7 +179,58 @@ void check(const Checked& item, const Section& section, const Scene&) {
   check_section(section);
 }
 
+constexpr double digits_of_rotation = 1e-9;
+bool is_rotation(const Mat3& R) {
+  return (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() <= digits_of_rotation &&
+         R.determinant() > 0.0;
+}
+constexpr std::string_view not_a_rotation =
+    "orientation is not a rotation to 9 digits; give more digits, write the entries as "
+    "expressions, or give a rotation vector";
+
+std::string no_colour(const std::string& word) {
+  std::vector<std::string_view> known;
+  for (const NamedColour& colour : named_colours) known.push_back(colour.name);
+  return "colour is " + in_quotes(excerpt(word)) + ", must be #rrggbb or a name" +
+         suggest(word, known, "names");
+}
+
+void check_shape(const Checked& item, const ShapeScene& shape, bool of_body, bool alone) {
+  const int forms = shape.box.has_value() + shape.cylinder.has_value() + shape.sphere.has_value() +
+                    !shape.mesh.empty();
+  item.fail_if(forms > 1,
+               "give one of box, cylinder, sphere and mesh; another form of the body "
+               "has a <shape> of its own");
+  item.fail_if(!of_body && forms > 0,
+               "box, cylinder, sphere and mesh are of a body; a beam has a rectangle or an "
+               "ellipse. Attach a body to it: <body attached_to=\"beam@0.5\">");
+  item.fail_if(of_body && (shape.has_outline() || shape.to),
+               "rectangle, ellipse and to are of a beam; a body has a box, cylinder, sphere or "
+               "mesh");
+  item.fail_if(shape.rectangle && shape.ellipse, "give a rectangle or an ellipse, not both");
+  item.fail_if(shape.to && !shape.has_outline(),
+               "to is what the rectangle or ellipse becomes at the end; give one of them, or "
+               "leave it out");
+  const bool is_placed = !shape.at.isZero(0.0) || shape.orientation != Mat3::Identity();
+  item.fail_if(
+      (shape.density || is_placed) && forms == 0,
+      "density, at and orientation are of a form; give a box, cylinder, sphere or mesh, or "
+      "leave them out");
+  item.fail_if(shape.unit != 1.0 && shape.mesh.empty(),
+               "unit is of a mesh; lengths of other forms have units of their own");
+  item.fail_if(forms == 0 && !shape.has_outline() && shape.colour.empty(),
+               of_body ? "give a form (box, cylinder, sphere or mesh), or a colour"
+                       : "give an outline (rectangle or ellipse), or a colour");
+  item.fail_if(forms == 0 && !alone,
+               "a shape without a form colours the body as it is drawn without shapes, and must be "
+               "its only one");
+  item.fail_if(!is_rotation(shape.orientation), std::string(not_a_rotation));
+  item.fail_if(!shape.colour.empty() && !colour_code(shape.colour), no_colour(shape.colour));
+}
+
 void check(const Checked& item, const BeamScene& beam, const Scene& scene) {
+  if (beam.shape)
+    check_shape({beam.shape->source, label(beam) + ", shape"}, *beam.shape, false, true);
   if (beam.mesh == Mesh::stations)
     if (const Section* const section = section_of(scene, beam))
       item.fail_if(section->stations.empty(),
@@ -194,6 +245,8 @@ void check(const Checked& item, const BeamScene& beam, const Scene& scene) {
 }
 
 void check(const Checked& item, const BodyScene& body, const Scene&) {
+  for (const ShapeScene& shape : body.shapes)
+    check_shape({shape.source, label(body) + ", shape"}, shape, true, body.shapes.size() == 1);
   const auto taken = [&](std::string_view attribute, bool given) {
     item.fail_if(
         body.attached_to && given,
@@ -203,13 +256,7 @@ void check(const Checked& item, const BodyScene& body, const Scene&) {
   taken("orientation", body.orientation != Mat3::Identity());
   taken("velocity", !body.velocity.isZero(0.0));
   taken("angular_velocity", !body.angular_velocity.isZero(0.0));
-  constexpr double digits = 1e-9;
-  item.fail_if(
-      (body.orientation.transpose() * body.orientation - Mat3::Identity()).cwiseAbs().maxCoeff() >
-              digits ||
-          body.orientation.determinant() < 0.0,
-      "orientation is not a rotation to 9 digits; give more digits, write the entries as "
-      "expressions, or give a rotation vector");
+  item.fail_if(!is_rotation(body.orientation), std::string(not_a_rotation));
 }
 
 const schema::JointKind& kind_of(const JointScene& joint) {

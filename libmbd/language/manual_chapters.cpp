@@ -416,12 +416,18 @@ $EndElements
           source="equilibrium: the leg is pressed"/>
 </mbd>
 )xml"},
-    {"Bodies", "body point_mass rigid",
+    {"Bodies", "body shape point_mass rigid",
      R"md(A free body has a frame of its own. One that is `attached_to` a place adds its mass there.
 
 `<rigid>` makes one body of beams and free bodies: one node in the frame of the first of them, with the mass of them all.
 Places of its beams stay places, for joints, loads, masses and records; sectional forces are not determined in it. Which
 beams may be rigid without changing a result: `mbd effects`.
+
+What a body looks like is said by `<shape>`s inside it: boxes, cylinders, spheres, and meshes that other programs wrote (STL, OBJ,
+glTF). They cost a run nothing. One with a `density` is solid and adds its mass, so that a body need not state any; a mesh must then
+be closed. Without shapes a body is drawn as the solid that has its mass and inertia. A body `attached_to="ground"` with shapes is
+scenery. Beams are drawn with the outline of their section where that is stated by its shape, with what a `<shape>` inside them
+says, or with the radii of gyration that their stiffness has.
 )md",
      R"xml(<mbd name="top_and_rotor">
   <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
@@ -438,6 +444,12 @@ beams may be rigid without changing a result: `mbd effects`.
   <rigid name="boom" of="arm fist"/>
   <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
         velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+  <!-- A hammer of two solids, on a floor that is only seen. -->
+  <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+    <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+    <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+  </body>
+  <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
   <transient duration="0.1" step="1e-3"/>
   <record name="rock" at="rock" quantities="position angular_velocity"/>
   <record name="disk" at="disk" quantities="displacement"/>

@@ -10,6 +10,7 @@
 #include "libmbd/language/item.hpp"
 #include "libmbd/language/read_tree.hpp"
 #include "libmbd/material/shaped_sections.hpp"
+#include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/laws.hpp"
 #include "libmbd/scene/reading_limits.hpp"
@@ -39,6 +40,7 @@ class Reader {
     check_unused_overrides();
     check_expects();
     analyse_shapes(scene_);
+    read_meshes(scene_);
     return std::move(scene_);
   }
 
@@ -513,7 +515,15 @@ class Reader {
           item.refuse(of_motion,
                       "is of kinematics=\"motion\", not of \"classical\"; leave one of them out");
     if (auto* const curve = std::get_if<Curve>(&beam.line))
-      each(item, [&](const Item& part) { curve->points.push_back(read_fields<CurvePoint>(part)); });
+      each(item, [&](const Item& part) {
+        if (part.element().name == CurvePoint::item.element)
+          curve->points.push_back(read_fields<CurvePoint>(part));
+        else
+          set_once(beam.shape, part, read_fields<ShapeScene>(part));
+      });
+    else
+      each(item,
+           [&](const Item& part) { set_once(beam.shape, part, read_fields<ShapeScene>(part)); });
     return true;
   }
 
@@ -526,6 +536,22 @@ class Reader {
       }
     parameters_.inputs.emplace(input.name,
                                NamedInput{static_cast<int>(scene_.inputs.size()), input.factor});
+    return true;
+  }
+
+  bool complete(const Item& item, ExtensionScene& extension) {
+    const std::string text = item.text_of("values");
+    for (const std::string_view word : schema::words(text)) {
+      const std::size_t equals = word.find('=');
+      if (equals == 0 || equals == std::string_view::npos || equals + 1 == word.size())
+        item.fail("values",
+                  in_quotes(excerpt(word)) + ": write name=expression, without blanks around =");
+      const std::string name(word.substr(0, equals));
+      for (const auto& [other, value] : extension.values)
+        if (other == name)
+          item.refuse("values", "hold " + in_quotes(excerpt(name)) + " twice; leave one out");
+      extension.values.emplace_back(name, item.evaluate("values", word.substr(equals + 1)));
+    }
     return true;
   }
 
@@ -728,6 +754,19 @@ class Reader {
       for (const std::string_view other : {"at", "orientation", "velocity", "angular_velocity"})
         if (item.has(other))
           item.refuse(other, "is taken from the place of attached_to; leave one of them out");
+    bool has_mass = false;
+    each(item, [&](const Item& part) {
+      body.shapes.push_back(read_fields<ShapeScene>(part));
+      has_mass = has_mass || body.shapes.back().density;
+    });
+    // Its shapes may be all that there is of it; without any, what is left out was forgotten.
+    const bool is_scenery =
+        body.attached_to && body.attached_to->kind == Place::Kind::ground && !body.shapes.empty();
+    for (const std::string_view name : {"mass", "inertia"}) {
+      const bool both_missing = !item.has("mass") && !item.has("inertia");
+      if (!item.has(name) && !((has_mass || is_scenery) && both_missing))
+        item.fail(schema::missing(*schema::find_attribute(item.element(), name)));
+    }
     return true;
   }
 

@@ -28,6 +28,7 @@ constexpr auto interpolation_of = [](std::string_view doc) {
   a.choices = words_of<Interpolation>;
   return a;
 };
+
 constexpr auto what_of = [](std::string_view fallback, std::string_view doc,
                             std::string_view choices) {
   return Attribute{"of", Kind::choice, "", fallback, doc, field::any, {3, 3}, choices};
@@ -108,6 +109,7 @@ Element element_of(std::string_view parents, std::string_view content = {}) {
   return {Item::item.element, parents, Item::item.doc, attributes_of<Item>(Straight{}), content,
           Item::item.group};
 }
+
 template <class Line>
 Element beam_element(const Line& line) {
   return {Line::item.element, anywhere, Line::item.doc, attributes_of<BeamScene>(line)};
@@ -158,114 +160,137 @@ std::vector<Attribute> of(const JointKind& kind) {
 constexpr std::string_view order =
     "mbd parameter include defaults material layup ply section station stiffness mass damping tube "
     "bar rectangle box I C beam arc curve point "
-    "body drive motion load distributed rigid point_mass spring bushing matrix law joint_spring "
-    "joint_torque table drag added_mass base_motion gravity static path mark stop transient record "
+    "body shape drive motion load distributed rigid point_mass spring bushing matrix law "
+    "joint_spring "
+    "joint_torque table drag added_mass extension base_motion gravity static path mark stop "
+    "transient record "
     "motion_output plot expect repeat";
+
+std::vector<Element> elements_of_files() {
+  return {
+      {"mbd",
+       "",
+       "A model. SI units, inertial axes i1 i2 i3.",
+       {{"name", Kind::name, "", required, "name of the model, for reports"},
+        {"version", Kind::count, "", "1",
+         "of the format of this file; a newer one than mbd knows is refused", Range{1.0, 1e6}},
+        {"xmlns:xsi", Kind::text, "", optional, "for XML editors, not read"},
+        {"xsi:noNamespaceSchemaLocation", Kind::text, "", optional,
+         "for XML editors, not read: where they find mbd.xsd"}}},
+      {"parameter",
+       top,
+       "A named number. Later expressions may use it; --set replaces its value.",
+       {{"name", Kind::name, "", required, "a word that expressions below may use"},
+        {"value", Kind::number, any_unit, required,
+         "its value, unless --set gives another; with a unit it is converted to SI units and "
+         "rad"}}},
+      {"include",
+       top,
+       "Reads the elements of another model file here, as if they stood in this one. That file's "
+       "name for its model is not used.",
+       {{"file", Kind::text, "", required, "its name, relative to the file that includes it"}}},
+      {"defaults",
+       top,
+       "Elements with some of their attributes, no name and no content: what later elements of "
+       "that kind have when they do not say otherwise.",
+       {}},
+      {"repeat",
+       "mbd repeat curve layup section",
+       "Reads its contents several times.",
+       {{"count", Kind::count, "", required, "how often its contents are read", Range{0.0, 1e6}},
+        {"index", Kind::name, "", "i",
+         "parameter that counts from 0; {i+1} in names and places becomes its value"}}},
+  };
+}
+
+std::vector<Element> elements_of_sections() {
+  std::vector<Attribute> damping = attributes_of<SectionDamping>(Straight{});
+  for (Attribute& a :
+       entries(viscosity_units, "0", not_negative, ": viscous, besides beta D; and so below", ""))
+    damping.push_back(a);
+  return {
+      element_of<PlyScene>("layup repeat defaults"),
+      element_of<MeshRegionScene>("mesh defaults"),
+      element_of<Station>("section repeat defaults"),
+      {"stiffness", "section station defaults",
+       "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "
+       "entries by name, the first six at least, or all of them row by row.",
+       entries(stiffness_units, optional, positive, "", "; D21 is the same, and so below"),
+       "36 numbers"},
+      {"mass",
+       "section station defaults",
+       "M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).",
+       {{"per_length", Kind::number, "kg/m", required, "mass per unit length", positive},
+        {"inertia", Kind::numbers, "kg.m", required,
+         "per length about the reference line: J11 J22 J33 [J12 J13 J23]", field::any,
+         std::array{3, 6}},
+        {"center", Kind::numbers, "m", "0 0", "mass centre in the section: x2 x3", field::any,
+         std::array{2, 2}}}},
+      {"damping", "section defaults", SectionDamping::item.doc, damping},
+  };
+}
+
+std::vector<Element> elements_of_parts() {
+  const std::vector<Attribute> mark = attributes_of<PathMarkScene>(Straight{});
+  std::vector<Attribute> law = attributes_of<BushingLawScene>(Straight{});
+  law.push_back(interpolation_of(
+      "of a table: linear or a cubic spline; linear beyond the first and the last point"));
+  return {
+      beam_element(Straight{}),
+      beam_element(Arc{}),
+      beam_element(Curve{}),
+      element_of<CurvePoint>("curve repeat defaults"),
+      element_of<ShapeScene>("body beam arc curve defaults"),
+      {"matrix",
+       "bushing",
+       "Its stiffness or damping, symmetric, in place of the attributes: row by row, "
+       "displacements before rotations, in SI units.",
+       {what_of("stiffness", "what it is", "stiffness damping")},
+       "36 numbers"},
+      {"law", "bushing", BushingLawScene::item.doc, law, "pairs of numbers"},
+      {"table",
+       "spring joint_spring",
+       "A law in place of an expression: x and force (or v and force) in turn, in SI units, x "
+       "rising.",
+       {what_of("force", "what it gives, as the attribute of that name",
+                "force damping_force moment damping_moment"),
+        interpolation_of(
+            "between its points: linear or a cubic spline; linear beyond the first and the "
+            "last")},
+       "pairs of numbers"},
+      {"mark", "path repeat defaults",
+       "A point of the path to be located, shown and drawn: where a column passes a value.", mark},
+      {"stop", "path repeat defaults", "A mark at which the path ends.", mark},
+      element_of<ControlStateScene>("controller"),
+      element_of<ControlOutputScene>("controller"),
+      element_of<PidScene>("controller"),
+      element_of<StateSpaceScene>("controller"),
+  };
+}
+
+std::vector<Element> elements_of_kinds() {
+  std::vector<Element> list;
+  const Scene kinds;
+  each_kind(kinds, [&list]<class Items>(const Items&) {
+    using Item = typename Items::value_type;
+    constexpr bool many = requires(Items items) { items.size(); };
+    if constexpr (!Item::item.element.empty())
+      list.push_back(element_of<Item>(many ? anywhere : once));
+    if constexpr (std::is_same_v<Item, FunctionScene>) {
+      list.back().content = "pairs of numbers";
+      list.back().attributes.push_back(interpolation_of(
+          "of a table: linear or a cubic spline; linear beyond the first and the last point"));
+    }
+  });
+  return list;
+}
 
 const std::vector<Element>& table() {
   static const std::vector<Element> all = [] {
-    const std::vector<Attribute> mark = attributes_of<PathMarkScene>(Straight{});
-    std::vector<Attribute> damping = attributes_of<SectionDamping>(Straight{});
-    for (Attribute& a :
-         entries(viscosity_units, "0", not_negative, ": viscous, besides beta D; and so below", ""))
-      damping.push_back(a);
-    std::vector<Attribute> law = attributes_of<BushingLawScene>(Straight{});
-    law.push_back(interpolation_of(
-        "of a table: linear or a cubic spline; linear beyond the first and the last point"));
-    std::vector<Element> list = {
-        {"mbd",
-         "",
-         "A model. SI units, inertial axes i1 i2 i3.",
-         {{"name", Kind::name, "", required, "name of the model, for reports"},
-          {"version", Kind::count, "", "1",
-           "of the format of this file; a newer one than mbd knows is refused", Range{1.0, 1e6}},
-          {"xmlns:xsi", Kind::text, "", optional, "for XML editors, not read"},
-          {"xsi:noNamespaceSchemaLocation", Kind::text, "", optional,
-           "for XML editors, not read: where they find mbd.xsd"}}},
-        {"parameter",
-         top,
-         "A named number. Later expressions may use it; --set replaces its value.",
-         {{"name", Kind::name, "", required, "a word that expressions below may use"},
-          {"value", Kind::number, any_unit, required,
-           "its value, unless --set gives another; with a unit it is converted to SI units and "
-           "rad"}}},
-        {"include",
-         top,
-         "Reads the elements of another model file here, as if they stood in this one. That file's "
-         "name for its model is not used.",
-         {{"file", Kind::text, "", required, "its name, relative to the file that includes it"}}},
-        {"defaults",
-         top,
-         "Elements with some of their attributes, no name and no content: what later elements of "
-         "that kind have when they do not say otherwise.",
-         {}},
-        {"repeat",
-         "mbd repeat curve layup section",
-         "Reads its contents several times.",
-         {{"count", Kind::count, "", required, "how often its contents are read", Range{0.0, 1e6}},
-          {"index", Kind::name, "", "i",
-           "parameter that counts from 0; {i+1} in names and places becomes its value"}}},
-        element_of<PlyScene>("layup repeat defaults"),
-        element_of<MeshRegionScene>("mesh defaults"),
-        element_of<Station>("section repeat defaults"),
-        {"stiffness", "section station defaults",
-         "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "
-         "entries by name, the first six at least, or all of them row by row.",
-         entries(stiffness_units, optional, positive, "", "; D21 is the same, and so below"),
-         "36 numbers"},
-        {"mass",
-         "section station defaults",
-         "M per length about the reference line: [m I, -m c~; m c~, J], c = (0, x2, x3).",
-         {{"per_length", Kind::number, "kg/m", required, "mass per unit length", positive},
-          {"inertia", Kind::numbers, "kg.m", required,
-           "per length about the reference line: J11 J22 J33 [J12 J13 J23]", field::any,
-           std::array{3, 6}},
-          {"center", Kind::numbers, "m", "0 0", "mass centre in the section: x2 x3", field::any,
-           std::array{2, 2}}}},
-        {"damping", "section defaults", SectionDamping::item.doc, damping},
-        beam_element(Straight{}),
-        beam_element(Arc{}),
-        beam_element(Curve{}),
-        element_of<CurvePoint>("curve repeat defaults"),
-        {"matrix",
-         "bushing",
-         "Its stiffness or damping, symmetric, in place of the attributes: row by row, "
-         "displacements before rotations, in SI units.",
-         {what_of("stiffness", "what it is", "stiffness damping")},
-         "36 numbers"},
-        {"law", "bushing", BushingLawScene::item.doc, law, "pairs of numbers"},
-        {"table",
-         "spring joint_spring",
-         "A law in place of an expression: x and force (or v and force) in turn, in SI units, x "
-         "rising.",
-         {what_of("force", "what it gives, as the attribute of that name",
-                  "force damping_force moment damping_moment"),
-          interpolation_of(
-              "between its points: linear or a cubic spline; linear beyond the first and the "
-              "last")},
-         "pairs of numbers"},
-        {"mark", "path repeat defaults",
-         "A point of the path to be located, shown and drawn: where a column passes a value.",
-         mark},
-        {"stop", "path repeat defaults", "A mark at which the path ends.", mark},
-    };
-    for (Element& element :
-         std::array{element_of<ControlStateScene>("controller"),
-                    element_of<ControlOutputScene>("controller"),
-                    element_of<PidScene>("controller"), element_of<StateSpaceScene>("controller")})
-      list.push_back(element);
-    const Scene kinds;
-    each_kind(kinds, [&list]<class Items>(const Items&) {
-      using Item = typename Items::value_type;
-      constexpr bool many = requires(Items items) { items.size(); };
-      if constexpr (!Item::item.element.empty())
-        list.push_back(element_of<Item>(many ? anywhere : once));
-      if constexpr (std::is_same_v<Item, FunctionScene>) {
-        list.back().content = "pairs of numbers";
-        list.back().attributes.push_back(interpolation_of(
-            "of a table: linear or a cubic spline; linear beyond the first and the last point"));
-      }
-    });
+    std::vector<Element> list;
+    for (const auto& part :
+         {elements_of_files(), elements_of_sections(), elements_of_parts(), elements_of_kinds()})
+      list.insert(list.end(), part.begin(), part.end());
     for (std::size_t k = 0; k < std::size(SectionShape::kinds); ++k)
       list.push_back(shape_element(static_cast<SectionShape::Kind>(k)));
     const std::vector<std::string_view> ordered = words(order);
@@ -304,6 +329,7 @@ const Element* find_element(std::string_view name) { return find(table(), name);
 const Attribute* find_attribute(const Element& element, std::string_view name) {
   return find(element.attributes, name);
 }
+
 const JointKind* find_joint_kind(std::string_view name) { return find(joints(), name); }
 
 std::vector<std::string_view> children(std::string_view parent) {

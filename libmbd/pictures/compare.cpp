@@ -91,10 +91,7 @@ std::string with_unit(double value, const std::string& unit) {
   return fmt::format("{:.6g}{}{}", value, unit.empty() ? "" : " ", unit);
 }
 
-}  // namespace
-
-Comparison compare(const History& first, const History& second,
-                   std::span<const std::string> names) {
+void check_common_axis(const History& first, const History& second) {
   const Column &x = first.columns[0], &x_second = second.columns[0];
   if (x.name != x_second.name ||
       (x.unit != x_second.unit && !x.unit.empty() && !x_second.unit.empty()))
@@ -106,8 +103,10 @@ Comparison compare(const History& first, const History& second,
                     excerpt(x_second.name), excerpt(x_second.unit)));
   check_times(first);
   check_times(second);
+}
 
-  Comparison result;
+void pair_columns(const History& first, const History& second, std::span<const std::string> names,
+                  Comparison& result) {
   for (const std::size_t i : chosen_here(first, second, names)) {
     const Column& column = first.columns[i];
     const std::optional<std::size_t> other = find(second, column.name);
@@ -132,7 +131,18 @@ Comparison compare(const History& first, const History& second,
                             second.file.string(),
                             names.empty() ? "record the same in both models"
                                           : "name records or columns that both have"));
+}
 
+// The times at which both are compared: those of the coarser one in the interval that both cover.
+struct Samples {
+  bool at_first;                            // the first is the coarser
+  std::size_t begin;                        // its first row in the interval
+  std::size_t n1, n2;                       // rows of each in the interval
+  const std::vector<double>&coarse, &fine;  // all times of either
+  std::vector<Stencil> stencils;            // the finer one at them
+};
+
+Samples common_samples(const History& first, const History& second, Comparison& result) {
   const std::vector<double>&t1 = first.values[0], &t2 = second.values[0];
   result.from = std::max(t1.front(), t2.front());
   result.to = std::min(t1.back(), t2.back());
@@ -140,68 +150,87 @@ Comparison compare(const History& first, const History& second,
   const std::array<std::size_t, 2> rows1 = rows_within(t1, result.from - near, result.to + near);
   const std::array<std::size_t, 2> rows2 = rows_within(t2, result.from - near, result.to + near);
   const std::size_t n1 = rows1[1] - rows1[0], n2 = rows2[1] - rows2[0];
-  const std::string of_x =
-      fmt::format("{} from {} to ", excerpt(x.name), result.from) + with_unit(result.to, x.unit);
   if (result.to < result.from || n1 == 0 || n2 == 0)
     throw Error(
         fmt::format("{}: covers {} from {:.9g} to {:.9g}, {} from {:.9g} to {:.9g}, with no "
                     "sample in common; run both over a common interval",
-                    first.file.string(), excerpt(x.name), t1.front(), t1.back(),
+                    first.file.string(), excerpt(first.columns[0].name), t1.front(), t1.back(),
                     second.file.string(), t2.front(), t2.back()));
-
-  const bool at_first = n1 <= n2;  // whose times are taken
-  const std::vector<double>&coarse = at_first ? t1 : t2, &fine = at_first ? t2 : t1;
+  const bool at_first = n1 <= n2;
   const std::array<std::size_t, 2>& rows = at_first ? rows1 : rows2;
-  std::vector<Stencil> stencils;
+  Samples samples{at_first, rows[0], n1, n2, at_first ? t1 : t2, at_first ? t2 : t1, {}};
   for (std::size_t row = rows[0]; row < rows[1]; ++row) {
-    stencils.push_back(stencil_at(fine, coarse[row], near));
-    if (stencils.back().weights.size() > 1) ++result.interpolated;
+    samples.stencils.push_back(stencil_at(samples.fine, samples.coarse[row], near));
+    if (samples.stencils.back().weights.size() > 1) ++result.interpolated;
   }
-  result.samples = stencils.size();
+  result.samples = samples.stencils.size();
+  return samples;
+}
 
-  for (ColumnDifference& d : result.columns) {
-    const std::vector<double>&v1 = first.values[d.in_first], &v2 = second.values[d.in_second];
-    for (std::size_t i = 1; i < first.columns.size(); ++i)
-      if (quantity_of(first.columns[i].name) == quantity_of(d.name))
-        for (const double value : first.values[i]) d.scale = std::max(d.scale, std::abs(value));
-    double sum = 0.0;
-    std::vector<double> differences;
-    for (std::size_t i = 0; i < stencils.size(); ++i) {
-      const double own = (at_first ? v1 : v2)[rows[0] + i];
-      const double other = stencils[i].value(at_first ? v2 : v1);
-      const double difference = std::abs(other - own);
-      differences.push_back(difference);
-      if (difference > d.largest || i == 0) {
-        d.largest = difference;
-        d.at = coarse[rows[0] + i];
-      }
+void measure(const History& first, const History& second, const Samples& samples,
+             ColumnDifference& d) {
+  const std::vector<double>&v1 = first.values[d.in_first], &v2 = second.values[d.in_second];
+  for (std::size_t i = 1; i < first.columns.size(); ++i)
+    if (quantity_of(first.columns[i].name) == quantity_of(d.name))
+      for (const double value : first.values[i]) d.scale = std::max(d.scale, std::abs(value));
+  double sum = 0.0;
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < samples.stencils.size(); ++i) {
+    const double own = (samples.at_first ? v1 : v2)[samples.begin + i];
+    const double other = samples.stencils[i].value(samples.at_first ? v2 : v1);
+    const double difference = std::abs(other - own);
+    differences.push_back(difference);
+    if (difference > d.largest || i == 0) {
+      d.largest = difference;
+      d.at = samples.coarse[samples.begin + i];
     }
-    // scaled, so that squares neither overflow nor vanish
-    if (d.largest > 0.0)
-      for (const double difference : differences)
-        sum += (difference / d.largest) * (difference / d.largest);
-    d.rms = d.largest * std::sqrt(sum / static_cast<double>(result.samples));
   }
+  // scaled, so that squares neither overflow nor vanish
+  if (d.largest > 0.0)
+    for (const double difference : differences)
+      sum += (difference / d.largest) * (difference / d.largest);
+  d.rms = d.largest * std::sqrt(sum / static_cast<double>(differences.size()));
+}
 
+std::string words_of_sampling(const History& first, const History& second, const Samples& samples,
+                              const Comparison& result) {
+  const Column& x = first.columns[0];
+  const std::string of_x =
+      fmt::format("{} from {} to ", excerpt(x.name), result.from) + with_unit(result.to, x.unit);
   const std::array<std::string, 2> called = short_names(first, second);
-  const std::string& coarser = called[at_first ? 0 : 1];
-  const std::string& finer = called[at_first ? 1 : 0];
+  const std::string& coarser = called[samples.at_first ? 0 : 1];
+  const std::string& finer = called[samples.at_first ? 1 : 0];
   const std::string count =
       result.samples == 1 ? "the one sample" : fmt::format("the {} samples", result.samples);
+  std::string words;
   if (result.interpolated > 0)
-    result.sampling = fmt::format(
+    words = fmt::format(
         "at {} of {}, the coarser, in {}; {} has no sample at {} of them and is interpolated there "
         "by {}",
         count, coarser, of_x, finer, result.interpolated,
-        fine.size() >= 4 ? "the cubic through 4 neighbouring samples"
-                         : fmt::format("the polynomial through its {} samples", fine.size()));
+        samples.fine.size() >= 4
+            ? "the cubic through 4 neighbouring samples"
+            : fmt::format("the polynomial through its {} samples", samples.fine.size()));
   else
-    result.sampling =
-        fmt::format("at {} that both have{}, {}", count,
-                    n1 == n2 ? "" : fmt::format(" (all of {}, the coarser)", coarser), of_x);
-  const std::size_t outside = t1.size() - n1 + t2.size() - n2;
-  if (outside > 0)
-    result.sampling += fmt::format("; {} rows outside this interval are not used", outside);
+    words = fmt::format(
+        "at {} that both have{}, {}", count,
+        samples.n1 == samples.n2 ? "" : fmt::format(" (all of {}, the coarser)", coarser), of_x);
+  const std::size_t outside =
+      first.values[0].size() - samples.n1 + second.values[0].size() - samples.n2;
+  if (outside > 0) words += fmt::format("; {} rows outside this interval are not used", outside);
+  return words;
+}
+
+}  // namespace
+
+Comparison compare(const History& first, const History& second,
+                   std::span<const std::string> names) {
+  check_common_axis(first, second);
+  Comparison result;
+  pair_columns(first, second, names, result);
+  const Samples samples = common_samples(first, second, result);
+  for (ColumnDifference& d : result.columns) measure(first, second, samples, d);
+  result.sampling = words_of_sampling(first, second, samples, result);
   return result;
 }
 

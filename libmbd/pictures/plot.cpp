@@ -33,6 +33,7 @@ struct Style {
   std::string_view colour, dashes;
   Marker marker;
 };
+
 constexpr Style pale_style = {"#b0b0b0", "", Marker::circle};
 constexpr Style styles[] = {
     {"#000000", "", Marker::circle},           {"#0b62a4", "11 5", Marker::square},
@@ -364,6 +365,7 @@ std::string marker_of(const Curve& curve, const Style& style, const Point& p, st
   const bool hollow = number < curve.hollow.size() && curve.hollow[number];
   return filled_marker_at(p, style, hollow, curve.pale ? 0.7 : 1.0);
 }
+
 constexpr auto no_number = static_cast<std::size_t>(-1);
 
 // Attributes of a curve's line, in the axes and in the legend.
@@ -410,21 +412,29 @@ std::vector<bool> marked_curves(const Panel& panel) {
   return marked;
 }
 
+// The axes in the picture: x from x0 to x1, y from the bottom, y0, to the top; y points down.
+struct Area {
+  const Axis &x, &y;
+  double x0, x1, y0, top;
+
+  double place_x(double value) const { return x.place(value, x0, x1); }
+  double place_y(double value) const { return y.place(value, y0, top); }
+  bool shows(const Point& p) const { return x.shows(p[0]) && y.shows(p[1]); }
+};
+
 void draw_curve(std::string& svg, std::size_t number, const Style& style, bool marked,
-                const Panel& panel, const Axis& x, const Axis& y, double x0, double x1, double y0,
-                double y1) {
+                const Panel& panel, const Area& area) {
   const Curve& curve = panel.curves[number];
   const auto to_picture = [&](const Point& p) -> Point {
     constexpr double far = 1e5;  // outside the picture, inside what viewers can draw
-    return {std::clamp(x.place(p[0], x0, x1), -far, far),
-            std::clamp(y.place(p[1], y0, y1), -far, far)};
+    return {std::clamp(area.place_x(p[0]), -far, far), std::clamp(area.place_y(p[1]), -far, far)};
   };
   const std::vector<Point>& points = curve.trace.points();
   Path path;
   bool drawing = false;  // the last point is on the path
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool shown = x.shows(points[i][0]) && y.shows(points[i][1]);
-    const bool shown_before = i > 0 && x.shows(points[i - 1][0]) && y.shows(points[i - 1][1]);
+    const bool shown = area.shows(points[i]);
+    const bool shown_before = i > 0 && area.shows(points[i - 1]);
     const bool inside = within(panel.x_range, points[i][0]);
     const bool before = shown_before && within(panel.x_range, points[i - 1][0]);
     if (!shown || (!inside && !before)) {
@@ -441,8 +451,7 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
   if (!marked && !curve.points_only) return;
   if (points.size() <= few_points || curve.points_only || !curve.hollow.empty()) {
     for (std::size_t i = 0; i < points.size(); ++i)
-      if (x.shows(points[i][0]) && y.shows(points[i][1]))
-        svg += marker_of(curve, style, to_picture(points[i]), i);
+      if (area.shows(points[i])) svg += marker_of(curve, style, to_picture(points[i]), i);
     return;
   }
   // Each curve has its own phase, so that markers of curves that coincide stand side by side.
@@ -451,8 +460,7 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
   for (std::size_t n = 0; n < sparse_markers; ++n) {
     const double at = (static_cast<double>(n) + phase) / static_cast<double>(sparse_markers);
     const auto i = static_cast<std::size_t>(at * static_cast<double>(points.size() - 1));
-    if (x.shows(points[i][0]) && y.shows(points[i][1]))
-      svg += marker_at(to_picture(points[i]), style);
+    if (area.shows(points[i])) svg += marker_at(to_picture(points[i]), style);
   }
 }
 
@@ -595,12 +603,11 @@ std::string level_line(double x0, double x1, double y) {
       x0, x1, y);
 }
 
-void draw_slope(std::string& svg, const Slope& slope, const Axis& x, const Axis& y, double x0,
-                double x1, double y0, double top) {
+void draw_slope(std::string& svg, const Slope& slope, const Area& area) {
   for (const Point& p : {slope.from, slope.to})
-    if (!x.shows(p[0]) || !y.shows(p[1])) return;
-  const Point from = {x.place(slope.from[0], x0, x1), y.place(slope.from[1], y0, top)};
-  const Point to = {x.place(slope.to[0], x0, x1), y.place(slope.to[1], y0, top)};
+    if (!area.shows(p)) return;
+  const Point from = {area.place_x(slope.from[0]), area.place_y(slope.from[1])};
+  const Point to = {area.place_x(slope.to[0]), area.place_y(slope.to[1])};
   const double low = std::max(from[1], to[1]);  // y points down
   const double corner = to[1] < from[1] ? to[0] : from[0];
   svg += fmt::format(
@@ -609,55 +616,53 @@ void draw_slope(std::string& svg, const Slope& slope, const Axis& x, const Axis&
       from[0], from[1], to[0], to[1], corner, low);
   const double half = width_of(slope.text) / 2 + 4.0;
   const double middle =
-      std::clamp((from[0] + to[0]) / 2, x0 + half, std::max(x0 + half, x1 - half));
-  svg += text_at(middle, std::min(low + font, y0 - 8.0), "middle", slope.text, halo);
+      std::clamp((from[0] + to[0]) / 2, area.x0 + half, std::max(area.x0 + half, area.x1 - half));
+  svg += text_at(middle, std::min(low + font, area.y0 - 8.0), "middle", slope.text, halo);
 }
 
-// Draws it and returns its height. `id` is that of its clip path.
-double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const Frame& frame,
-                  const std::string& id, double at_x, double at_y) {
-  const Axis& x = axes.x;
-  const Axis& y = axes.y;
-  const Head head = head_of(panel, axes.y_label, frame.y_label_above);
-  const std::vector<bool> marked = marked_curves(panel);
-  const std::vector<std::string> x_label = wrapped(axes.x_label, text_width);
-  const double more_below =
-      line_height * static_cast<double>(std::max<std::size_t>(x_label.size(), 1) - 1);
-  const double height = panel_height + head.height + more_below;
-  const double x0 = at_x + frame.left, x1 = at_x + panel_width - right;
-  const double y0 = at_y + height - bottom - more_below;  // bottom of the axes; y points down
-  double top = at_y + 22.0;
+// The left end of all rows of the legend: above the axes, or as far left as the widest needs.
+double legend_left(const Panel& panel, const Head& head, double at_x, double x0) {
+  double left = x0;
+  for (const std::vector<std::size_t>& row : head.legend) {
+    double width = -legend_gap;
+    for (const std::size_t i : row) width += legend_width(panel.curves[i]);
+    left = std::max(at_x + 24.0, std::min(left, at_x + panel_width - 24.0 - width));
+  }
+  return left;
+}
 
+void draw_legend_entry(std::string& svg, const Panel& panel, std::size_t i, bool marked,
+                       double left, double y) {
+  const Curve& curve = panel.curves[i];
+  const Style& style = style_of(panel, i);
+  const auto sample = [&](const Curve& drawn) {
+    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", left,
+                       y - 4.0, left + legend_line - 8.0, y - 4.0, stroke(drawn, style));
+  };
+  for (std::size_t other = 0; other < panel.curves.size(); ++other)  // the broad one below it
+    if (other != i && panel.curves[other].wide && panel.curves[other].label.empty() &&
+        &style_of(panel, other) == &style)
+      sample(panel.curves[other]);
+  if (!curve.points_only) sample(curve);
+  if (marked || curve.points_only)
+    svg += marker_of(curve, style, {left + (legend_line - 8.0) / 2, y - 4.0}, no_number);
+  svg += text_at(left + legend_line, y + 4.0, "start", legend_text(curve));
+}
+
+// What stands above the axes. Returns where that ends.
+double draw_head(std::string& svg, const Panel& panel, const Head& head,
+                 const std::vector<bool>& marked, double at_x, double top, double x0) {
   for (const std::string& line : head.title) {
     svg += text_at(at_x + panel_width / 2, top + 10.0, "middle", line, " font-weight=\"bold\"");
     top += line_height;
   }
   if (!head.title.empty()) top += 10.0;
-  double legend_x = x0;  // of all rows: above the axes, or as far left as the widest needs
-  for (const std::vector<std::size_t>& row : head.legend) {
-    double width = -legend_gap;
-    for (const std::size_t i : row) width += legend_width(panel.curves[i]);
-    legend_x = std::max(at_x + 24.0, std::min(legend_x, at_x + panel_width - 24.0 - width));
-  }
+  const double legend_x = legend_left(panel, head, at_x, x0);
   for (const std::vector<std::size_t>& row : head.legend) {
     double item = legend_x;
     for (const std::size_t i : row) {
-      const Curve& curve = panel.curves[i];
-      const Style& style = style_of(panel, i);
-      const auto sample = [&](const Curve& drawn) {
-        svg +=
-            fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n",
-                        item, top - 4.0, item + legend_line - 8.0, top - 4.0, stroke(drawn, style));
-      };
-      for (std::size_t other = 0; other < panel.curves.size(); ++other)  // the broad one below it
-        if (other != i && panel.curves[other].wide && panel.curves[other].label.empty() &&
-            &style_of(panel, other) == &style)
-          sample(panel.curves[other]);
-      if (!curve.points_only) sample(curve);
-      if (marked[i] || curve.points_only)
-        svg += marker_of(curve, style, {item + (legend_line - 8.0) / 2, top - 4.0}, no_number);
-      svg += text_at(item + legend_line, top + 4.0, "start", legend_text(curve));
-      item += legend_width(curve);
+      draw_legend_entry(svg, panel, i, marked[i], item, top);
+      item += legend_width(panel.curves[i]);
     }
     top += line_height;
   }
@@ -671,19 +676,24 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
     svg += text_at(at_x + 24.0, top + 4.0, "start", line);
     top += line_height;
   }
+  return top;
+}
 
+// Marks and ticks of the axes, and lines across at these.
+void draw_grid(std::string& svg, const Area& area, double at_x) {
+  const auto& [x, y, x0, x1, y0, top] = area;
   for (const double mark : x.between) {
-    const double at = x.place(mark, x0, x1);
+    const double at = area.place_x(mark);
     svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#000000\"/>\n", at,
                        y0, y0 - 6.0);
   }
   for (const double mark : y.between) {
-    const double at = y.place(mark, y0, top);
+    const double at = area.place_y(mark);
     svg += fmt::format("<path d=\"M{1:.1f},{0:.1f} {2:.1f},{0:.1f}\" stroke=\"#000000\"/>\n", at,
                        x0, x0 + 6.0);
   }
   for (std::size_t i = 0; i < x.ticks.size(); ++i) {
-    const double at = x.place(x.ticks[i], x0, x1);
+    const double at = area.place_x(x.ticks[i]);
     svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#dddddd\"/>\n", at,
                        y0, top);
     const double last =
@@ -691,31 +701,54 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
     svg += text_at(std::min(at, last), y0 + 26.0, "middle", x.labels[i]);
   }
   for (std::size_t i = 0; i < y.ticks.size(); ++i) {
-    const double at = y.place(y.ticks[i], y0, top);
+    const double at = area.place_y(y.ticks[i]);
     const bool zero = y.ticks[i] == 0.0;
     svg += fmt::format("<path d=\"M{:.1f},{:.1f} {:.1f},{:.1f}\" stroke=\"{}\"/>\n", x0, at, x1, at,
                        zero ? "#888888" : "#dddddd");
     svg += text_at(x0 - tick_gap, at + 7.0, "end", y.labels[i]);
   }
+}
+
+// What is drawn in the axes. `id` is that of its clip path.
+void draw_contents(std::string& svg, const Panel& panel, const Area& area,
+                   const std::vector<bool>& marked, const std::string& id) {
+  const auto& [x, y, x0, x1, y0, top] = area;
   svg += fmt::format(
       "<clipPath id=\"{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
       "height=\"{:.1f}\"/></clipPath>\n",
       id, x0, top, x1 - x0, y0 - top);
   svg += fmt::format("<g clip-path=\"url(#{})\">\n", id);
   // Under the curves: no point is hidden.
-  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, x, y, x0, x1, y0, top);
+  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, area);
   for (const Level& level : panel.levels)
-    if (y.shows(level.y)) svg += level_line(x0, x1, y.place(level.y, y0, top));
+    if (y.shows(level.y)) svg += level_line(x0, x1, area.place_y(level.y));
   const auto layer = [](const Curve& curve) { return curve.pale ? 0 : curve.wide ? 1 : 2; };
   for (const int at : {0, 1, 2})
     for (std::size_t i = 0; i < panel.curves.size(); ++i)
       if (layer(panel.curves[i]) == at)
-        draw_curve(svg, i, style_of(panel, i), marked[i], panel, x, y, x0, x1, y0, top);
+        draw_curve(svg, i, style_of(panel, i), marked[i], panel, area);
   svg += "</g>\n";
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
       "stroke=\"#000000\"/>\n",
       x0, top, x1 - x0, y0 - top);
+}
+
+// Draws it and returns its height. `id` is that of its clip path.
+double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const Frame& frame,
+                  const std::string& id, double at_x, double at_y) {
+  const Head head = head_of(panel, axes.y_label, frame.y_label_above);
+  const std::vector<bool> marked = marked_curves(panel);
+  const std::vector<std::string> x_label = wrapped(axes.x_label, text_width);
+  const double more_below =
+      line_height * static_cast<double>(std::max<std::size_t>(x_label.size(), 1) - 1);
+  const double height = panel_height + head.height + more_below;
+  const double x0 = at_x + frame.left, x1 = at_x + panel_width - right;
+  const double y0 = at_y + height - bottom - more_below;  // bottom of the axes; y points down
+  const double top = draw_head(svg, panel, head, marked, at_x, at_y + 22.0, x0);
+  const Area area{axes.x, axes.y, x0, x1, y0, top};
+  draw_grid(svg, area, at_x);
+  draw_contents(svg, panel, area, marked, id);
 
   double below = y0 + 58.0;
   for (const std::string& line : x_label) {

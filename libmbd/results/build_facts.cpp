@@ -12,6 +12,12 @@
 
 #include "libmbd/language/schema.hpp"
 
+// What programs ask for by its name: tools/cmake/abi.hpp.in.
+extern "C" {
+extern const char MBD_ABI_SYMBOL;
+const char MBD_ABI_SYMBOL = 0;
+}
+
 namespace mbd {
 namespace {
 

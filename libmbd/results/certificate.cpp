@@ -51,6 +51,8 @@ Check bounded_check(Check check) {
   return check;
 }
 
+void Certificate::add(Check check) { checks.push_back(bounded_check(std::move(check))); }
+
 Verdict Certificate::verdict() const {
   Verdict worst = Verdict::pass;
   for (const Check& check : checks) worst = std::max(worst, check.verdict);
@@ -384,16 +386,16 @@ void Audit::sample_mesh(const State& state) {
 void Audit::add_mesh(Certificate& all) const {
   const double round_off = unbent * std::max(1.0, farthest_ / system_.length_scale());
   if (flexible_.empty() || !(bent_ > round_off * round_off * unit_)) return;
-  all.checks.push_back(bounded_check(
-      {.name = "mesh",
-       .value = missed_.value / bent_,
-       .warn = small_method_error,
-       .fail = certify_ ? much_method_error : std::numeric_limits<double>::max(),
-       .where = fmt::format("{}{}", missed_most_by_, where(missed_).empty() ? "" : ", ") +
-                where(missed_),
-       .why = "energy of what the elements of beams leave out of the resultants, estimated, over "
-              "the largest energy of these: about the relative error of deflections; more or "
-              "higher elements lessen it"}));
+  all.add({.name = "mesh",
+           .value = missed_.value / bent_,
+           .warn = small_method_error,
+           .fail = certify_ ? much_method_error : std::numeric_limits<double>::max(),
+           .where = fmt::format("{}{}", missed_most_by_, where(missed_).empty() ? "" : ", ") +
+                    where(missed_),
+           .why =
+               "energy of what the elements of beams leave out of the resultants, estimated, over "
+               "the largest energy of these: about the relative error of deflections; more or "
+               "higher elements lessen it"});
 }
 
 std::string Audit::where(const Worst& worst) const {
@@ -479,38 +481,40 @@ void Audit::add_momenta(Certificate& all) const {
               "quadrature of the impulse",
               of, parts_.is_held[k] != 0 ? "" : " (nothing ties it to the ground)")};
     }
-    if (worst) all.checks.push_back(bounded_check(*worst));
+    if (worst) all.add(*worst);
   };
   add("linear momentum", "momentum", false);
   // Without the gyroscopic moment it is not kept, and its drift says nothing of the method.
   if (scene_.transient->inertia == InertiaTerms::full) add("angular momentum", "its moment", true);
 }
 
-void Audit::add_motion(Certificate& all, const RunReport& report) const {
-  const auto add = [&](Check check) { all.checks.push_back(bounded_check(std::move(check))); };
-  const TransientScene& transient = *scene_.transient;
+void Audit::add_energy(Certificate& all) const {
   const double moved = energy_moved_, taken = energy_begin_ - energy_end_;
-  if (moved > floor_units * unit_round_off * std::max(std::abs(least_), std::abs(most_))) {
-    add({.name = "energy balance",
-         .value = std::abs(taken) / moved,
-         .warn = small_method_error,
-         .fail = taken >= 0.0 ? half_damped : much_method_error,
-         .why =
-             fmt::format("energy the integrator has {}, the error of the works included, over the "
-                         "energy that moved: an error of the method{}",
-                         taken >= 0.0 ? "taken out" : "put in",
-                         taken >= 0.0 ? "; what rings faster than the step resolves is meant to "
-                                        "be damped, up to half of it"
-                                      : "")});
-    add({.name = "spurious energy",
-         .value = put_in_.value / moved,
-         .warn = small_method_error,
-         .fail = much_method_error,
-         .where = where(put_in_),
-         .why =
-             "largest energy that has come from nowhere, over the energy that moved: an error of "
-             "the method"});
-  }
+  if (!(moved > floor_units * unit_round_off * std::max(std::abs(least_), std::abs(most_)))) return;
+  all.add(
+      {.name = "energy balance",
+       .value = std::abs(taken) / moved,
+       .warn = small_method_error,
+       .fail = taken >= 0.0 ? half_damped : much_method_error,
+       .why = fmt::format("energy the integrator has {}, the error of the works included, over the "
+                          "energy that moved: an error of the method{}",
+                          taken >= 0.0 ? "taken out" : "put in",
+                          taken >= 0.0 ? "; what rings faster than the step resolves is meant to "
+                                         "be damped, up to half of it"
+                                       : "")});
+  all.add({.name = "spurious energy",
+           .value = put_in_.value / moved,
+           .warn = small_method_error,
+           .fail = much_method_error,
+           .where = where(put_in_),
+           .why =
+               "largest energy that has come from nowhere, over the energy that moved: an error of "
+               "the method"});
+}
+
+void Audit::add_constraints(Certificate& all) const {
+  if (system_.constraints().empty()) return;
+  const TransientScene& transient = *scene_.transient;
   const NewtonOptions newton = newton_options(transient);
   // Ida stabilises constraints to its tolerance; the others solve for them, or project.
   const double tolerance = transient.method == TimeMethod::ida ? transient.tolerance.value_or(0.0)
@@ -518,127 +522,134 @@ void Audit::add_motion(Certificate& all, const RunReport& report) const {
                                                  : newton.tolerance;
   const double rounding =
       floor_units * unit_round_off * std::max(1.0, farthest_ / system_.length_scale());
-  if (!system_.constraints().empty()) {
-    add({.name = "constraints, position",
-         .value = position_.value,
-         .warn = near_tolerance * std::max(tolerance, rounding),
-         .fail = beyond_tolerance * std::max(tolerance, rounding),
-         .where = where(position_),
-         .why = "largest gap over the scene's length, or sine of an angle; bounds: 10 and 1000 "
-                "tolerances of Newton's iterations"});
-    const bool moves = fastest_ * last_.t > no_motion;
-    if (moves)
-      add({.name = "constraints, velocity",
-           .value = velocity_.value / fastest_,
-           .warn = small_method_error,
-           .fail = much_method_error,
-           .where = where(velocity_),
-           .why = "their largest rate over the fastest motion: an error of the method"});
-    const double pace = std::max(quickest_, fastest_ * fastest_);
-    if (certify_ && moves && pace > 0.0)
-      add({.name = "constraints, acceleration",
-           .value = acceleration_.value / pace,
-           .warn = much_method_error,
-           .fail = 1.0,
-           .where = where(acceleration_),
-           .why =
-               "their largest second rate over the largest acceleration: an error of the method, "
-               "one order larger than that of velocities"});
-  }
-  add_momenta(all);
-  if (steps_ > 0) {
-    add({.name = "Newton, contraction",
-         .value = contraction_.value,
-         .warn = 0.95,
-         .fail = std::numeric_limits<double>::max(),
-         .where = where(contraction_),
-         .why =
-             fmt::format("largest ratio of successive increments in a step that converged (0: none "
-                         "was measured); above {} in {} of {} steps",
-                         slow_contraction, slow_steps_, steps_)});
-    add({.name = "Newton, long steps",
-         .value = static_cast<double>(long_steps_) / static_cast<double>(steps_),
-         .warn = small_method_error,
-         .fail = 1.0,
-         .why =
-             fmt::format("share of steps with three quarters of the {} iterations that one try is "
-                         "allowed, or more",
-                         NewtonOptions().max_iterations)});
-    const Counters& c = report.transient_counters;
-    add({.name = "failed steps",
-         .value = static_cast<double>(c.retries) / static_cast<double>(steps_),
-         .warn = small_method_error,
-         .fail = 1.0,
-         .why = "tries that did not converge, over the number of steps"});
-    if (const LawFacts& laws = report.laws; laws.laws > 0)
-      add({.name = "laws of time",
-           .value = laws.unresolved.empty() ? laws.reach : std::max(2.0, laws.reach),
-           .warn = 1.0,
+  all.add({.name = "constraints, position",
+           .value = position_.value,
+           .warn = near_tolerance * std::max(tolerance, rounding),
+           .fail = beyond_tolerance * std::max(tolerance, rounding),
+           .where = where(position_),
+           .why = "largest gap over the scene's length, or sine of an angle; bounds: 10 and 1000 "
+                  "tolerances of Newton's iterations"});
+  const bool moves = fastest_ * last_.t > no_motion;
+  if (moves)
+    all.add({.name = "constraints, velocity",
+             .value = velocity_.value / fastest_,
+             .warn = small_method_error,
+             .fail = much_method_error,
+             .where = where(velocity_),
+             .why = "their largest rate over the fastest motion: an error of the method"});
+  const double pace = std::max(quickest_, fastest_ * fastest_);
+  if (certify_ && moves && pace > 0.0)
+    all.add({.name = "constraints, acceleration",
+             .value = acceleration_.value / pace,
+             .warn = much_method_error,
+             .fail = 1.0,
+             .where = where(acceleration_),
+             .why =
+                 "their largest second rate over the largest acceleration: an error of the method, "
+                 "one order larger than that of velocities"});
+}
+
+void Audit::add_steps(Certificate& all, const RunReport& report) const {
+  if (steps_ == 0) return;
+  all.add({.name = "Newton, contraction",
+           .value = contraction_.value,
+           .warn = 0.95,
            .fail = std::numeric_limits<double>::max(),
-           .where = laws.unresolved.empty() ? laws.reach > 1.0 ? laws.which : std::string()
-                                            : laws.unresolved.front(),
+           .where = where(contraction_),
            .why = fmt::format(
-               "what a step passes over, at most, of what a step may pass over: above 1 a feature "
-               "of a law of time can lie between two steps unseen; 2 or more where a law could "
-               "not be resolved{}",
-               laws.longest_step > 0.0 ? fmt::format("; steps of {:.3g} s resolve all, which is "
-                                                     "needed near t = {:.6g} s",
-                                                     laws.longest_step, laws.at)
-                                       : std::string())});
-    if (c.tolerant > 0)
-      add({.name = "rank-tolerant steps",
-           .value = static_cast<double>(c.tolerant),
-           .warn = 0.0,
-           .fail = std::numeric_limits<double>::max(),
-           .why =
-               "steps near a singular configuration: the motion is determined there, multipliers "
-               "are not"});
-  }
+               "largest ratio of successive increments in a step that converged (0: none "
+               "was measured); above {} in {} of {} steps",
+               slow_contraction, slow_steps_, steps_)});
+  all.add(
+      {.name = "Newton, long steps",
+       .value = static_cast<double>(long_steps_) / static_cast<double>(steps_),
+       .warn = small_method_error,
+       .fail = 1.0,
+       .why = fmt::format("share of steps with three quarters of the {} iterations that one try is "
+                          "allowed, or more",
+                          NewtonOptions().max_iterations)});
+  const Counters& c = report.transient_counters;
+  all.add({.name = "failed steps",
+           .value = static_cast<double>(c.retries) / static_cast<double>(steps_),
+           .warn = small_method_error,
+           .fail = 1.0,
+           .why = "tries that did not converge, over the number of steps"});
+  if (const LawFacts& laws = report.laws; laws.laws > 0)
+    all.add(
+        {.name = "laws of time",
+         .value = laws.unresolved.empty() ? laws.reach : std::max(2.0, laws.reach),
+         .warn = 1.0,
+         .fail = std::numeric_limits<double>::max(),
+         .where = laws.unresolved.empty() ? laws.reach > 1.0 ? laws.which : std::string()
+                                          : laws.unresolved.front(),
+         .why = fmt::format(
+             "what a step passes over, at most, of what a step may pass over: above 1 a feature "
+             "of a law of time can lie between two steps unseen; 2 or more where a law could "
+             "not be resolved{}",
+             laws.longest_step > 0.0 ? fmt::format("; steps of {:.3g} s resolve all, which is "
+                                                   "needed near t = {:.6g} s",
+                                                   laws.longest_step, laws.at)
+                                     : std::string())});
+  if (c.tolerant > 0)
+    all.add({.name = "rank-tolerant steps",
+             .value = static_cast<double>(c.tolerant),
+             .warn = 0.0,
+             .fail = std::numeric_limits<double>::max(),
+             .why =
+                 "steps near a singular configuration: the motion is determined there, multipliers "
+                 "are not"});
+}
+
+void Audit::add_motion(Certificate& all, const RunReport& report) const {
+  add_energy(all);
+  add_constraints(all);
+  add_momenta(all);
+  add_steps(all, report);
 }
 
 // Round-off of positions, and what is left of rates and multipliers where it is divided by steps.
 void Audit::add_round_off(Certificate& all) const {
-  const auto add = [&](Check check) { all.checks.push_back(bounded_check(std::move(check))); };
   const double L = system_.length_scale();
   // (max() would pass the other of a number and none)
   const double unit = floor_units * unit_round_off * (farthest_ < L ? L : farthest_);
-  add({.name = "round-off, position",
-       .value = unit / L,
-       .warn = 1e-9,
-       .fail = 1e-6,
-       .why =
-           fmt::format("{:g} units of round-off of the farthest position, over the scene's length; "
-                       "{:.2g} of Newton's tolerance",
-                       floor_units, floor_.value)});
+  all.add({.name = "round-off, position",
+           .value = unit / L,
+           .warn = 1e-9,
+           .fail = 1e-6,
+           .why = fmt::format(
+               "{:g} units of round-off of the farthest position, over the scene's length; "
+               "{:.2g} of Newton's tolerance",
+               floor_units, floor_.value)});
   if (!certify_ || last_.pose.empty()) return;
   double h = 0.0;
   if (scene_.transient && steps_ > 0) h = last_time_ / static_cast<double>(steps_);
   if (h > 0.0 && fastest_ > 0.0)
-    add({.name = "round-off, velocity",
-         .value = unit / (L * h) / fastest_,
-         .warn = weak_round_off,
-         .fail = no_digits,
-         .why = "that of positions over the mean step and the fastest motion"});
+    all.add({.name = "round-off, velocity",
+             .value = unit / (L * h) / fastest_,
+             .warn = weak_round_off,
+             .fail = no_digits,
+             .why = "that of positions over the mean step and the fastest motion"});
   const double force = std::max(largest_force_, largest_outside_);
   if (h > 0.0 && largest_force_ > 0.0) {
     const double mass =
         largest_stiffness(system_, last_, {.U = 0.0, .V = 0.0, .A = 1.0, .T_inv = {}});
-    add({.name = "round-off, multipliers",
-         .value = mass * unit / (h * h) / force,
-         .warn = weak_round_off,
-         .fail = std::numeric_limits<double>::max(),
-         .why = "that of positions over the mean step squared, times the largest mass of a node, "
-                "over the largest multiplier, or force from outside"});
+    all.add({.name = "round-off, multipliers",
+             .value = mass * unit / (h * h) / force,
+             .warn = weak_round_off,
+             .fail = std::numeric_limits<double>::max(),
+             .why =
+                 "that of positions over the mean step squared, times the largest mass of a node, "
+                 "over the largest multiplier, or force from outside"});
   }
   const double condition = reciprocal_condition(h);
-  add({.name = "condition",
-       .value = condition > 0.0 ? unit_round_off / condition : 1.0,
-       .warn = 1e-6,
-       .fail = 1e-1,
-       .why = fmt::format(
-           "round-off times the estimated condition of the iteration matrix at the end "
-           "({:.1e}), scaled to have no units: digits that one solution loses",
-           condition > 0.0 ? 1.0 / condition : std::numeric_limits<double>::infinity())});
+  all.add({.name = "condition",
+           .value = condition > 0.0 ? unit_round_off / condition : 1.0,
+           .warn = 1e-6,
+           .fail = 1e-1,
+           .why = fmt::format(
+               "round-off times the estimated condition of the iteration matrix at the end "
+               "({:.1e}), scaled to have no units: digits that one solution loses",
+               condition > 0.0 ? 1.0 / condition : std::numeric_limits<double>::infinity())});
 }
 
 // Forces that are left at the last equilibrium.
@@ -663,7 +674,7 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
   if (system_.multipliers() > 0) {
     const double g = largest_violation(system_, r_.tail(system_.multipliers()), &row);
     const double rounding = floor_units * unit_round_off * std::max(farthest_, L) / L;
-    all.checks.push_back(bounded_check(
+    all.add(
         {.name = "constraints, position",
          .value = g,
          .warn = near_tolerance * std::max(1e-12, rounding),
@@ -671,7 +682,7 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
          .where = row >= 0 ? system_.name_of(6 * system_.nodes() + row) : std::string(),
          .why =
              "largest gap over the scene's length, or sine of an angle, at the last equilibrium; "
-             "bounds: 10 and 1000 times 1e-12, or round-off of positions"}));
+             "bounds: 10 and 1000 times 1e-12, or round-off of positions"});
     row = -1;
   }
   const double left = largest(r_, &row);
@@ -680,7 +691,7 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
   const double rounding =
       floor_units * unit_round_off * std::max(farthest_, L) * largest_stiffness(system_, last_);
   if (scale > 0.0)
-    all.checks.push_back(bounded_check(
+    all.add(
         {.name = "balance of forces",
          .value = left / scale,
          .warn = near_tolerance * std::max(1e-9, rounding / scale),
@@ -690,7 +701,7 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
              "largest force, or moment over the scene's length, that is left over at a node, of "
              "the "
              "largest load or reaction; bounds: 10 and 1000 times round-off of positions times the "
-             "largest stiffness, or 1e-9"}));
+             "largest stiffness, or 1e-9"});
   if (report.negative_eigenvalues.value_or(0) > 0)
     all.checks.push_back(
         {.name = "stability",

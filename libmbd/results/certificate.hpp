@@ -68,6 +68,7 @@ struct Certificate {
   std::vector<Check> checks;
   bool certified = false;  // with the dear ones
 
+  void add(Check check);         // bounded_check() of it
   Verdict verdict() const;       // the worst
   const Check* culprit() const;  // the first of the worst; nullptr if all pass
   // What a verdict is about, and what it says nothing of: short phrases.
@@ -124,6 +125,9 @@ class Audit {
   void outside(const State& state, std::vector<Outside>& all) const;
   void add_momenta(Certificate& all) const;
   double reciprocal_condition(double h) const;
+  void add_energy(Certificate& all) const;
+  void add_constraints(Certificate& all) const;
+  void add_steps(Certificate& all, const RunReport& report) const;
   void add_motion(Certificate& all, const RunReport& report) const;
   void add_equilibrium(Certificate& all, const RunReport& report) const;
   void add_round_off(Certificate& all) const;

@@ -173,25 +173,29 @@ bool is_being_written(const std::filesystem::path& directory) {
   }
 }
 
-}  // namespace
-
-History read_history(const fs::path& file_or_directory) {
-  History history;
-  history.file = file_of(file_or_directory);
+std::ifstream open_text(const fs::path& file) {
   errno = 0;
-  std::ifstream stream(history.file, std::ios::binary);
+  std::ifstream stream(file, std::ios::binary);
   if (!stream)
-    throw Error(history.file.string() + ": cannot be read (" + std::strerror(errno) +
+    throw Error(file.string() + ": cannot be read (" + std::strerror(errno) +
                 "); check its permissions");
   char beginning[4096];
   stream.read(beginning, sizeof beginning);
   if (std::any_of(beginning, beginning + stream.gcount(), [](char c) {
         return static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\r' && c != '\t';
       }))
-    throw Error(history.file.string() +
-                ": is not text; name a history.csv, the table that mbd run writes");
+    throw Error(file.string() + ": is not text; name a history.csv, the table that mbd run writes");
   stream.clear();
   stream.seekg(0);
+  return stream;
+}
+
+}  // namespace
+
+History read_history(const fs::path& file_or_directory) {
+  History history;
+  history.file = file_of(file_or_directory);
+  std::ifstream stream = open_text(history.file);
 
   Source source{history.file.string(), 0};
   std::string units;

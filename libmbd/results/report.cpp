@@ -142,6 +142,103 @@ Json settings(const RunReport& report) {
   return all;
 }
 
+Json json(const std::vector<BatchReport>& batches) {
+  Json all = Json::array();
+  for (const BatchReport& batch : batches)
+    all.push_back({{"type", batch.type}, {"size", batch.size}, {"bytes", batch.bytes}});
+  return all;
+}
+
+Json json(const std::vector<ExpectResult>& expects) {
+  Json all = Json::array();
+  for (const ExpectResult& expect : expects)
+    all.push_back({{"quantity", expect.what},
+                   {"expected", expect.expected},
+                   {"got", expect.got ? Json(*expect.got) : Json()},
+                   {"tolerance", expect.tolerance},
+                   {"pass", expect.pass()},
+                   {"source", expect.reference}});
+  return all;
+}
+
+Json newton(const Counters& counters, int most_iterations) {
+  Json all = json(counters);
+  all["most_iterations_in_a_step"] = most_iterations;
+  return all;
+}
+
+Json static_solver(const RunReport& report) {
+  Json all = newton(report.static_counters, report.most_static_iterations);
+  all["load_steps_by_line_search"] = report.searched_steps;
+  if (!report.static_linear.method.empty()) all["linear_solver"] = json(report.static_linear);
+  return all;
+}
+
+Json transient_solver(const RunReport& report) {
+  Json all = newton(report.transient_counters, report.most_iterations);
+  if (!report.transient_linear.method.empty()) all["linear_solver"] = json(report.transient_linear);
+  if (const std::optional<RoundOff>& floor = report.round_off)
+    all["round_off_of_the_last_step"] = {{"velocity", floor->velocity},
+                                         {"constraint_force", floor->force},
+                                         {"constraint_moment", floor->moment},
+                                         {"reciprocal_condition", floor->reciprocal_condition}};
+  if (const LawFacts& laws = report.laws; laws.laws > 0)
+    all["laws_of_time"] = {
+        {"number", laws.laws},
+        {"longest_step", laws.longest_step > 0.0 ? Json(laws.longest_step) : Json()},
+        {"at", laws.at},
+        {"by", laws.which},
+        {"unresolved", laws.unresolved}};
+  if (report.transient->tolerance) {
+    const StepSizes& sizes = report.step_sizes;
+    all["least_step"] = sizes.least;
+    all["most_step"] = sizes.most;
+    all["largest_error_of_a_step"] = sizes.worst_error;
+    all["sum_of_errors"] = {{"position", sizes.position_error}, {"rotation", sizes.rotation_error}};
+    if (report.transient->errors == ErrorsOf::motion)
+      all["largest_velocity_error_not_held"] = sizes.velocity_left;
+  }
+  return all;
+}
+
+Json path_followed(const RunReport& report) {
+  Json special = Json::array();
+  for (const SpecialPoint& point : report.special)
+    special.push_back({{"event", name_of(point.event)},
+                       {"number", point.number},
+                       {"branch", point.branch},
+                       {"load_factor", point.load_factor},
+                       {"arc_length", point.arc_length},
+                       {"negative_eigenvalues_before", point.before ? Json(*point.before) : Json()},
+                       {"negative_eigenvalues_after", point.after ? Json(*point.after) : Json()},
+                       {"largest_motion", point.motion}});
+  return {{"end", report.path_end},
+          {"least_load_factor", report.path_load[0]},
+          {"most_load_factor", report.path_load[1]},
+          {"special_points", special}};
+}
+
+Json energy(const RunReport& report) {
+  Json all = {{"start", json(report.energy_start)},
+              {"end", json(report.energy_end)},
+              {"least_total", report.energy_least},
+              {"most_total", report.energy_most}};
+  if (!report.transient) return all;
+  all["work_of_loads"] = report.work.loads;
+  all["work_of_drives"] = report.work.drives;
+  all["work_of_damping"] = report.work.damping;
+  all["dissipated_by_integrator"] = report.dissipated();
+  return all;
+}
+
+Json json(const TimeError& error) {
+  if (!error.known) return {{"relative", nullptr}, {"why", error.why_not}};
+  return {{"relative", error.relative}, {"displacement", error.displacement},
+          {"rotation", error.rotation}, {"where", error.node},
+          {"time", error.time},         {"until", error.until},
+          {"from_a_run_in", error.how}};
+}
+
 }  // namespace
 
 std::string_view name_of(PathEvent event) {
@@ -185,120 +282,41 @@ std::string to_json(const RunReport& report) {
                   : report.as_expected() ? "complete"
                                          : "complete, not as expected";
   all["failure"] = report.complete() ? Json() : Json(report.failure);
+  if (!report.complete()) all["failure_kind"] = name_of(report.kind);
   all["redundant_constraints"] = report.redundant;
   all["notes"] = report.notes;
   all["reached"] = {{"time", report.t}, {"load_factor", report.load_factor}, {"rows", report.rows}};
   all["settings"] = settings(report);
   if (report.accuracy) all["accuracy"] = json(*report.accuracy);
 
-  Json batches = Json::array();
-  for (const BatchReport& batch : report.batches)
-    batches.push_back({{"type", batch.type}, {"size", batch.size}, {"bytes", batch.bytes}});
   all["counts"] = {{"nodes", report.nodes},
                    {"unknowns", report.unknowns},
                    {"multipliers", report.multipliers},
-                   {"batches", batches}};
-
-  Json solver = Json::object();
-  if (report.statics) {
-    solver["static"] = json(report.static_counters);
-    solver["static"]["most_iterations_in_a_step"] = report.most_static_iterations;
-    solver["static"]["load_steps_by_line_search"] = report.searched_steps;
-    if (!report.static_linear.method.empty())
-      solver["static"]["linear_solver"] = json(report.static_linear);
-  }
-  if (report.path) {
-    solver["path"] = json(report.static_counters);
-    solver["path"]["most_iterations_in_a_step"] = report.most_static_iterations;
-  }
-  if (report.transient) {
-    solver["transient"] = json(report.transient_counters);
-    solver["transient"]["most_iterations_in_a_step"] = report.most_iterations;
-    if (!report.transient_linear.method.empty())
-      solver["transient"]["linear_solver"] = json(report.transient_linear);
-    if (const std::optional<RoundOff>& floor = report.round_off)
-      solver["transient"]["round_off_of_the_last_step"] = {
-          {"velocity", floor->velocity},
-          {"constraint_force", floor->force},
-          {"constraint_moment", floor->moment},
-          {"reciprocal_condition", floor->reciprocal_condition}};
-    if (const LawFacts& laws = report.laws; laws.laws > 0)
-      solver["transient"]["laws_of_time"] = {
-          {"number", laws.laws},
-          {"longest_step", laws.longest_step > 0.0 ? Json(laws.longest_step) : Json()},
-          {"at", laws.at},
-          {"by", laws.which},
-          {"unresolved", laws.unresolved}};
-    if (report.transient->tolerance) {
-      const StepSizes& sizes = report.step_sizes;
-      solver["transient"]["least_step"] = sizes.least;
-      solver["transient"]["most_step"] = sizes.most;
-      solver["transient"]["largest_error_of_a_step"] = sizes.worst_error;
-      solver["transient"]["sum_of_errors"] = {{"position", sizes.position_error},
-                                              {"rotation", sizes.rotation_error}};
-      if (report.transient->errors == ErrorsOf::motion)
-        solver["transient"]["largest_velocity_error_not_held"] = sizes.velocity_left;
-    }
-  }
-  all["solver"] = solver;
+                   {"batches", json(report.batches)}};
+  Json& solver = all["solver"] = Json::object();
+  if (report.statics) solver["static"] = static_solver(report);
+  if (report.path) solver["path"] = newton(report.static_counters, report.most_static_iterations);
+  if (report.transient) solver["transient"] = transient_solver(report);
   if (report.statics)
     all["negative_eigenvalues"] =
         report.negative_eigenvalues ? Json(*report.negative_eigenvalues) : Json();
-  if (report.path) {
-    Json special = Json::array();
-    for (const SpecialPoint& point : report.special)
-      special.push_back(
-          {{"event", name_of(point.event)},
-           {"number", point.number},
-           {"branch", point.branch},
-           {"load_factor", point.load_factor},
-           {"arc_length", point.arc_length},
-           {"negative_eigenvalues_before", point.before ? Json(*point.before) : Json()},
-           {"negative_eigenvalues_after", point.after ? Json(*point.after) : Json()},
-           {"largest_motion", point.motion}});
-    all["path"] = {{"end", report.path_end},
-                   {"least_load_factor", report.path_load[0]},
-                   {"most_load_factor", report.path_load[1]},
-                   {"special_points", special}};
-  }
+  if (report.path) all["path"] = path_followed(report);
 
   all["sampled_states"] = report.sampled_states;
   all["constraint_residuals"] = {{"position", json(report.position)},
                                  {"velocity", json(report.velocity)}};
-  all["energy"] = {{"start", json(report.energy_start)},
-                   {"end", json(report.energy_end)},
-                   {"least_total", report.energy_least},
-                   {"most_total", report.energy_most}};
-  if (report.transient) {
-    all["energy"]["work_of_loads"] = report.work.loads;
-    all["energy"]["work_of_drives"] = report.work.drives;
-    all["energy"]["work_of_damping"] = report.work.damping;
-    all["energy"]["dissipated_by_integrator"] = report.dissipated();
+  all["energy"] = energy(report);
+  if (report.transient)
     all["momentum"] = {{"start", json(report.momentum_start)}, {"end", json(report.momentum_end)}};
-  }
   all["seconds"] = {{"compile", json(report.compile)},
                     {"static", json(report.equilibrium)},
                     {"transient", json(report.integration)},
                     {"output", json(report.output)},
                     {"error_estimate", json(report.estimate)}};
 
-  if (const auto& error = report.time_error)
-    all["error_in_time"] =
-        error->known ? Json{{"relative", error->relative}, {"displacement", error->displacement},
-                            {"rotation", error->rotation}, {"where", error->node},
-                            {"time", error->time},         {"until", error->until},
-                            {"from_a_run_in", error->how}}
-                     : Json{{"relative", nullptr}, {"why", error->why_not}};
+  if (report.time_error) all["error_in_time"] = json(*report.time_error);
   all["certificate"] = json(report.certificate);
-  Json expects = Json::array();
-  for (const ExpectResult& expect : report.expects)
-    expects.push_back({{"quantity", expect.what},
-                       {"expected", expect.expected},
-                       {"got", expect.got ? Json(*expect.got) : Json()},
-                       {"tolerance", expect.tolerance},
-                       {"pass", expect.pass()},
-                       {"source", expect.reference}});
-  all["expectations"] = expects;
+  all["expectations"] = json(report.expects);
   // Names from a model may hold bytes that are not UTF-8: replaced, not refused.
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

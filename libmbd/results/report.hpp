@@ -98,6 +98,7 @@ struct RunReport {
   std::optional<ChosenAccuracy> accuracy;
 
   std::string failure;                 // empty: all went well (expectations apart)
+  Failure kind = Failure::none;        // of what kind it is
   std::vector<std::string> redundant;  // constraints that repeat others, by joint
   std::vector<std::string> notes;      // what a user should know of a run that went well
   double t = 0.0;                      // reached [s]

@@ -56,6 +56,17 @@ void TimeErrorMeter::sample(const State& state) {
     samples_.push_back({state.t, state.pose});
 }
 
+// Why an estimate from steps in which a node turns that fast [rad/s] is none; empty if it is one.
+std::string TimeErrorMeter::turns_too_far(double spin, std::size_t node) const {
+  const double turn = spin * transient_.step.value_or(0.0);
+  const double most = transient_.method == TimeMethod::radau ? most_turn_radau : most_turn_alpha;
+  if (!(turn > most)) return {};
+  return fmt::format(
+      "{} turns by {:.2g} rad in a step, where errors do not go with a power of the step any "
+      "more; take steps in which it turns by less than {:g}",
+      system_.node_name(static_cast<Index>(node)), turn, most);
+}
+
 // False if the other run ends early for a reason of its own.
 bool TimeErrorMeter::follow(const TransientScene& other, double factor,
                             const std::atomic<bool>* interrupted, TimeError& error,
@@ -109,13 +120,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, double factor,
         }
     }
     if (next == samples_.size()) {
-      const double turn = spin * transient_.step.value_or(0.0);
-      if (turn > (transient_.method == TimeMethod::radau ? most_turn_radau : most_turn_alpha))
-        error.why_not = fmt::format(
-            "{} turns by {:.2g} rad in a step, where errors do not go with a power of the step any "
-            "more; take steps in which it turns by less than {:g}",
-            system_.node_name(static_cast<Index>(spinning)), turn,
-            transient_.method == TimeMethod::radau ? most_turn_radau : most_turn_alpha);
+      error.why_not = turns_too_far(spin, spinning);
       return true;
     }
     error.why_not = report.failure;

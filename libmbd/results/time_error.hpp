@@ -62,6 +62,7 @@ class TimeErrorMeter {
   };
   bool follow(const TransientScene& other, double factor, const std::atomic<bool>* interrupted,
               TimeError& error, long& steps) const;
+  std::string turns_too_far(double spin, std::size_t node) const;
 
   const System& system_;
   const TransientScene transient_;  // its own: whoever asks may be gone when it measures

@@ -12,6 +12,7 @@
 #include "libmbd/compile/drags.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/language/schema.hpp"
+#include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/results/expect.hpp"
 #include "libmbd/results/observers.hpp"
 #include "libmbd/run/run.hpp"
@@ -202,7 +203,7 @@ std::string residual(const WorstConstraint& worst, std::string_view unit) {
   return fmt::format("{:.2g} {} at {}", worst.value, unit, worst.where);
 }
 
-Json json(const WorstConstraint& worst) {
+Json worst_at_start(const WorstConstraint& worst) {
   return {{"largest", worst.value}, {"where", worst.where}};
 }
 
@@ -406,8 +407,10 @@ class Explainer {
     Names names = from(scene_.sections, [this](const Section& s) {
       return is_used(s) && (s.mass || (!s.stations.empty() && s.stations.front().mass));
     });
-    const Names bodies = from(
-        scene_.bodies, [](const BodyScene& b) { return b.mass > 0.0 || !b.inertia.isZero(0.0); });
+    const Names bodies = from(scene_.bodies, [](const BodyScene& b) {
+      const MassProperties is = mass_properties(b);
+      return is.mass > 0.0 || !is.inertia.isZero(0.0);
+    });
     const Names points =
         from(scene_.point_masses, [](const PointMassScene& m) { return m.mass > 0.0; });
     names.insert(names.end(), bodies.begin(), bodies.end());
@@ -842,7 +845,8 @@ std::string to_json(const CheckReport& report) {
                     {"potential", report.energy.potential},
                     {"total", report.energy.total()}}},
                   {"constraint_residuals",
-                   {{"position", json(report.position)}, {"velocity", json(report.velocity)}}}};
+                   {{"position", worst_at_start(report.position)},
+                    {"velocity", worst_at_start(report.velocity)}}}};
   all["settings"] = settings(report);
   all["columns"] = report.columns;
   all["notes"] = report.notes;

@@ -147,6 +147,25 @@ const SectionShape& shape_of_section(const Scene& scene, std::string& name,
   throw Error("unreachable");
 }
 
+std::vector<std::string_view> stress_quantities() {
+  std::vector<std::string_view> names;
+  for (const Measure& measure : measures) names.push_back(measure.name);
+  return names;
+}
+
+std::string_view stress_quantity_unit(std::string_view quantity) {
+  return std::ranges::find(measures, quantity, &Measure::name)->unit;
+}
+
+std::optional<double> stress_quantity(std::string_view quantity,
+                                      const section::MeshMaterial& material, const Vec6& stress) {
+  const auto component = std::ranges::find(components, quantity);
+  if (component != components.end()) return stress(component - components.begin());
+  const auto measure = std::ranges::find(measures, quantity, &Measure::name);
+  if (!measure->is_of(material)) return std::nullopt;
+  return measure->value(material, stress);
+}
+
 StressReport describe_stress(const Scene& scene, const std::string& section,
                              std::optional<double> station, std::span<const SectionLoad> loads) {
   StressReport report;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "libmbd/scene/scene.hpp"
@@ -38,6 +39,15 @@ struct StressReport {
   std::vector<double> times;                 // `at` of the loads, if they have any
   std::vector<std::vector<double>> history;  // by load, then as `largest`
 };
+
+// Names of what is looked at: failure indices, von_mises, and the components LL TT NN TN LN LT.
+std::vector<std::string_view> stress_quantities();
+// Its unit: Pa, or none of a failure index.
+std::string_view stress_quantity_unit(std::string_view quantity);
+// Its value for a stress [LL TT NN TN LN LT] of a material, components with their sign; nothing where the material lacks the
+// strengths that it is of.
+std::optional<double> stress_quantity(std::string_view quantity,
+                                      const section::MeshMaterial& material, const Vec6& stress);
 
 // Of a section of one shape, or (`station`: place along the beam) of one of its stations. Throws Error where there is no such
 // section or it has no shape.

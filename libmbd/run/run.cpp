@@ -18,6 +18,7 @@
 #include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/stop.hpp"
+#include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/pictures/shapes.hpp"
 #include "libmbd/results/build_facts.hpp"
@@ -251,14 +252,15 @@ class Run {
       if (scene_.path) follow(state);
       if (scene_.transient) integrate(state);
     } catch (const Stopped&) {
-      end_early(state, "interrupted");
+      end_early(state, "interrupted", Failure::stopped);
     } catch (const OutOfMemory& error) {
-      end_early(state, error.what());
+      end_early(state, error.what(), Failure::memory);
     } catch (const std::bad_alloc&) {
       end_early(state,
                 fmt::format("out of memory, with {} unknowns; take fewer elements, bodies or "
                             "rows, or more memory",
-                            report_.unknowns));
+                            report_.unknowns),
+                Failure::memory);
     }
     report_.t = state.t;
     report_.load_factor = state.load_factor;
@@ -269,6 +271,7 @@ class Run {
       report_.failure = fmt::format(
           "out of memory at the end of the run, with {} rows; take fewer of them, or more memory",
           report_.rows);
+      report_.kind = Failure::memory;
       finish();
     }
     return std::move(report_);
@@ -367,13 +370,16 @@ class Run {
         state.t));
   }
 
+  long checkpoints_until(const State& state) const {
+    if (every_->rows > 0) return report_.rows / every_->rows;
+    const double part = scene_.transient->duration / CheckpointEvery::parts;
+    return static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+  }
+
   // After a step, when everything that it has to give has been written.
   void keep(Stepper& stepper, const State& state, long step, double monitor_at) {
     if (!every_) return;
-    const double part = scene_.transient->duration / CheckpointEvery::parts;
-    const long due = every_->rows > 0
-                         ? report_.rows / every_->rows
-                         : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+    const long due = checkpoints_until(state);
     if (kept_parts_ < 0) kept_parts_ = 0;
     if (due <= kept_parts_) return;
     kept_parts_ = due;
@@ -400,7 +406,12 @@ class Run {
   }
 
   // What is left of a step that did not come to its end is the last state that was accepted.
-  void end_early(State& state, const std::string& why) {
+  void fail(const Error& error) {
+    report_.failure = error.what();
+    report_.kind = error.kind();
+  }
+
+  void end_early(State& state, const std::string& why, Failure kind) {
     stop::Scope::done();
     if (kept_) state = std::move(*kept_);
     if (report_.rows == 0) {
@@ -409,6 +420,7 @@ class Run {
                               why, place_of(state)));
     }
     report_.failure = fmt::format("{} at {}", why, place_of(state));
+    report_.kind = kind;
     monitor(state);
   }
 
@@ -432,8 +444,11 @@ class Run {
               scene_.statics ? "static" : "path", mechanism.freedoms(),
               mechanism.freedoms() == 1 ? "" : "s", failure,
               driven ? "" : "; hold them by joints or springs, start nearer to an equilibrium"));
+    const auto has_both = [](const MassProperties& is) {
+      return is.mass > 0.0 && is.inertia.determinant() > 0.0;
+    };
     for (const BodyScene& body : scene_.bodies)
-      if (!(body.mass > 0.0 && body.inertia.determinant() > 0.0) &&
+      if (!has_both(mass_properties(body)) &&
           failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
         throw Error(body.source, label(body) +
                                      ": its acceleration at the start is not determined: it lacks "
@@ -624,6 +639,19 @@ class Run {
     return true;
   }
 
+  // Which steps of a motion are monitored: some of the fixed ones, or the first that ends after each of equal times.
+  struct Monitoring {
+    long steps;  // 0: not fixed
+    double pause, next = pause;
+
+    bool includes(long step, double t, bool at_end) {
+      const long every = (steps + most_monitored - 1) / most_monitored;
+      if (steps > 0 || !(t >= next)) return at_end || (steps > 0 && step % every == 0);
+      next = pause * (std::floor(t / pause) + 1.0);
+      return true;
+    }
+  };
+
   void integrate(State& state) {
     kept_.reset();  // steps leave the state alone until they are done
     const TransientScene& transient = *report_.transient;
@@ -635,89 +663,105 @@ class Run {
     const TransientScene asked = transient;  // say_balance() writes what is chosen into that
     const std::unique_ptr<Stepper> stepper = make_stepper(*model_.system, asked);
     say_balance();
-    if (options_.estimate_error && every_)
-      report_.notes.push_back(
-          "the error of steps in time is not estimated: the run has checkpoints");
-    if (options_.estimate_error && !every_) {
-      time_error_.emplace(*model_.system, asked);
-      time_error_->start(state);
-    }
+    begin_time_error(asked, state);
     const long steps = transient.step ? number_of_steps(transient) : 0;
-    // Monitored: some of the fixed steps, or the first step that ends after each of equal times.
-    const long every = (steps + most_monitored - 1) / most_monitored;
-    const double pause = transient.duration / static_cast<double>(most_monitored);
-    double monitor_at = pause;
+    Monitoring monitoring{steps, transient.duration / static_cast<double>(most_monitored)};
     bool going = true;
 
     State inside = state;  // where steps are interpolated
     const bool rows_inside = steps == 0 || rows_->inside_steps();
     stepper->on_substep([&](const DenseStep& step) {
       audit_->piece(step);
-      if (frames_) write_frames_inside(step, inside, going);
-      if (!rows_inside) return;
-      // What lies at the end of the step is left to the state there, after a restart if there is one; what
-      // lies at the end of a piece, to the beginning of the next.
-      const double before = step.end() - rows_->slack();
-      if (!going || !(rows_->next() < before)) return;
-      watch_.lap(report_.integration);
-      for (; going && rows_->next() < before; rows_->advance()) {
-        step.at(std::clamp(rows_->next(), step.begin(), step.end()), inside);
-        going = write_row(inside);
-      }
-      watch_.lap(report_.output);
+      if (frames_) write_inside(step, *frames_, inside, going, [&] { return write_frame(inside); });
+      if (rows_inside) write_inside(step, *rows_, inside, going, [&] { return write_row(inside); });
     });
 
-    StepReport step;
-    long first = 1;
     if (from_) {
       going = false;  // rows that restoring shows have been written
-      go_on_from(*stepper, state);
-      judge_laws(stepper->laws());
-      first = from_->step + 1;
-      monitor_at = from_->monitor_at;
-      const double t = steps > 0 ? static_cast<double>(from_->step) * *transient.step : state.t;
-      while (rows_->next() <= t + rows_->slack()) rows_->advance();
-      const double part = transient.duration / CheckpointEvery::parts;
-      kept_parts_ = every_->rows > 0
-                        ? report_.rows / every_->rows
-                        : static_cast<long>(std::floor((state.t + rows_->slack()) / part));
+      resume(*stepper, state);
+      monitoring.next = from_->monitor_at;
       going = true;
     } else {
-      step = stepper->start(state);
-      if (!step.converged) fail_to_start(step.failure);
-      judge_laws(stepper->laws());
-      watch_.lap(report_.integration);
-      going = accept(state, true) && write_frame(state);
+      going = start(*stepper, state);
     }
     report_.output += watch_.lap();
+    take_steps(*stepper, state, monitoring, going);
+    if (!report_.complete() && report_.rows > 0) monitor(state);
+    report_.integration += watch_.lap();
+    report_.transient_counters = stepper->counters();
+    report_.transient_linear = stepper->linear_facts();
+    report_.step_sizes = stepper->sizes();
+    if (report_.rows > 0) judge_round_off(*stepper);
+  }
+
+  void begin_time_error(const TransientScene& asked, const State& state) {
+    if (!options_.estimate_error) return;
+    if (every_) {
+      report_.notes.push_back(
+          "the error of steps in time is not estimated: the run has checkpoints");
+      return;
+    }
+    time_error_.emplace(*model_.system, asked);
+    time_error_->start(state);
+  }
+
+  // The first row of a motion. False ends the run.
+  bool start(Stepper& stepper, State& state) {
+    const StepReport step = stepper.start(state);
+    if (!step.converged) fail_to_start(step.failure);
+    judge_laws(stepper.laws());
+    watch_.lap(report_.integration);
+    return accept(state, true) && write_frame(state);
+  }
+
+  // Where the checkpoint was made.
+  void resume(Stepper& stepper, State& state) {
+    go_on_from(stepper, state);
+    judge_laws(stepper.laws());
+    pass_rows(nominal_time(from_->step, state));
+    kept_parts_ = checkpoints_until(state);
+  }
+
+  // Of a step's end: a fixed step may end beside its time, at a breakpoint.
+  double nominal_time(long step, const State& state) const {
+    const TransientScene& transient = *report_.transient;
+    return transient.step ? static_cast<double>(step) * *transient.step : state.t;
+  }
+
+  // Whether there was one up to t.
+  bool pass_rows(double t) {
+    const bool due = rows_->next() <= t + rows_->slack();
+    while (rows_->next() <= t + rows_->slack()) rows_->advance();
+    return due;
+  }
+
+  void take_steps(Stepper& stepper, State& state, Monitoring& monitoring, bool& going) {
+    const long steps = monitoring.steps;
     bool at_end = false;
-    for (long n = first; going && !at_end; ++n) {
+    for (long n = from_ ? from_->step + 1 : 1; going && !at_end; ++n) {
+      StepReport step;
       try {
-        step = stepper->step(state);
+        step = stepper.step(state);
       } catch (const Stopped&) {
         stop::Scope::done();
         report_.failure = "interrupted at " + place_of(state);
+        report_.kind = Failure::stopped;
         break;
       }
       if (!going) break;  // a row inside the step ended it
       if (!step.converged) {
         report_.failure = steps > 0 ? fmt::format("step {} of {}, {}", n, steps, step.failure)
                                     : fmt::format("after {} steps, {}", n - 1, step.failure);
+        report_.kind = step.kind;
         break;
       }
       audit_->step(step, state);
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
       watch_.lap(report_.integration);
       at_end = steps > 0 ? n == steps : state.t > rows_->end() - rows_->slack();
-      // A fixed step may end beside its time, at a breakpoint.
-      const double t = steps > 0 ? static_cast<double>(n) * *transient.step : state.t;
-      const bool due = rows_->next() <= t + rows_->slack();
-      while (rows_->next() <= t + rows_->slack()) rows_->advance();
-      bool monitored = at_end || (steps > 0 && n % every == 0);
-      if (steps == 0 && state.t >= monitor_at) {
-        monitored = true;
-        monitor_at = pause * (std::floor(state.t / pause) + 1.0);
-      }
+      const double t = nominal_time(n, state);
+      const bool due = pass_rows(t);
+      const bool monitored = monitoring.includes(n, state.t, at_end);
       if (due || at_end || rows_->at_steps())
         going = accept(state, monitored);
       else if (monitored)
@@ -727,19 +771,13 @@ class Run {
         going = write_frame(state);
       }
       if (options_.progress)
-        options_.progress({state.t, transient.duration, n, steps, step.iterations});
+        options_.progress({state.t, report_.transient->duration, n, steps, step.iterations});
       watch_.lap(report_.output);
       if (going && !at_end) {
         going = !interrupted(state);
-        if (going) keep(*stepper, state, n, monitor_at);
+        if (going) keep(stepper, state, n, monitoring.next);
       }
     }
-    if (!report_.complete() && report_.rows > 0) monitor(state);
-    report_.integration += watch_.lap();
-    report_.transient_counters = stepper->counters();
-    report_.transient_linear = stepper->linear_facts();
-    report_.step_sizes = stepper->sizes();
-    if (report_.rows > 0) judge_round_off(*stepper);
   }
 
   // Says what laws of time the steps may pass over.
@@ -780,16 +818,19 @@ class Run {
           report_.transient->method == TimeMethod::radau ? "" : ", or method=\"radau\""));
   }
 
-  // Frames of motion at times of their own that lie inside a step.
-  void write_frames_inside(const DenseStep& step, State& inside, bool& going) {
+  // Rows, or frames of motion, at times of their own that lie inside a step. What lies at the end of the step is left to
+  // the state there, after a restart if there is one; what lies at the end of a piece, to the beginning of the next.
+  template <class Times, class Write>
+  void write_inside(const DenseStep& step, Times& times, State& inside, bool& going,
+                    const Write& write) {
     const double before = step.end() - rows_->slack();
-    if (!going || !(frames_->next() < before)) return;
-    report_.integration += watch_.lap();
-    for (; going && frames_->next() < before; frames_->advance()) {
-      step.at(std::clamp(frames_->next(), step.begin(), step.end()), inside);
-      going = write_frame(inside);
+    if (!going || !(times.next() < before)) return;
+    watch_.lap(report_.integration);
+    for (; going && times.next() < before; times.advance()) {
+      step.at(std::clamp(times.next(), step.begin(), step.end()), inside);
+      going = write();
     }
-    report_.output += watch_.lap();
+    watch_.lap(report_.output);
   }
 
   // False ends the run.
@@ -799,7 +840,7 @@ class Run {
     try {
       keep_frame(shares_reactions_ ? shared_ : state);
     } catch (const Error& error) {
-      report_.failure = error.what();
+      fail(error);
       return false;
     }
     return true;
@@ -833,6 +874,7 @@ class Run {
         failure += ": " + unusable;
       if (report_.rows == 0) fail_to_start(failure);
       report_.failure = failure;
+      report_.kind = Failure::range;
       return false;
     }
     if (report_.rows == 0) begin();
@@ -840,7 +882,7 @@ class Run {
       for (Observer* const observer : observers_) observer->accepted({model_, state, row_});
       if (keeps_motion_ && !frames_) keep_frame(shares_reactions_ ? shared_ : state);
     } catch (const Error& error) {
-      report_.failure = error.what();
+      fail(error);
       return false;
     }
     ++report_.rows;
@@ -852,6 +894,7 @@ class Run {
     if (std::isfinite(report_.energy_end.total() + report_.work.total())) return true;
     report_.failure = fmt::format("the energy is not finite at {}; look at the loads and drives",
                                   place_of(state));
+    report_.kind = Failure::range;
     return false;
   }
 
@@ -867,6 +910,7 @@ class Run {
       throw Error(fmt::format("interrupted at load factor {:.9g}, before the start of the motion",
                               state.load_factor));
     report_.failure = "interrupted at " + place_of(state);
+    report_.kind = Failure::stopped;
     return true;
   }
 
@@ -927,6 +971,7 @@ class Run {
   }
 
   void finish() {
+    if (!report_.complete() && report_.kind == Failure::none) report_.kind = Failure::convergence;
     check_energy();
     estimate_time_error();
     report_.certificate = audit_->certificate(report_);
@@ -935,7 +980,7 @@ class Run {
       try {
         observer->finished(report_);
       } catch (const Error& error) {
-        if (report_.complete()) report_.failure = error.what();
+        if (report_.complete()) fail(error);
       }
     }
     report_.output += watch_.lap();
@@ -944,7 +989,7 @@ class Run {
       try {
         what();
       } catch (const Error& error) {
-        if (report_.complete()) report_.failure = error.what();
+        if (report_.complete()) fail(error);
       }
     };
     attempt([this] {

@@ -8,6 +8,7 @@
 
 #include "libmbd/scene/field.hpp"
 #include "libmbd/scene/materials.hpp"
+#include "libmbd/scene/shapes.hpp"
 
 namespace mbd {
 
@@ -179,6 +180,7 @@ struct BeamScene {
   Metric metric = Metric::geodesic;  // of motion; so is the form
   Rule rule = Rule::gauss;
   Form form = Form::energy;
+  std::optional<ShapeScene> shape;
 
   static constexpr field::ItemKind item{"", "", "beams", field::of_parts};
   static void each_field(const auto& f) {
@@ -205,6 +207,7 @@ struct BeamScene {
     f(Field(&S::rule, "rule", "", preset, "quadrature; gauss_lobatto locks"));
     f(Field(&S::form, "form", "", preset,
             "elastic force: gradient of a discrete energy, or the paper's"));
+    f(Parts(&S::shape));
   }
 };
 

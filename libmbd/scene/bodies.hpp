@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libmbd/scene/field.hpp"
+#include "libmbd/scene/shapes.hpp"
 
 namespace mbd {
 
@@ -19,6 +20,7 @@ struct BodyScene {
   Vec3 center = Vec3::Zero();
   Mat3 inertia = Mat3::Zero();
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+  std::vector<ShapeScene> shapes;  // whose mass comes besides (libmbd/material/solid_shapes.hpp)
 
   static constexpr field::ItemKind item{"body", "A rigid body, free or fixed to a place.", "bodies",
                                         field::of_parts};
@@ -34,16 +36,19 @@ struct BodyScene {
     f(Field(&S::orientation, "orientation", "rad", optional,
             "of a free body: rotation vector, or (without unit) matrix row by row", rotation,
             free));
-    f(Field(&S::mass, "mass", "kg", required, "mass", not_negative));
+    f(Field(&S::mass, "mass", "kg", optional,
+            "mass; only a body whose <shape> has a density, or on the ground, may leave it out",
+            not_negative));
     f(Field(&S::center, "center", "m", preset, "mass centre from the reference point, body axes",
             varied));
-    f(Field(&S::inertia, "inertia", "kg.m2", required,
-            "matrix xx yy zz [xy xz yz] about the mass centre, body axes"));
+    f(Field(&S::inertia, "inertia", "kg.m2", optional,
+            "matrix xx yy zz [xy xz yz] about the mass centre, body axes; left out with the mass"));
     f(Field(&S::velocity, "velocity", "m/s", optional,
             "of the reference point of a free body at the start, inertial axes (default 0 0 0)",
             inertial, varied, free));
     f(Field(&S::angular_velocity, "angular_velocity", "rad/s", optional,
             "of a free body at the start, body axes (default 0 0 0)", varied, free));
+    f(Parts(&S::shapes));
   }
 };
 

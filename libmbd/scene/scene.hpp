@@ -48,6 +48,7 @@ struct Scene {
   std::vector<JointTorqueScene> joint_torques;
   std::vector<DragScene> drags;
   std::vector<AddedMassScene> added_masses;
+  std::vector<ExtensionScene> extensions;
   std::optional<Gravity> gravity;
   std::optional<BaseMotionScene> base_motion;
   std::optional<StaticScene> statics;  // equilibrium at t = 0, before the transient if there is one
@@ -85,6 +86,7 @@ void each_kind(SomeScene& scene, const F& f) {
   f(scene.joint_torques);
   f(scene.drags);
   f(scene.added_masses);
+  f(scene.extensions);
   f(scene.base_motion);
   f(scene.gravity);
   f(scene.statics);

@@ -14,10 +14,13 @@
 #include <tuple>
 #include <vector>
 
+#include "libmbd/material/shaped_sections.hpp"
+#include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
 #include "libmbd/scene/reference_line.hpp"
 #include "libmbd/scene/section_table.hpp"
+#include "libmbd/view/outline.hpp"
 
 namespace mbd {
 namespace {
@@ -119,6 +122,10 @@ class Drawing {
     if (model_ != nullptr)
       for (const Model::JointFrames& j : model_->joints) joints.push_back(j.name);
     all["joints"] = joints;
+    Json outlines = Json::object();
+    for (const auto& [name, shaped] : shaped_)
+      if (shaped) outlines[name] = shaped->outline;
+    if (!outlines.empty()) all["outlines"] = std::move(outlines);
     all["parts"] = std::move(parts_);
     return all;
   }
@@ -230,7 +237,9 @@ class Drawing {
     for (const BodyScene& body : scene_.bodies) {
       const Pose<double> H = reference_of({Place::Kind::body, body.name, 0.0});
       include(H.r);
-      include(H * body.center);
+      include(H * mass_properties(body).center);
+      for (const ShapeScene& shape : body.shapes)
+        for (const Vec3& corner : corners_of(shape)) include(H * corner);
     }
     for (const JointScene& joint : scene_.joints)
       for (const std::optional<Vec3>& at : {joint.at, joint.at_a, joint.at_b})
@@ -251,6 +260,89 @@ class Drawing {
     const double factor = is_round ? 4.0 : std::sqrt(12.0);
     const auto side = [&](double r) { return std::min(factor * r, thickest * length); };
     return {side(r2), side(r3), is_round ? 1.0 : 0.0};
+  }
+
+  using Sides = std::array<double, 3>;  // along b2, b3; 1 if round
+
+  // Linear from the start of a beam to its end.
+  static Json sides_along(const std::vector<double>& s, const Sides& start, const Sides& end) {
+    Json all = Json::array();
+    for (const double x : s) {
+      all.push_back(
+          Sides{(1 - x) * start[0] + x * end[0], (1 - x) * start[1] + x * end[1], start[2]});
+      if (start == end) break;
+    }
+    return all;
+  }
+
+  // The outline of a section that is stated by its shape, of all its stations where it has some: that of the first,
+  // and the sides of each. Nothing where one has no shape.
+  struct Shaped {
+    Json outline;
+    std::vector<std::pair<double, Sides>> sides;  // by their place
+  };
+  const std::optional<Shaped>& shaped(const Section& section) {
+    const auto [it, is_new] = shaped_.try_emplace(section.name);
+    std::vector<std::pair<double, const SectionShape*>> shapes;
+    if (section.shape) shapes.emplace_back(0.0, &*section.shape);
+    for (const Station& station : section.stations)
+      shapes.emplace_back(station.at, station.shape ? &*station.shape : nullptr);
+    if (!is_new || shapes.empty() ||
+        std::ranges::any_of(shapes, [](const auto& at) { return at.second == nullptr; }))
+      return it->second;
+    constexpr section::Fineness smooth{.order = 4, .layers = 1};
+    Shaped made;
+    for (const auto& [at, stated] : shapes) {
+      std::array<double, 2> sides{};
+      const SectionOutline of =
+          outline_of(mesher_of(scene_, *stated, "section " + section.name)(smooth), sides);
+      if (made.sides.empty()) made.outline = Json::parse(outline_text(of));
+      made.sides.push_back({at, {sides[0], sides[1], 0.0}});
+    }
+    it->second = std::move(made);
+    return it->second;
+  }
+
+  // What a beam is drawn as: what its <shape> says, or the shape of its section, or what its stiffness suggests. In
+  // words.
+  std::string add_sides(const BeamScene& beam, const Section& section, const SectionTable& table,
+                        const Line& made, Json& shape) {
+    if (beam.shape && !beam.shape->colour.empty()) shape["colour"] = code_of(beam.shape->colour);
+    if (beam.shape && beam.shape->has_outline()) {
+      const bool is_round = beam.shape->ellipse.has_value();
+      const std::array<double, 2> start = is_round ? *beam.shape->ellipse : *beam.shape->rectangle,
+                                  end = beam.shape->to.value_or(start);
+      shape["sides"] = sides_along(made.s, {start[0], start[1], is_round ? 1.0 : 0.0},
+                                   {end[0], end[1], is_round ? 1.0 : 0.0});
+      return "as its <shape> states";
+    }
+    if (const std::optional<Shaped>& known = shaped(section)) {
+      shape["outline"] = section.name;
+      Json sides = Json::array();
+      for (const double s : made.s) {
+        std::size_t k = 1;
+        while (k + 1 < known->sides.size() && known->sides[k].first < s) ++k;
+        if (known->sides.size() == 1) {
+          sides.push_back(known->sides[0].second);
+          break;
+        }
+        const auto& [from, a] = known->sides[k - 1];
+        const auto& [to, b] = known->sides[k];
+        const double u = std::clamp((s - from) / (to - from), 0.0, 1.0);
+        sides.push_back(Sides{(1 - u) * a[0] + u * b[0], (1 - u) * a[1] + u * b[1], 0.0});
+      }
+      shape["sides"] = sides;
+      return "with the outline of its section";
+    }
+    Json sides = Json::array();
+    for (const double s : made.s) {
+      sides.push_back(outline(table.stiffness(s), made.line.length));
+      if (table.is_uniform()) break;
+    }
+    shape["sides"] = sides;
+    return outline(table.stiffness(0.0), 1e300)[2] != 0.0
+               ? "round, with the section's radius of gyration"
+               : "as a rectangle with the section's radii of gyration";
   }
 
   // By rows.
@@ -304,12 +396,7 @@ class Drawing {
       facts("section", section->name);
       try {
         const SectionTable table(*section);
-        Json sides = Json::array();
-        for (const double s : made.s) {
-          sides.push_back(outline(table.stiffness(s), made.line.length));
-          if (table.is_uniform()) break;
-        }
-        shape["sides"] = sides;
+        const std::string drawn = add_sides(beam, *section, table, made, shape);
         // Strains are the compliance times the resultants at the stations, where those are elastic alone.
         if (line != nullptr && !section->damping) {
           Json compliance = Json::array();
@@ -327,9 +414,7 @@ class Drawing {
         facts("EI2, EI3" + where, number(D(4, 4), "N.m2") + ", " + number(D(5, 5), "N.m2"));
         if (table.has_mass())
           facts("mass per length" + where, number(table.mass(0.0)(0, 0), "kg/m"));
-        facts("drawn", outline(D, 1e300)[2] != 0.0
-                           ? "round, with the section's radius of gyration"
-                           : "as a rectangle with the section's radii of gyration");
+        facts("drawn", drawn);
       } catch (const Error&) {  // a table that is wrong: the line alone
       }
     }
@@ -351,6 +436,54 @@ class Drawing {
   }
 
   // --- bodies ---
+
+  static Vec3 sides_of(const ShapeScene& shape) {
+    if (shape.box) return *shape.box;
+    if (shape.cylinder) return {(*shape.cylinder)[0], (*shape.cylinder)[0], (*shape.cylinder)[1]};
+    return Vec3::Constant(shape.sphere.value_or(0.0));
+  }
+
+  // What a form reaches to, in body axes.
+  static std::vector<Vec3> corners_of(const ShapeScene& shape) {
+    std::vector<Vec3> all;
+    if (!shape.has_form()) return all;
+    const auto put = [&](const Vec3& x) { all.emplace_back(shape.at + shape.orientation * x); };
+    if (!shape.mesh.empty())
+      for (const Vec3& x : surface_of(shape, "shape")->points) put(shape.unit * x);
+    else
+      for (int i = 0; i < 8; ++i)
+        put(0.5 * sides_of(shape).cwiseProduct(
+                      Vec3((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5) * 2.0));
+    return all;
+  }
+
+  static std::string code_of(const std::string& colour) {
+    return fmt::format("#{:06x}", colour_code(colour).value_or(0));
+  }
+
+  static Json form(const ShapeScene& shape) {
+    Json all = {{"kind", shape.box        ? "box"
+                         : shape.cylinder ? "cylinder"
+                         : shape.sphere   ? "sphere"
+                                          : "mesh"},
+                {"pose", json(make_pose(shape.orientation, shape.at))}};
+    if (!shape.colour.empty()) all["colour"] = code_of(shape.colour);
+    if (shape.mesh.empty()) {
+      all["sides"] = json(sides_of(shape));
+      return all;
+    }
+    // As many digits as files of meshes have.
+    const auto digits = [](double x) { return std::stod(fmt::format("{:.7g}", x)); };
+    const auto surface = surface_of(shape, "shape");
+    Json points = Json::array(), triangles = Json::array();
+    for (const Vec3& x : surface->points)
+      for (Index i = 0; i < 3; ++i) points.push_back(digits(shape.unit * x(i)));
+    for (const auto& t : surface->triangles)
+      for (const std::uint32_t corner : t) triangles.push_back(corner);
+    all["points"] = std::move(points);
+    all["triangles"] = std::move(triangles);
+    return all;
+  }
 
   // The solid of uniform density with this mass and these principal inertias, with its sides (of a cylinder, along the
   // third axis: twice its diameter, and its length): a sphere where all are equal, a cylinder where two are, or else a
@@ -379,18 +512,32 @@ class Drawing {
     Json shape;
     put(shape, {Place::Kind::body, body.name, 0.0});
     Facts facts;
-    facts("mass", number(body.mass, "kg"));
-    facts("mass centre", number(body.center, "m, body axes"));
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal{Eigen::Matrix3d(body.inertia)};
+    const MassProperties is = mass_properties(body);
+    facts("mass", number(is.mass, "kg"));
+    facts("mass centre", number(is.center, "m, body axes"));
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal{Eigen::Matrix3d(is.inertia)};
     const Vec3 I = principal.eigenvalues();
     facts("principal inertias", number(I, "kg.m2"));
     if (const auto rigid = rigid_with_.find(body.name); rigid != rigid_with_.end())
       facts("rigid", "part of " + rigid->second);
     if (body.attached_to) facts("attached to", in_words(*body.attached_to));
-    const auto [solid, sides, axes] = solid_of(body.mass, I, principal.eigenvectors());
-    shape["centre"] = json(make_pose(axes, body.center));
+    Json forms = Json::array();
+    for (const ShapeScene& stated : body.shapes) {
+      if (stated.has_form()) forms.push_back(form(stated));
+      if (!stated.has_form()) shape["colour"] = code_of(stated.colour);
+    }
+    const auto [solid, suggested, axes] = solid_of(is.mass, I, principal.eigenvectors());
+    const Vec3 sides = forms.empty() ? suggested : Vec3(Vec3::Zero());
+    shape["centre"] = json(make_pose(axes, is.center));
     shape["shape"] = solid;
     shape["box"] = json(sides);
+    if (!forms.empty()) {
+      double reach = 0.0;
+      for (const ShapeScene& stated : body.shapes)
+        for (const Vec3& corner : corners_of(stated)) reach = std::max(reach, corner.norm());
+      shape["reach"] = reach;
+      shape["forms"] = std::move(forms);
+    }
     if (sides.maxCoeff() > 0.0)
       facts("drawn", fmt::format("as the {} of this mass and these inertias", solid));
     add(body, "body", body.name, facts.json(), shape);
@@ -584,6 +731,7 @@ class Drawing {
   const Model* model_;
   std::map<std::string, std::string> rigid_with_;
   std::map<std::string, Line> lines_;
+  std::map<std::string, std::optional<Shaped>> shaped_;  // by section
   std::map<Key, std::pair<int, Pose<double>>> places_;
   std::map<std::string, const Model::JointFrames*> joints_;
   std::map<std::string, std::vector<std::string>> files_;

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/view/outline.hpp"
 
 namespace mbd {
 namespace {
@@ -33,6 +34,11 @@ constexpr Colour beam_colour = hex(0x4f7fb5), body_colour = hex(0xc98a2b),
                  load_colour = hex(0xc0392b), moment_colour = hex(0xa0398c),
                  mass_colour = hex(0x7a5230), motion_colour = hex(0x1f8fa3),
                  record_colour = hex(0xd1478c), gap_colour = hex(0xff2a1a);
+
+Colour colour_from(const Json& code) {  // #rrggbb
+  const auto text = code.get<std::string>();
+  return hex(static_cast<unsigned>(std::stoul(text.substr(1), nullptr, 16)));
+}
 
 struct At {
   int node = 0;
@@ -59,13 +65,27 @@ struct Part {
   std::vector<At> points;
   std::vector<double> s, stations;
   std::vector<std::array<double, 3>> sides;  // of all points, or of one; the third: 1 if round
+  const SectionOutline* outline = nullptr;   // one of those of all parts
   bool rigid = false;
   std::size_t first_station = 0;
+  std::vector<std::array<double, 21>>
+      compliance;  // of the stations, or of all; upper halves by rows
   // bodies
   Pose<double> centre{};
   std::string shape;
   Vec3 box = Vec3::Zero();
   std::vector<Vec3> arms;  // to what joints join, body axes
+  struct Form {
+    std::string kind;
+    Pose<double> pose{};  // body axes
+    Vec3 sides = Vec3::Zero();
+    std::vector<Vec3> points;  // of a mesh
+    std::vector<std::array<std::size_t, 3>> triangles;
+    std::optional<Colour> colour;
+  };
+  std::vector<Form> forms;  // stated
+  double reach = 0.0;       // of them, from the reference point [m]
+  std::optional<Colour> colour;
   // joints
   bool gap = false;
   // loads
@@ -106,6 +126,8 @@ struct Stage::Data {
   Poses reference;
   std::vector<Part> parts;
   std::map<std::string, const Part*, std::less<>> beams;
+  std::map<std::string, SectionOutline, std::less<>> outlines;  // of sections
+  SectionOutline round, rectangle;
   std::vector<double> keys{0.0};
   std::array<Vec3, 2> bounds{};
   std::vector<Vec3> outline;
@@ -132,10 +154,17 @@ struct Stage::Data {
   // Of a picture.
   Now now(double instant) const;
   std::array<double, 3> sides(const Part& beam, double s) const;
-  std::vector<Vec3> ring(const Part& beam, const Line& line, std::size_t k) const;
+  const SectionOutline& outline_of(const Part& beam) const {
+    if (beam.outline != nullptr) return *beam.outline;
+    const bool is_round = beam.sides.empty() || beam.sides[0][2] != 0.0;
+    return is_round ? round : rectangle;
+  }
+  std::vector<Vec3> ring(const std::vector<OutlinePoint>& of, const Part& beam, const Line& line,
+                         std::size_t k) const;
   void draw(std::size_t part, const Now& now, Painter& painter, Figure& figure) const;
   void draw_beam(const Part& part, const Now& now, Painter& painter) const;
   void draw_body(const Part& part, double unit, const Poses& poses, Painter& painter) const;
+  static void draw_forms(const Part& part, const Pose<double>& H, Painter& painter);
   void draw_joint(const Part& part, double unit, const Poses& poses, Painter& painter) const;
   static void draw_spring(const Part& part, double unit, const Poses& poses, Painter& painter);
   void draw_load(const Part& part, int number, const Poses& poses, Figure& figure) const;
@@ -177,6 +206,10 @@ class Painter {
     opacity_ = opacity;
   }
   void face(std::initializer_list<Vec3> points) { face(std::span(points.begin(), points.size())); }
+  void two_sided(std::initializer_list<Vec3> points) {  // of a surface that may be open
+    face(points);
+    figure_.faces.back().two_sided = true;
+  }
   void face(std::span<const Vec3> points) {
     Figure::Face face;
     face.first = figure_.points.size();
@@ -291,7 +324,18 @@ constexpr Quantity table_of_quantities[] = {{"displacement", "displacement [m]"}
                                             {"N", "axial force N [N]"},
                                             {"Q", "shear force |Q| [N]"},
                                             {"T", "torque M1 [N.m]"},
-                                            {"M", "bending moment |M| [N.m]"}};
+                                            {"M", "bending moment |M| [N.m]"},
+                                            {"energy", "strain energy per length [J/m]"}};
+
+// Half of S C S, of the compliance at a station.
+double energy(const std::vector<std::array<double, 21>>& compliance, std::size_t station,
+              const double* S) {
+  const std::array<double, 21>& half = compliance[compliance.size() > 1 ? station : 0];
+  double sum = 0.0;
+  for (std::size_t i = 0, k = 0; i < 6; ++i)
+    for (std::size_t j = i; j < 6; ++j) sum += (i == j ? 0.5 : 1.0) * half[k++] * S[i] * S[j];
+  return sum;
+}
 
 Quat toward(const Quat& a, const Quat& b, double u) {
   const double sign = a.dot(b) < 0.0 ? -1.0 : 1.0;
@@ -299,6 +343,21 @@ Quat toward(const Quat& a, const Quat& b, double u) {
   q.coeffs() = (1.0 - u) * a.coeffs() + u * sign * b.coeffs();
   q.normalize();
   return q;
+}
+
+Part::Form form_of(const Json& of) {
+  Part::Form form;
+  form.kind = of.at("kind").get<std::string>();
+  form.pose = pose_of(of.at("pose"));
+  if (const auto it = of.find("colour"); it != of.end()) form.colour = colour_from(*it);
+  if (const auto it = of.find("sides"); it != of.end()) form.sides = vector_of(*it);
+  if (const auto it = of.find("points"); it != of.end())
+    for (std::size_t i = 0; i + 2 < it->size(); i += 3) form.points.push_back(vector_of(*it, i));
+  if (const auto it = of.find("triangles"); it != of.end())
+    for (std::size_t i = 0; i + 2 < it->size(); i += 3)
+      form.triangles.push_back({it->at(i).get<std::size_t>(), it->at(i + 1).get<std::size_t>(),
+                                it->at(i + 2).get<std::size_t>()});
+  return form;
 }
 
 }  // namespace
@@ -312,6 +371,9 @@ std::vector<std::string> picture_quantities() {
 // ---- what is read -------------------------------------------------------------------------------
 
 void Stage::Data::read(const Json& drawing) {
+  if (const auto all = drawing.find("outlines"); all != drawing.end())
+    for (const auto& [section, of] : all->items())
+      outlines.emplace(section, outline_from(of.dump()));
   name = drawing.at("name").get<std::string>();
   is_time = drawing.at("key") == "time";
   centre = vector_of(drawing.at("centre"));
@@ -333,20 +395,29 @@ void Stage::Data::read(const Json& drawing) {
       part.on_s = it->at("s").get<double>();
     }
     if (const auto it = of.find("offset"); it != of.end()) part.offset = vector_of(*it);
+    if (const auto it = of.find("colour"); it != of.end()) part.colour = colour_from(*it);
     if (part.kind == "beam") {
       for (const Json& at : of.at("points")) part.points.push_back(at_of(at));
       part.s = of.at("s").get<std::vector<double>>();
       part.rigid = of.at("rigid").get<bool>();
       if (const auto it = of.find("sides"); it != of.end())
         part.sides = it->get<std::vector<std::array<double, 3>>>();
+      if (const auto it = of.find("outline"); it != of.end())
+        part.outline = &outlines.at(it->get<std::string>());
       if (const auto it = of.find("stations"); it != of.end())
         part.stations = it->get<std::vector<double>>();
+      if (const auto it = of.find("compliance"); it != of.end())
+        part.compliance = it->get<std::vector<std::array<double, 21>>>();
       part.first_station = first_station;
       first_station += part.stations.size();
     } else if (part.kind == "body") {
       part.centre = pose_of(of.at("centre"));
       part.shape = of.at("shape").get<std::string>();
       part.box = vector_of(of.at("box"));
+      if (const auto it = of.find("forms"); it != of.end()) {
+        for (const Json& form : *it) part.forms.push_back(form_of(form));
+        part.reach = of.at("reach").get<double>();
+      }
     } else if (part.kind == "joint") {
       part.gap = of.contains("gap");
     } else if (part.kind == "load") {
@@ -470,13 +541,14 @@ std::vector<double> Stage::Data::values(const Part& part, const Line& now, const
     }
     return spread(part.s, made, now.s);
   }
-  if (part.stations.empty()) return {};
+  if (part.stations.empty() || (options.colour == "energy" && part.compliance.empty())) return {};
   const double* x = twists + motion->blocks.twist + 6 * part.first_station;
   for (std::size_t i = 0; i < part.stations.size(); ++i, x += 6)
-    made.push_back(options.colour == "N"   ? x[0]
-                   : options.colour == "Q" ? std::hypot(x[1], x[2])
-                   : options.colour == "T" ? x[3]
-                                           : std::hypot(x[4], x[5]));
+    made.push_back(options.colour == "N"        ? x[0]
+                   : options.colour == "Q"      ? std::hypot(x[1], x[2])
+                   : options.colour == "T"      ? x[3]
+                   : options.colour == "energy" ? energy(part.compliance, i, x)
+                                                : std::hypot(x[4], x[5]));
   return spread(part.stations, made, now.s);
 }
 
@@ -496,13 +568,18 @@ double Stage::Data::unit_at(const Vec3& x) const {
 
 // Of many nodes, some.
 void Stage::Data::thin_beams() {
-  std::size_t intervals = 0;
+  std::size_t intervals = 0, sides = 0;
   for (const Part& part : parts)
-    if (part.kind == "beam") intervals += part.points.size();
-  const std::size_t faces = intervals * static_cast<std::size_t>(options.round * options.pieces);
-  if (faces > most_faces) {
+    if (part.kind == "beam") {
+      intervals += part.points.size();
+      sides +=
+          part.points.size() * (part.outline == nullptr ? static_cast<std::size_t>(options.round)
+                                                        : part.outline->rim.size());
+    }
+  if (sides * static_cast<std::size_t>(options.pieces) > most_faces) {
     options.pieces = 1;
     options.round = std::min(options.round, 8);
+    for (Part& part : parts) part.outline = nullptr;
   }
   const std::size_t every = intervals * static_cast<std::size_t>(options.round) / most_faces + 1;
   if (every == 1 || options.pieces != 1) return;
@@ -558,9 +635,15 @@ void Stage::Data::choose_colour() {
                             options.colour, options.colour));
   if (options.colour == "velocity" && motion->blocks.twist == 0)
     throw Error("colour velocity: nothing moves in time in these results; take displacement");
-  if (options.colour.size() == 1 && motion->blocks.resultant == 0)
+  const bool of_resultants = options.colour.size() == 1 || options.colour == "energy";
+  if (of_resultants && motion->blocks.resultant == 0)
     throw Error(fmt::format("colour {}: no beam of this model is flexible; take displacement",
                             options.colour));
+  if (options.colour == "energy" &&
+      std::ranges::all_of(parts, [](const Part& part) { return part.compliance.empty(); }))
+    throw Error(
+        "colour energy: all sections are damped, and their resultants are not elastic alone; take "
+        "another");
   legend = Legend{known->title, 1e300, -1e300};
 }
 
@@ -584,7 +667,7 @@ void Stage::Data::include(std::size_t index, const Poses& shown) {
     }
     include(place(shown, part.points[k]).r, half, 0.0);
   }
-  const double half = part.kind == "body"    ? 0.5 * part.box.maxCoeff()
+  const double half = part.kind == "body"    ? std::max(0.5 * part.box.maxCoeff(), part.reach)
                       : part.kind == "joint" ? 3.0 * units[index]
                                              : units[index];
   for (const std::optional<At>* at : {&part.at, &part.a, &part.b})
@@ -638,6 +721,8 @@ void Stage::Data::look_at_frames() {
 
 void Stage::Data::prepare() {
   thin_beams();
+  round = round_outline(options.round);
+  rectangle = rectangle_outline();
   for (const Part& part : parts)
     if (part.kind == "beam") beams.try_emplace(part.name, &part);
   measure_glyphs();
@@ -744,20 +829,13 @@ std::array<double, 3> Stage::Data::sides(const Part& beam, double s) const {
   return side;
 }
 
-std::vector<Vec3> Stage::Data::ring(const Part& beam, const Line& line, std::size_t k) const {
+// Points of an outline at a place of a beam.
+std::vector<Vec3> Stage::Data::ring(const std::vector<OutlinePoint>& of, const Part& beam,
+                                    const Line& line, std::size_t k) const {
   const std::array<double, 3> side = sides(beam, line.s[k]);
   std::vector<Vec3> points;
-  const auto put = [&](double y, double z) {
+  for (const auto& [y, z] : of)
     points.emplace_back(line.r[k] + line.q[k] * Vec3(0.0, 0.5 * side[0] * y, 0.5 * side[1] * z));
-  };
-  if (side[2] != 0.0)
-    for (int i = 0; i < options.round; ++i) {
-      const double angle = 2.0 * std::numbers::pi * i / options.round;
-      put(std::cos(angle), std::sin(angle));
-    }
-  else
-    for (const auto& [y, z] : {std::pair{1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}, {-1.0, -1.0}})
-      put(y, z);
   return points;
 }
 
@@ -769,34 +847,46 @@ void Stage::Data::draw_beam(const Part& part, const Now& now, Painter& painter) 
                           options.scale == 1.0 ? line : this->line(part, now.exact, options.pieces),
                           this->line(part, reference, options.pieces), now.row);
   if (part.rigid) painter.set(body_colour);
+  if (part.colour) painter.set(*part.colour);
   const auto tint = [&](double value) {
     const Legend& l = *legend;
     painter.set(shade(l.high > l.low ? (value - l.low) / (l.high - l.low) : 0.0));
   };
-  std::vector<Vec3> before = ring(part, line, 0);
+  const SectionOutline& curve = outline_of(part);
+  std::vector<Vec3> before = ring(curve.rim, part, line, 0);
   if (!values.empty()) tint(values.front());
-  std::vector<Vec3> cap(before.rbegin(), before.rend());
-  painter.face(cap);
+  for (const std::vector<OutlinePoint>& cap : curve.caps) {
+    std::vector<Vec3> points = ring(cap, part, line, 0);
+    std::ranges::reverse(points);
+    painter.face(points);
+  }
   for (std::size_t k = 1; k < line.r.size(); ++k) {
-    std::vector<Vec3> here = ring(part, line, k);
+    std::vector<Vec3> here = ring(curve.rim, part, line, k);
     if (!values.empty()) tint(0.5 * (values[k - 1] + values[k]));
     for (std::size_t i = 0; i < here.size(); ++i) {
-      const std::size_t j = (i + 1) % here.size();
+      const auto j = static_cast<std::size_t>(curve.next[i]);
       painter.face({before[i], before[j], here[j], here[i]});
     }
     before = std::move(here);
   }
   if (!values.empty()) tint(values.back());
-  painter.face(before);
+  for (const std::vector<OutlinePoint>& cap : curve.caps)
+    painter.face(ring(cap, part, line, line.r.size() - 1));
 }
 
 void Stage::Data::draw_body(const Part& part, double unit, const Poses& poses,
                             Painter& painter) const {
   const Pose<double> H = pose(part, poses), C = H * part.centre;
+  if (!part.forms.empty()) {
+    draw_forms(part, H, painter);
+    return;
+  }
+  const Colour colour = part.colour.value_or(body_colour);
+  painter.set(colour);
   painter.ball(H, 0.6 * unit);
   const double most = part.box.maxCoeff();
   if (most > 0.02 * unit) {
-    painter.set(body_colour, part.arms.empty() ? 1.0 : 0.75);
+    painter.set(colour, part.arms.empty() ? 1.0 : 0.75);
     Vec3 side = part.box.cwiseMax(std::max(0.04 * most, 0.4 * unit)).cwiseMin(1.5 * size);
     if (part.shape == "box")
       painter.box(C, side);
@@ -804,7 +894,7 @@ void Stage::Data::draw_body(const Part& part, double unit, const Poses& poses,
       painter.ball(C, 0.5 * side(0));
     else
       painter.cylinder(C, 0.5 * side(0), side(2));
-    painter.set(body_colour);
+    painter.set(colour);
   } else {
     painter.ball(C, 1.5 * unit);
   }
@@ -812,6 +902,21 @@ void Stage::Data::draw_body(const Part& part, double unit, const Poses& poses,
   ends.emplace_back(Vec3::Zero());
   for (const Vec3& end : ends)
     if ((end - part.centre.r).norm() > unit) painter.rod(H * part.centre.r, H * end, 0.42 * unit);
+}
+
+void Stage::Data::draw_forms(const Part& part, const Pose<double>& H, Painter& painter) {
+  for (const Part::Form& form : part.forms) {
+    const Pose<double> F = H * form.pose;
+    painter.set(form.colour.value_or(part.colour.value_or(body_colour)));
+    if (form.kind == "box")
+      painter.box(F, form.sides);
+    else if (form.kind == "cylinder")
+      painter.cylinder(F, 0.5 * form.sides(0), form.sides(2));
+    else if (form.kind == "sphere")
+      painter.ball(F, 0.5 * form.sides(0));
+    for (const auto& [a, b, c] : form.triangles)
+      painter.two_sided({F * form.points[a], F * form.points[b], F * form.points[c]});
+  }
 }
 
 void Stage::Data::draw_joint(const Part& part, double unit, const Poses& poses,

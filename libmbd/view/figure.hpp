@@ -103,7 +103,7 @@ class Stage {
   std::unique_ptr<Data> data_;
 };
 
-// Names of quantities: displacement, velocity, N, Q, T, M.
+// Names of quantities: displacement, velocity, N, Q, T, M, energy.
 std::vector<std::string> picture_quantities();
 
 }  // namespace mbd

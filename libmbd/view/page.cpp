@@ -249,9 +249,13 @@ void merge(PageJson& first, const PageJson& second, const std::string& name, boo
     if (part.contains("on")) renamed(part["on"]["beam"]);
     if (part.contains("points"))
       for (PageJson& place : part["points"]) shift(place, before);
+    if (part.contains("outline")) renamed(part["outline"]);
     if (!moves) part.erase("stations");
     first["parts"].push_back(std::move(part));
   }
+  if (second.contains("outlines"))
+    for (const auto& [section, outline] : second.at("outlines").items())
+      first["outlines"][name + ": " + section] = outline;
   if (moves)
     for (PageJson joint : second.at("joints")) {
       renamed(joint);

@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -19,6 +20,7 @@
 #include "libmbd/core/se3.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/text/text.hpp"
+#include "libmbd/view/outline.hpp"
 
 namespace mbd {
 namespace {
@@ -191,6 +193,7 @@ struct Beam {
   std::size_t order = 1;  // 0: a rigid one
   std::vector<std::array<double, 3>> sides;
   std::vector<Mat6> compliance;
+  SectionOutline outline = {};
 
   std::size_t elements() const { return order == 0 ? 1 : (points.size() - 1) / order; }
   std::size_t points_of_rule() const { return stations.size() / elements(); }
@@ -201,6 +204,12 @@ struct Body {
   Pose<double> centre;
   std::string shape;
   Vec3 box;
+  struct Mesh {
+    Pose<double> pose;  // body axes
+    std::vector<Vec3> points;
+    std::vector<std::int64_t> triangles;
+  };
+  std::vector<Mesh> meshes = {};
 };
 struct Joint {
   std::int64_t part;
@@ -235,6 +244,24 @@ Mat6 symmetric(const Json& upper_half) {
   return A;
 }
 
+Vec3 vector_of(const Json& all, std::size_t from = 0) {
+  return {all.at(from).get<double>(), all.at(from + 1).get<double>(),
+          all.at(from + 2).get<double>()};
+}
+
+// One that is stated, as a body of its own of the same part.
+Body form_of(std::int64_t number, const At& at, const Json& form) {
+  const Pose<double> pose = pose_of(form.at("pose"), 0);
+  if (!form.contains("points"))
+    return {number, at, pose, form.at("kind").get<std::string>(), vector_of(form.at("sides"))};
+  Body body{number, at, pose, "mesh", Vec3::Zero()};
+  Body::Mesh mesh{pose, {}, form.at("triangles").get<std::vector<std::int64_t>>()};
+  for (std::size_t i = 0; i + 2 < form.at("points").size(); i += 3)
+    mesh.points.push_back(vector_of(form.at("points"), i));
+  body.meshes.push_back(std::move(mesh));
+  return body;
+}
+
 Parts parts_of(const Json& drawing) {
   Parts parts;
   parts.name = drawing.at("name").get<std::string>();
@@ -257,15 +284,22 @@ Parts parts_of(const Json& drawing) {
       }
       if (part.contains("sides"))
         beam.sides = part.at("sides").get<std::vector<std::array<double, 3>>>();
+      beam.outline = rectangle_outline();
+      if (part.contains("outline"))
+        beam.outline =
+            outline_from(drawing.at("outlines").at(part.at("outline").get<std::string>()).dump());
+      else if (!beam.sides.empty() && beam.sides[0][2] != 0.0)
+        beam.outline = round_outline(round_sides);
       if (part.contains("compliance"))
         for (const Json& half : part.at("compliance")) beam.compliance.push_back(symmetric(half));
       parts.beams.push_back(std::move(beam));
     } else if (kind == "body" && part.contains("at")) {
-      Vec3 box;
-      for (int k = 0; k < 3; ++k)
-        box(k) = part.at("box").at(static_cast<std::size_t>(k)).get<double>();
-      parts.bodies.push_back({number, at_of(part.at("at")), pose_of(part.at("centre"), 0),
-                              part.at("shape").get<std::string>(), box});
+      const At at = at_of(part.at("at"));
+      if (!part.contains("forms"))
+        parts.bodies.push_back({number, at, pose_of(part.at("centre"), 0),
+                                part.at("shape").get<std::string>(), vector_of(part.at("box"))});
+      else
+        for (const Json& form : part.at("forms")) parts.bodies.push_back(form_of(number, at, form));
     } else if (kind == "joint") {
       const auto known = joints.find(name);
       parts.joints.push_back(
@@ -437,33 +471,35 @@ class Scenery {
   void add_outline(Piece& piece, const Beam& beam) const {
     if (beam.sides.empty()) return;
     piece.is_coarse = true;
-    const bool is_round = beam.sides[0][2] != 0.0;
-    const int corners = is_round ? round_sides : 4;
     const auto first = static_cast<std::int64_t>(piece.size());
-    for (std::size_t i = 0; i < beam.points.size(); ++i) {
+    const auto add = [&](std::size_t i, const OutlinePoint& x) {
       const auto& sides = beam.sides[std::min(i, beam.sides.size() - 1)];
-      const Pose<double> H = now(beam.points[i]), H0 = reference(beam.points[i]);
-      for (int c = 0; c < corners; ++c) {
-        const double angle = 2.0 * std::numbers::pi * (c + (is_round ? 0.0 : 0.5)) / corners;
-        const double reach = is_round ? 0.5 : std::numbers::sqrt2 / 2.0;
-        const Vec3 local(0.0, reach * sides[0] * std::cos(angle),
-                         reach * sides[1] * std::sin(angle));
-        piece.add_point(beam.part, H * local, H0 * local);
-        piece.put("s", beam.s[i]);
-      }
-    }
+      const Vec3 local(0.0, 0.5 * sides[0] * x[0], 0.5 * sides[1] * x[1]);
+      piece.add_point(beam.part, now(beam.points[i]) * local, reference(beam.points[i]) * local);
+      piece.put("s", beam.s[i]);
+    };
+    const SectionOutline& outline = beam.outline;
+    for (std::size_t i = 0; i < beam.points.size(); ++i)
+      for (const OutlinePoint& x : outline.rim) add(i, x);
     const auto rings = static_cast<std::int64_t>(beam.points.size());
+    const std::int64_t corners = std::ssize(outline.rim);
     for (std::int64_t i = 0; i + 1 < rings; ++i)
-      for (int c = 0; c < corners; ++c) {
-        const std::int64_t p = first + i * corners, next = (c + 1) % corners;
+      for (std::int64_t c = 0; c < corners; ++c) {
+        const std::int64_t p = first + i * corners,
+                           next = outline.next[static_cast<std::size_t>(c)];
         add_polygon(piece, {p + c, p + next, p + corners + next, p + corners + c});
       }
-    for (const std::int64_t i : {std::int64_t(0), rings - 1}) {
-      std::vector<std::int64_t> cap;
-      for (int c = 0; c < corners; ++c) cap.push_back(first + i * corners + c);
-      if (i == 0) std::reverse(cap.begin(), cap.end());
-      add_polygon(piece, cap);
-    }
+    for (const std::int64_t i : {std::int64_t(0), rings - 1})
+      for (const std::vector<OutlinePoint>& of : outline.caps) {
+        std::vector<std::int64_t> cap(of.size());
+        const bool is_rim = of == outline.rim;
+        std::iota(cap.begin(), cap.end(),
+                  is_rim ? first + i * corners : static_cast<std::int64_t>(piece.size()));
+        if (!is_rim)
+          for (const OutlinePoint& x : of) add(static_cast<std::size_t>(i), x);
+        if (i == 0) std::reverse(cap.begin(), cap.end());
+        add_polygon(piece, cap);
+      }
   }
 
   static void add_polygon(Piece& piece, const std::vector<std::int64_t>& corners) {
@@ -473,6 +509,15 @@ class Scenery {
 
   // A surface of revolution about the third axis, or the box: rings of corners, closed at both ends.
   void add_body(Piece& piece, const Body& body) const {
+    for (const Body::Mesh& mesh : body.meshes) {
+      piece.is_coarse = true;
+      const auto first = static_cast<std::int64_t>(piece.size());
+      const Pose<double> H = now(body.at) * mesh.pose, H0 = reference(body.at) * mesh.pose;
+      for (const Vec3& x : mesh.points) piece.add_point(body.part, H * x, H0 * x);
+      for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3)
+        add_polygon(piece, {first + mesh.triangles[i], first + mesh.triangles[i + 1],
+                            first + mesh.triangles[i + 2]});
+    }
     if (!(body.box.maxCoeff() > 0.0)) return;
     piece.is_coarse = true;
     struct Ring {

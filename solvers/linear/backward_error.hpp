@@ -69,6 +69,11 @@ class BackwardError {
                  r.data() + first, size_.data() + first);
       }
     }
+    return worst_of(columns, r);
+  }
+
+ private:
+  double worst_of(const BlockColumns& columns, const std::vector<T>& r) const {
     double worst = 0.0;
     bool finite = true;
     for_groups(columns, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -84,7 +89,6 @@ class BackwardError {
     return finite ? worst : std::numeric_limits<double>::infinity();
   }
 
- private:
   template <int fixed>
   static void add(const T* block, Index ld, int rows, int columns, const T* x,
                   const double* absolute, T* r, double* size) {

@@ -65,11 +65,13 @@ constexpr std::array<UpdateColumns, most_rows> table_of(std::integer_sequence<in
   ((table[static_cast<std::size_t>(c)] = update_columns<T, registers, c + 1>), ...);
   return table;
 }
+
 template <class T, int... r>
 constexpr auto tables_of(std::integer_sequence<int, r...>) {
   return std::array{
       table_of<T, r + 1>(std::make_integer_sequence<int, columns_at_once<T>(r + 1)>())...};
 }
+
 template <class T>
 constexpr auto update_tables = tables_of<T>(std::make_integer_sequence<int, most_registers>());
 
@@ -206,6 +208,7 @@ template <class T, bool turned, int... k>
 constexpr std::array<CopyBlock<T>, 36> copy_table_of(std::integer_sequence<int, k...>) {
   return {copy_block<T, k / 6 + 1, k % 6 + 1, turned>...};
 }
+
 template <class T, bool turned>
 constexpr auto copy_table = copy_table_of<T, turned>(std::make_integer_sequence<int, 36>());
 
@@ -253,15 +256,38 @@ int stride_of(int rows) {
                                             : 2 * BlockLuPlan::register_rows;
 }
 
+// Sorts items into bins, of which b has those from first[b]; `each(put)` calls put(bin, item) for all of them, twice:
+// counted, then filled in.
+template <class Item, class Each>
+void sort_into(std::size_t bins, std::vector<std::size_t>& first, std::vector<Item>& items,
+               const Each& each) {
+  first.assign(bins + 1, 0);
+  each([&](std::size_t bin, const Item&) { ++first[bin + 1]; });
+  for (std::size_t b = 0; b < bins; ++b) first[b + 1] += first[b];
+  items.resize(first[bins]);
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  each([&](std::size_t bin, const Item& item) { items[next[bin]++] = item; });
+}
+
 }  // namespace
 
 BlockLuPlan::BlockLuPlan(const BlockColumns& A, const Elimination& elimination) : n(A.n) {
-  const std::size_t count = elimination.pivots.size();
-  pivots.reserve(count + 1);
-  std::vector<int> front_of(count, -1);
+  std::vector<int> front_of(elimination.pivots.size(), -1);
   for (std::size_t f = 0; f < elimination.fronts.size(); ++f)
     std::fill(front_of.begin() + elimination.fronts[f].first,
               front_of.begin() + elimination.fronts[f].last, static_cast<int>(f));
+  std::size_t targets = lay_out_pivots(elimination, front_of);
+  fronts = FrontPlan(elimination, targets);
+  targets += fronts.targets;
+  lay_out_unknowns(A, elimination);
+  sort_pieces(A, elimination, front_of, targets);
+  sort_updates(front_of, targets);
+}
+
+std::size_t BlockLuPlan::lay_out_pivots(const Elimination& elimination,
+                                        const std::vector<int>& front_of) {
+  const std::size_t count = elimination.pivots.size();
+  pivots.reserve(count + 1);
   std::size_t targets = 0;
   for (std::size_t p = 0; p < count; ++p) {
     // Of what is in fronts only the diagonals are here.
@@ -290,74 +316,63 @@ BlockLuPlan::BlockLuPlan(const BlockColumns& A, const Elimination& elimination) 
   }
   pivots.push_back(
       {0, 0, diagonals, off_diagonals, padded, rows.size(), rows.size(), targets, false});
-  fronts = FrontPlan(elimination, targets);
-  targets += fronts.targets;
+  return targets;
+}
 
+void BlockLuPlan::lay_out_unknowns(const BlockColumns& A, const Elimination& elimination) {
   runs.reserve(static_cast<std::size_t>(A.blocks()));
   for (int b = 0; b < A.blocks(); ++b) {
     const auto B = static_cast<std::size_t>(b);
     const Pivot& owner = pivots[static_cast<std::size_t>(elimination.pivot_of[B])];
     runs.push_back({owner.first_row, elimination.place_of[B], owner.stride, A.first[B], A.size(b)});
   }
+}
 
-  // Where each block of A belongs, by target and part.
-  const auto part_of = [&](int row, int column) {
-    const int i = elimination.pivot_of[static_cast<std::size_t>(row)],
-              j = elimination.pivot_of[static_cast<std::size_t>(column)];
-    const auto& pivot = pivots[static_cast<std::size_t>(std::min(i, j))];
-    if (const int front = front_of[static_cast<std::size_t>(std::min(i, j))]; front >= 0)
-      return 2 * fronts.target(front, std::max(i, j), std::min(i, j)) + (i < j ? 1 : 0);
-    if (i == j) return 2 * pivot.first_target;
-    const auto found =
-        std::lower_bound(rows.begin() + static_cast<std::ptrdiff_t>(pivot.first),
-                         rows.begin() + static_cast<std::ptrdiff_t>(pivot.last), std::max(i, j),
-                         [](const Row& one, int wanted) { return one.pivot < wanted; });
-    const auto k = static_cast<std::size_t>(found - rows.begin());
-    return 2 * (pivot.first_target + 1 + k - pivot.first) + (i < j ? 1 : 0);
-  };
-  first_piece.assign(2 * targets + 1, 0);
-  for (const bool fill : {false, true}) {
-    std::vector<std::size_t> next;
-    if (fill) {
-      for (std::size_t t = 0; t < 2 * targets; ++t) first_piece[t + 1] += first_piece[t];
-      pieces.resize(A.entries.size());
-      next.assign(first_piece.begin(), first_piece.end() - 1);
-    }
+std::size_t BlockLuPlan::part_of(int row, int column, const Elimination& elimination,
+                                 const std::vector<int>& front_of) const {
+  const int i = elimination.pivot_of[static_cast<std::size_t>(row)],
+            j = elimination.pivot_of[static_cast<std::size_t>(column)];
+  const auto& pivot = pivots[static_cast<std::size_t>(std::min(i, j))];
+  if (const int front = front_of[static_cast<std::size_t>(std::min(i, j))]; front >= 0)
+    return 2 * fronts.target(front, std::max(i, j), std::min(i, j)) + (i < j ? 1 : 0);
+  if (i == j) return 2 * pivot.first_target;
+  const auto found =
+      std::lower_bound(rows.begin() + static_cast<std::ptrdiff_t>(pivot.first),
+                       rows.begin() + static_cast<std::ptrdiff_t>(pivot.last), std::max(i, j),
+                       [](const Row& one, int wanted) { return one.pivot < wanted; });
+  const auto k = static_cast<std::size_t>(found - rows.begin());
+  return 2 * (pivot.first_target + 1 + k - pivot.first) + (i < j ? 1 : 0);
+}
+
+void BlockLuPlan::sort_pieces(const BlockColumns& A, const Elimination& elimination,
+                              const std::vector<int>& front_of, std::size_t targets) {
+  sort_into(2 * targets, first_piece, pieces, [&](const auto& put) {
     for (int c = 0; c < A.blocks(); ++c) {
       const auto C = static_cast<std::size_t>(c);
       for (std::size_t e = A.begin[C]; e < A.begin[C + 1]; ++e) {
         const int r = A.entries[e].row;
         const auto R = static_cast<std::size_t>(r);
-        const std::size_t part = part_of(r, c);
-        if (!fill) {
-          ++first_piece[part + 1];
-          continue;
-        }
+        const std::size_t part = part_of(r, c, elimination, front_of);
         const bool turned = part % 2 == 1;
         const auto row = static_cast<std::int8_t>(elimination.place_of[R]),
                    column = static_cast<std::int8_t>(elimination.place_of[C]);
-        pieces[next[part]++] = {.source = A.entries[e].offset,
-                                .ld = static_cast<int>(A.height[C]),
-                                .row = A.first[R],
-                                .column = A.first[C],
-                                .rows = static_cast<std::int8_t>(A.size(r)),
-                                .columns = static_cast<std::int8_t>(A.size(c)),
-                                .place_row = turned ? column : row,
-                                .place_column = turned ? row : column};
+        put(part, Piece{.source = A.entries[e].offset,
+                        .ld = static_cast<int>(A.height[C]),
+                        .row = A.first[R],
+                        .column = A.first[C],
+                        .rows = static_cast<std::int8_t>(A.size(r)),
+                        .columns = static_cast<std::int8_t>(A.size(c)),
+                        .place_row = turned ? column : row,
+                        .place_column = turned ? row : column});
       }
     }
-  }
+  });
+}
 
-  // Of each pair of rows of a pivot one update; counted, then filled in.
-  first_update.assign(targets + 1, 0);
-  for (const bool fill : {false, true}) {
-    std::vector<std::size_t> next;
-    if (fill) {
-      for (std::size_t t = 0; t < targets; ++t) first_update[t + 1] += first_update[t];
-      updates.resize(first_update[targets]);
-      next.assign(first_update.begin(), first_update.end() - 1);
-    }
-    for (std::size_t p = 0; p < count; ++p)
+// Of each pair of rows of a pivot one.
+void BlockLuPlan::sort_updates(const std::vector<int>& front_of, std::size_t targets) {
+  sort_into(targets, first_update, updates, [&](const auto& put) {
+    for (std::size_t p = 0; p + 1 < pivots.size(); ++p)
       for (std::size_t b = pivots[p].first; b < pivots[p].last; ++b) {
         const auto& target = pivots[static_cast<std::size_t>(rows[b].pivot)];
         const int front = front_of[static_cast<std::size_t>(rows[b].pivot)];
@@ -370,15 +385,12 @@ BlockLuPlan::BlockLuPlan(const BlockColumns& A, const Elimination& elimination) 
             while (rows[k].pivot != rows[a].pivot) ++k;
             t += 1 + k - target.first;
           }
-          if (fill)
-            updates[next[t]++] = {static_cast<std::uint32_t>(rows[a].offset / register_rows),
-                                  static_cast<std::uint32_t>(rows[b].offset / register_rows),
-                                  pivots[p].size};
-          else
-            ++first_update[t + 1];
+          put(t,
+              Update{static_cast<std::uint32_t>(rows[a].offset / register_rows),
+                     static_cast<std::uint32_t>(rows[b].offset / register_rows), pivots[p].size});
         }
       }
-  }
+  });
 }
 
 template <class T>

@@ -70,6 +70,17 @@ struct BlockLuPlan {
   int n = 0;
 
   BlockLuPlan(const BlockColumns& A, const Elimination& elimination);
+
+ private:
+  // `front_of`: by pivot, or -1. Returns the number of targets outside of fronts.
+  std::size_t lay_out_pivots(const Elimination& elimination, const std::vector<int>& front_of);
+  void lay_out_unknowns(const BlockColumns& A, const Elimination& elimination);
+  // Where a block of A belongs: twice its target, and one more for the transposed part.
+  std::size_t part_of(int row, int column, const Elimination& elimination,
+                      const std::vector<int>& front_of) const;
+  void sort_pieces(const BlockColumns& A, const Elimination& elimination,
+                   const std::vector<int>& front_of, std::size_t targets);
+  void sort_updates(const std::vector<int>& front_of, std::size_t targets);
 };
 
 // Of a symmetric matrix, by its pivots: Sylvester's law of inertia (Haynsworth 1968).

@@ -71,8 +71,49 @@ constexpr const char* zero_pivot = "a block has no pivot";
 constexpr const char* inaccurate = "solutions do not satisfy their equations";
 constexpr const char* tolerant_diagonal = "a rank-tolerant step";
 
-// 1 / (|R A| |A^-1 R^-1|) in the 1-norm, with rows R A of largest entry 1: Hager's estimate of the inverse (Higham 1988). (KLU
-// takes the inverse of A itself, so that its estimate goes with the units.)
+double sum_of_sizes(const std::vector<double>& x) {
+  double s = 0.0;
+  for (const double v : x) s += std::abs(v);
+  return s;
+}
+
+// Hager's estimate of |A^-1 R^-1| in the 1-norm (Higham 1988); `row`: R^-1. Not finite, or 0, if there is none.
+double norm_of_inverse(const BlockLu<double>& lu, const std::vector<double>& row) {
+  const std::size_t n = row.size();
+  std::vector<double> x(n, 1.0 / static_cast<double>(n)), z(n);
+  const auto apply = [&](std::vector<double>& v) {  // v := A^-1 R^-1 v, rows of R A unit
+    for (std::size_t i = 0; i < n; ++i) v[i] *= row[i];
+    lu.solve(v.data());
+  };
+  double estimate = 0.0;
+  std::size_t last = n;
+  for (int k = 0; k < 5; ++k) {
+    apply(x);
+    const double now = sum_of_sizes(x);
+    if (!std::isfinite(now)) return now;
+    if (k > 0 && now <= estimate) break;
+    estimate = now;
+    for (std::size_t i = 0; i < n; ++i) z[i] = x[i] >= 0.0 ? 1.0 : -1.0;
+    lu.solve_transposed(z.data());
+    std::size_t largest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      z[i] *= row[i];
+      if (std::abs(z[i]) > std::abs(z[largest])) largest = i;
+    }
+    if (largest == last) break;
+    last = largest;
+    std::fill(x.begin(), x.end(), 0.0);
+    x[largest] = 1.0;
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    x[i] = (i % 2 == 0 ? 1.0 : -1.0) *
+           (1.0 + static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(n - 1, 1)));
+  apply(x);
+  return std::max(estimate, 2.0 * sum_of_sizes(x) / (3.0 * static_cast<double>(n)));
+}
+
+// 1 / (|R A| |A^-1 R^-1|) in the 1-norm, with rows R A of largest entry 1. (KLU takes the inverse of A itself, so that its
+// estimate goes with the units.)
 double reciprocal_condition(const BlockColumns& columns, const double* A,
                             const BlockLu<double>& lu) {
   const auto n = static_cast<std::size_t>(columns.n);
@@ -107,42 +148,7 @@ double reciprocal_condition(const BlockColumns& columns, const double* A,
       sum += std::abs(a[i]) * unit[first + static_cast<std::size_t>(i)];
   });
   const double norm = *std::max_element(column.begin(), column.end());
-
-  const auto sum = [](const std::vector<double>& x) {
-    double s = 0.0;
-    for (const double v : x) s += std::abs(v);
-    return s;
-  };
-  std::vector<double> x(n, 1.0 / static_cast<double>(n)), z(n);
-  const auto apply = [&](std::vector<double>& v) {  // v := A^-1 R^-1 v, rows of R A unit
-    for (std::size_t i = 0; i < n; ++i) v[i] *= row[i];
-    lu.solve(v.data());
-  };
-  double estimate = 0.0;
-  std::size_t last = n;
-  for (int k = 0; k < 5; ++k) {
-    apply(x);
-    const double now = sum(x);
-    if (!std::isfinite(now)) return 0.0;
-    if (k > 0 && now <= estimate) break;
-    estimate = now;
-    for (std::size_t i = 0; i < n; ++i) z[i] = x[i] >= 0.0 ? 1.0 : -1.0;
-    lu.solve_transposed(z.data());
-    std::size_t largest = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      z[i] *= row[i];
-      if (std::abs(z[i]) > std::abs(z[largest])) largest = i;
-    }
-    if (largest == last) break;
-    last = largest;
-    std::fill(x.begin(), x.end(), 0.0);
-    x[largest] = 1.0;
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    x[i] = (i % 2 == 0 ? 1.0 : -1.0) *
-           (1.0 + static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(n - 1, 1)));
-  apply(x);
-  estimate = std::max(estimate, 2.0 * sum(x) / (3.0 * static_cast<double>(n)));
+  const double estimate = norm_of_inverse(lu, row);
   return estimate > 0.0 && std::isfinite(estimate) ? 1.0 / (norm * estimate) : 0.0;
 }
 

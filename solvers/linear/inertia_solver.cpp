@@ -106,22 +106,7 @@ class MumpsSolver : public InertiaSolver {
         slots_.push_back({trash_.data(), largest});
     }
 
-    rows_.clear();
-    columns_.clear();
-    for (const Place& p : places_)
-      for_lower(p, [&](Index i, Index j, double, double) {
-        rows_.push_back(static_cast<MUMPS_INT>(i + 1));
-        columns_.push_back(static_cast<MUMPS_INT>(j + 1));
-      });
-    entries_.assign(rows_.size(), 0.0);
-    mumps_.n = static_cast<MUMPS_INT>(n_);
-    mumps_.nnz = static_cast<MUMPS_INT8>(rows_.size());
-    mumps_.irn = rows_.data();
-    mumps_.jcn = columns_.data();
-    mumps_.a = entries_.data();
-    if (n_ > 0 && run(analyze_pattern) < 0)
-      throw Error("the analysis of the symmetric tangent failed (MUMPS error " +
-                  std::to_string(mumps_.infog[0]) + ")");
+    analyze_entries();
   }
 
   std::span<const Slot> slots() const override { return slots_; }
@@ -181,6 +166,25 @@ class MumpsSolver : public InertiaSolver {
   double asymmetry() const override { return asymmetry_; }
 
  private:
+  // Of the lower triangle, in MUMPS's own terms.
+  void analyze_entries() {
+    rows_.clear();
+    columns_.clear();
+    for (const Place& p : places_)
+      for_lower(p, [&](Index i, Index j, double, double) {
+        rows_.push_back(static_cast<MUMPS_INT>(i + 1));
+        columns_.push_back(static_cast<MUMPS_INT>(j + 1));
+      });
+    entries_.assign(rows_.size(), 0.0);
+    mumps_.n = static_cast<MUMPS_INT>(n_);
+    mumps_.nnz = static_cast<MUMPS_INT8>(rows_.size());
+    mumps_.irn = rows_.data();
+    mumps_.jcn = columns_.data();
+    mumps_.a = entries_.data();
+    if (n_ > 0 && run(analyze_pattern) < 0)
+      throw Error("the analysis of the symmetric tangent failed (MUMPS error " +
+                  std::to_string(mumps_.infog[0]) + ")");
+  }
   struct Place {
     int row, column;
     int rows, columns;

@@ -351,6 +351,7 @@ void leave_independent_rigid_ones(std::vector<Mode>& modes) {
 double Mode::frequency() const {
   return eigenvalue.imag() > 0.0 ? std::abs(eigenvalue) / (2.0 * std::numbers::pi) : 0.0;
 }
+
 double Mode::damping_ratio() const {
   const double size = std::abs(eigenvalue);
   return size > 0.0 ? -eigenvalue.real() / size : 0.0;
@@ -368,71 +369,83 @@ ModesFound find_modes_near(MotionPencil& motions, Complex shift, double expected
 namespace {
 
 // Without estimates of round-off.
-ModesFound find_modes(SmallMotions& motions, const Eigen::SparseMatrix<double>& sizes,
-                      const ModeOptions& options) {
-  ModesFound result;
-  if (motions.motions() == 0 || !(motions.mass() > 0.0)) {
-    result.failure = "nothing that moves has mass";
+struct ModeSearch {
+  SmallMotions& motions;
+  const Eigen::SparseMatrix<double>& sizes;
+  const ModeOptions& options;
+  const int wanted = options.count;
+  double fastest = 0.0, omega = 0.0;  // of all motions; of those that are looked for
+
+  ModesFound run() {
+    ModesFound result;
+    if (motions.motions() == 0 || !(motions.mass() > 0.0)) {
+      result.failure = "nothing that moves has mass";
+      return result;
+    }
+    fastest = std::sqrt(motions.stiffness() / motions.mass());
+    omega = options.expected > 0.0 ? options.expected
+            : options.near > 0.0   ? options.near
+            : fastest > 0.0        ? 1e-3 * fastest
+                                   : 1.0;
+    result = options.near > 0.0 ? near_frequency() : slowest();
+    if (result.modes.size() > static_cast<std::size_t>(wanted))
+      result.modes.resize(static_cast<std::size_t>(wanted));
     return result;
   }
-  const double fastest = std::sqrt(motions.stiffness() / motions.mass());
-  double omega = options.expected > 0.0 ? options.expected
-                 : options.near > 0.0   ? options.near
-                 : fastest > 0.0        ? 1e-3 * fastest
-                                        : 1.0;
-  const auto by_distance = [&](std::vector<Mode>& modes) {
+
+  void sort(std::vector<Mode>& modes) const {
     const Complex target(0.0, options.near);
     std::stable_sort(modes.begin(), modes.end(), [&](const Mode& a, const Mode& b) {
       return std::abs(a.eigenvalue - target) < std::abs(b.eigenvalue - target);
     });
-  };
-  const auto at = [&](Complex shift, int count) {
+  }
+
+  ModesFound at(Complex shift, int count) {
     ModesFound found = find_modes_near(motions, shift, omega, count);
-    by_distance(found.modes);
+    sort(found.modes);
     return found;
-  };
-  const auto cut = [&](ModesFound& found) {
-    if (found.modes.size() > static_cast<std::size_t>(options.count))
-      found.modes.resize(static_cast<std::size_t>(options.count));
-  };
-  if (options.near > 0.0) {
-    result = at({0.0, options.near}, options.count);
-    if (!result.failure.empty()) result = at({0.0, options.near * (1.0 + 1e-5)}, options.count);
-    cut(result);
+  }
+
+  ModesFound near_frequency() {
+    ModesFound result = at({0.0, options.near}, wanted);
+    if (!result.failure.empty()) result = at({0.0, options.near * (1.0 + 1e-5)}, wanted);
     return result;
   }
 
   // Motions that nothing answers make 0 singular, or nearly, and hide the others, or give them any shape: a spin without a
   // drive, one shape for a double eigenvalue, takes all but a few of their digits.
-  if (options.free_motions == FreeMotions::some) {
-    result = at(omega, options.count);
-    cut(result);
+  ModesFound slowest() {
+    if (options.free_motions == FreeMotions::some) return at(omega, wanted);
+    // About 0 first, and then, if it is so, about something of the size of the slowest that is answered.
+    ModesFound result = at(0.0, wanted);
+    const bool is_clear =
+        result.failure.empty() && result.modes.size() >= static_cast<std::size_t>(wanted) &&
+        std::none_of(result.modes.begin(), result.modes.end(),
+                     [&](const Mode& mode) { return is_hidden(motions, sizes, mode, 0.0); });
+    if (options.free_motions == FreeMotions::none) return is_clear ? result : at(omega, wanted);
+    if (!is_clear) {
+      double shift = omega;
+      result = about_slowest(shift);
+      if (!result.failure.empty()) return result;
+      see_far_below(result, shift);
+    }
+    for (Mode& mode : result.modes)
+      if (mode.rigid) mode.eigenvalue = 0.0;
+    sort(result.modes);
+    leave_independent_rigid_ones(result.modes);
     return result;
   }
-  // About 0 first, and then, if it is so, about something of the size of the slowest that is answered.
-  result = at(0.0, options.count);
-  const bool is_clear =
-      result.failure.empty() && result.modes.size() >= static_cast<std::size_t>(options.count) &&
-      std::none_of(result.modes.begin(), result.modes.end(),
-                   [&](const Mode& mode) { return is_hidden(motions, sizes, mode, 0.0); });
-  if (options.free_motions == FreeMotions::none) {
-    if (!is_clear) result = at(omega, options.count);
-    cut(result);
-    return result;
-  }
-  const auto find_rigid = [&](ModesFound& found, double at_shift) {
-    for (Mode& mode : found.modes) mode.rigid = is_rigid(motions, sizes, mode, at_shift);
-  };
-  if (!is_clear) {
-    double shift = omega;
-    ModesFound better;
+
+  // With a shift, from the one given, of the size of the slowest motion that is answered.
+  ModesFound about_slowest(double& shift) {
+    ModesFound found;
     constexpr int passes = 12;
     for (int pass = 0; pass < passes; ++pass) {
-      better = at(shift, options.count + 6);
-      if (!better.failure.empty()) return better;
-      find_rigid(better, shift);
+      found = at(shift, wanted + 6);
+      if (!found.failure.empty()) return found;
+      for (Mode& mode : found.modes) mode.rigid = is_rigid(motions, sizes, mode, shift);
       double slowest = std::numeric_limits<double>::infinity();
-      for (const Mode& mode : better.modes)
+      for (const Mode& mode : found.modes)
         if (!mode.rigid && std::abs(mode.eigenvalue) > tiny * shift)
           slowest = std::min(slowest, std::abs(mode.eigenvalue));
       if (!std::isfinite(slowest)) {
@@ -443,11 +456,15 @@ ModesFound find_modes(SmallMotions& motions, const Eigen::SparseMatrix<double>& 
       if (slowest > 0.2 * shift && slowest < 5.0 * shift) break;
       omega = shift = 0.5 * slowest;
     }
-    // Of what is far below the shift and no free motion, the shift is lowered to see it better.
+    return found;
+  }
+
+  // Of what is far below the shift and no free motion, the shift is lowered to see it better.
+  void see_far_below(ModesFound& found, double shift) {
     ModesFound lower;
-    for (Mode& mode : better.modes) {
+    for (Mode& mode : found.modes) {
       if (mode.rigid || std::abs(mode.eigenvalue) > tiny * shift) continue;
-      if (lower.modes.empty()) lower = at(tiny * shift, options.count + 6);
+      if (lower.modes.empty()) lower = at(tiny * shift, wanted + 6);
       double match = 0.0;
       for (const Mode& other : lower.modes) {
         const double overlap =
@@ -456,21 +473,14 @@ ModesFound find_modes(SmallMotions& motions, const Eigen::SparseMatrix<double>& 
       }
       mode.rigid = is_rigid(motions, sizes, mode, tiny * shift);
     }
-    result = std::move(better);
   }
-  for (Mode& mode : result.modes)
-    if (mode.rigid) mode.eigenvalue = 0.0;
-  by_distance(result.modes);
-  leave_independent_rigid_ones(result.modes);
-  cut(result);
-  return result;
-}
+};
 
 }  // namespace
 
 ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   const Eigen::SparseMatrix<double> sizes = motions.sizes_of_stiffness();
-  ModesFound found = find_modes(motions, sizes, options);
+  ModesFound found = ModeSearch{motions, sizes, options}.run();
   for (Mode& mode : found.modes) {
     const double square = std::norm(mode.eigenvalue);
     if (!mode.rigid && square > 0.0)

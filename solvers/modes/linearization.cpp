@@ -60,33 +60,11 @@ VecX force_of(const System& system, const State& state, std::size_t input) {
   return force;
 }
 
-}  // namespace
-
-LinearMotion linear_motion(const SmallMotions& motions) {
-  const System& system = motions.system();
-  LinearMotion all{motions.mass_matrix(),
-                   motions.rate_matrix(),
-                   motions.stiffness_matrix(),
-                   motions.constraint_gradient(),
-                   {}};
-  const auto inputs = static_cast<Index>(system.inputs().size());
-  all.F.resize(motions.motions(), inputs);
-  for (Index i = 0; i < inputs; ++i)
-    all.F.col(i) = force_of(system, motions.state(), static_cast<std::size_t>(i))
-                       .segment(6, motions.motions());
-  return all;
-}
-
-ReducedMotion reduced_motion(const System& system, const LinearMotion& all) {
-  const Index n = all.M.rows();
-  if (n > most_reduced)
-    throw Error(
-        fmt::format("{} motions: matrices on the constraints are for {} at most; use those of "
-                    "all motions, which are sparse",
-                    n, most_reduced));
+// Motions that constraints with the gradient B leave: which coordinates are independent, and N.
+void find_coordinates(const System& system, MatX B, ReducedMotion& made) {
+  const Index n = B.cols();
   // Rotations as lengths, and gaps of angles too.
   const double L = system.length_scale();
-  MatX B = all.B;
   for (Index j = 0; j < n; ++j)
     if (j % 6 >= 3) B.col(j) /= L;
   Index row = 0;
@@ -95,7 +73,6 @@ ReducedMotion reduced_motion(const System& system, const LinearMotion& all) {
       if (!is_position) B.row(row) *= L;
       ++row;
     }
-  ReducedMotion made;
   Index rank = 0;
   std::vector<Index> order(static_cast<std::size_t>(n));
   for (Index j = 0; j < n; ++j) order[static_cast<std::size_t>(j)] = j;
@@ -131,6 +108,35 @@ ReducedMotion reduced_motion(const System& system, const LinearMotion& all) {
       made.N(of, j) = dependent(i, from) * length(motion) / length(of);
     }
   }
+}
+
+}  // namespace
+
+LinearMotion linear_motion(const SmallMotions& motions) {
+  const System& system = motions.system();
+  LinearMotion all{motions.mass_matrix(),
+                   motions.rate_matrix(),
+                   motions.stiffness_matrix(),
+                   motions.constraint_gradient(),
+                   {}};
+  const auto inputs = static_cast<Index>(system.inputs().size());
+  all.F.resize(motions.motions(), inputs);
+  for (Index i = 0; i < inputs; ++i)
+    all.F.col(i) = force_of(system, motions.state(), static_cast<std::size_t>(i))
+                       .segment(6, motions.motions());
+  return all;
+}
+
+ReducedMotion reduced_motion(const System& system, const LinearMotion& all) {
+  const Index n = all.M.rows();
+  if (n > most_reduced)
+    throw Error(
+        fmt::format("{} motions: matrices on the constraints are for {} at most; use those of "
+                    "all motions, which are sparse",
+                    n, most_reduced));
+  ReducedMotion made;
+  find_coordinates(system, all.B, made);
+  const auto m = static_cast<Index>(made.coordinates.size());
   const MatX M = made.N.transpose() * (all.M * made.N), C = made.N.transpose() * (all.C * made.N),
              K = made.N.transpose() * (all.K * made.N);
   // In units in which all inertias are alike.

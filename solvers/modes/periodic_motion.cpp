@@ -9,7 +9,6 @@
 #include "libmbd/core/se3.hpp"
 #include "libmbd/core/stop.hpp"
 #include "solvers/linear/block_columns.hpp"
-#include "solvers/newton/increments.hpp"
 #include "solvers/statics/equilibrium.hpp"
 
 namespace mbd {
@@ -59,6 +58,7 @@ PeriodicMotion::PeriodicMotion(const System& system, double begin, double period
   solvers_->blocks.analyze(system.graph());
   solvers_->scalars = solvers_->blocks.columns.scalars();
 }
+
 PeriodicMotion::~PeriodicMotion() = default;
 
 void PeriodicMotion::differentiate(std::vector<State>& states) const {
@@ -172,6 +172,7 @@ bool PeriodicMotion::factor(double s) {
   solvers_->real.compute(assemble<double>(s));
   return solvers_->real.info() == Eigen::Success;
 }
+
 bool PeriodicMotion::factor(Complex s) {
   solvers_->complex.compute(assemble<Complex>(s));
   return solvers_->complex.info() == Eigen::Success;
@@ -192,6 +193,7 @@ V PeriodicMotion::solve_with(const V& b) const {
     x.segment(i * motions_, motions_) = all.segment(i * unknowns_, motions_);
   return x;
 }
+
 void PeriodicMotion::solve(VecX& b) const { b = solve_with(b); }
 void PeriodicMotion::solve(VecXc& b) const { b = solve_with(b); }
 
@@ -202,6 +204,7 @@ VecX PeriodicMotion::mass_times(const VecX& x) const {
         M_[static_cast<std::size_t>(i)] * x.segment(i * motions_, motions_);
   return y;
 }
+
 // l (2 M D + C) is what is linear in l.
 VecX PeriodicMotion::rate_times(const VecX& x) const {
   using Columns = Eigen::Map<const Eigen::MatrixXd>;
@@ -213,12 +216,14 @@ VecX PeriodicMotion::rate_times(const VecX& x) const {
         2.0 * (M_[static_cast<std::size_t>(i)] * dx.col(i));
   return y;
 }
+
 VecXc PeriodicMotion::mass_times(const VecXc& x) const {
   VecXc y(x.size());
   y.real() = mass_times(VecX(x.real()));
   y.imag() = mass_times(VecX(x.imag()));
   return y;
 }
+
 VecXc PeriodicMotion::rate_times(const VecXc& x) const {
   VecXc y(x.size());
   y.real() = rate_times(VecX(x.real()));
@@ -254,6 +259,36 @@ double tail_of(const VecX& sizes) {
 
 }  // namespace
 
+double PeriodicMotion::share_of(const VecX& x, const IncrementNorm& norm, double& e) const {
+  double share = 1.0;
+  e = 0.0;
+  for (Index i = 0; i < instants(); ++i) {
+    const VecX one = x.segment(i * unknowns_, unknowns_);
+    const double size = norm({one.data(), static_cast<std::size_t>(one.size())}, 1.0);
+    if (!std::isfinite(size)) {
+      e = size;
+      return share;
+    }
+    e = std::max(e, size);
+    const double turn = largest_rotation_in(system_, one);
+    double moved = 0.0;
+    for (Index k = 0; k < motions_; k += 6)
+      moved = std::max(moved, one.segment<3>(k).norm() / length_scale());
+    share = std::min({share, turn > largest_turn ? largest_turn / turn : 1.0,
+                      moved > largest_motion ? largest_motion / moved : 1.0});
+  }
+  return share;
+}
+
+double PeriodicMotion::tail(const std::vector<State>& states) const {
+  VecXc V(motions());
+  for (std::size_t i = 0; i < states.size(); ++i)
+    for (Index k = 0; k < motions_; k += 6)
+      V.segment<6>(at(i) * motions_ + k) =
+          states[i].V[static_cast<std::size_t>(k / 6) + 1].cast<Complex>();
+  return tail_of(harmonics(V));
+}
+
 PeriodicReport PeriodicMotion::solve(const NewtonOptions& options, std::vector<State>& states) {
   PeriodicReport report;
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -285,21 +320,11 @@ PeriodicReport PeriodicMotion::solve(const NewtonOptions& options, std::vector<S
       return report;
     }
     const VecX x = solvers_->real.solve(VecX(-r)).eval();
-    double e = 0.0, share = 1.0;
-    for (Index i = 0; i < instants(); ++i) {
-      const VecX one = x.segment(i * unknowns_, unknowns_);
-      const double size = norm({one.data(), static_cast<std::size_t>(one.size())}, 1.0);
-      if (!std::isfinite(size)) {
-        report.failure = "the increments of Newton's iterations are not finite";
-        return report;
-      }
-      e = std::max(e, size);
-      const double turn = largest_rotation_in(system_, one);
-      double moved = 0.0;
-      for (Index k = 0; k < motions_; k += 6)
-        moved = std::max(moved, one.segment<3>(k).norm() / length_scale());
-      share = std::min({share, turn > largest_turn ? largest_turn / turn : 1.0,
-                        moved > largest_motion ? largest_motion / moved : 1.0});
+    double e = 0.0;
+    const double share = share_of(x, norm, e);
+    if (!std::isfinite(e)) {
+      report.failure = "the increments of Newton's iterations are not finite";
+      return report;
     }
     for (std::size_t i = 0; i < states.size(); ++i) {
       retract(system_, states[i], x.segment(at(i) * unknowns_, unknowns_), share);
@@ -308,12 +333,7 @@ PeriodicReport PeriodicMotion::solve(const NewtonOptions& options, std::vector<S
     if (share == 1.0 && has_converged(e, previous)) {
       differentiate(states);
       if (!linearize(states, r)) break;
-      VecXc V(motions());
-      for (std::size_t i = 0; i < states.size(); ++i)
-        for (Index k = 0; k < motions_; k += 6)
-          V.segment<6>(at(i) * motions_ + k) =
-              states[i].V[static_cast<std::size_t>(k / 6) + 1].cast<Complex>();
-      report.tail = tail_of(harmonics(V));
+      report.tail = tail(states);
       report.converged = true;
       states_ = states;
       return report;

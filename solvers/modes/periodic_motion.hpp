@@ -24,6 +24,7 @@
 #include "libmbd/core/system.hpp"
 #include "solvers/modes/eigenmodes.hpp"
 #include "solvers/modes/motion_pencil.hpp"
+#include "solvers/newton/increments.hpp"
 #include "solvers/newton/report.hpp"
 
 namespace mbd {
@@ -78,6 +79,9 @@ class PeriodicMotion final : public MotionPencil {
   void differentiate(std::vector<State>& states) const;
   // M, C, K and B at all instants; false if an element is out of range.
   bool linearize(const std::vector<State>& states, VecX& r);
+  // Of an increment x the share that is taken. `e`: its size, not finite if that of an instant is not.
+  double share_of(const VecX& x, const IncrementNorm& norm, double& e) const;
+  double tail(const std::vector<State>& states) const;  // of the harmonics of velocities
   template <class Scalar>
   Eigen::SparseMatrix<Scalar> assemble(Scalar s) const;
   template <class V>

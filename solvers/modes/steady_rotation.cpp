@@ -169,6 +169,63 @@ std::string held_fast(const SmallMotions& motions, const SteadyRotation& rotatio
   return {};
 }
 
+namespace {
+
+// A state turned about the axis.
+struct Turned {
+  State state;
+  std::vector<Pose<double>> to_body;  // g of small_motions.hpp, by node
+};
+
+Turned turned_by(double angle, const SteadyRotation& rotation, ModeAxes axes, const State& state) {
+  Turned turned{state, std::vector<Pose<double>>(state.pose.size())};
+  const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, rotation.axis));
+  for (std::size_t k = 1; k < state.pose.size(); ++k) {
+    const Pose<double>& H = state.pose[k];
+    Pose<double> after = H;
+    after.r = rotation.through + by * (H.r - rotation.through);
+    after.p = by * H.p;
+    if (rotation.turns(k)) turned.state.pose[k] = after;
+    turned.to_body[k] = relative(axes == ModeAxes::turning ? after : H, turned.state.pose[k]);
+  }
+  return turned;
+}
+
+bool factor_about(SmallMotions& motions, const SteadyRotation& rotation, ModeAxes axes,
+                  State& turned, double shift) {
+  turn_steadily(rotation, turned);
+  if (!about_rotation(motions, rotation, axes, turned)) return false;
+  // A spin that nothing holds would answer more than all else.
+  const VecX z = turning(motions, rotation, turned);
+  if (is_free_to_turn(motions, z)) motions.hold(most_turned(z));
+  return motions.factor(shift);
+}
+
+// The motion that answers a force; both in axes that have not turned.
+VecX answer_to(VecX force, SmallMotions& motions, const Turned& turned) {
+  const auto each_node = [&](const auto& turn) {
+    for (Index i = 0; i < force.size(); i += 6) {
+      const Mat6 Ad = adjoint(turned.to_body[static_cast<std::size_t>(i / 6 + 1)]).matrix();
+      force.segment<6>(i) = turn(Ad, force.segment<6>(i));
+    }
+  };
+  each_node([](const Mat6& Ad, const auto& f) -> Vec6 { return Ad.transpose() * f; });
+  motions.solve(force);
+  each_node([](const Mat6& Ad, const auto& u) -> Vec6 { return Ad * u; });
+  return force;
+}
+
+VecX random_force(Index n, double length) {
+  VecX force(n);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  for (double& entry : force) entry = number(random);
+  for (Index i = 0; i < n; i += 6) force.segment<3>(i) /= length;
+  return force;
+}
+
+}  // namespace
+
 std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotation, ModeAxes axes,
                             const State& state, const IsDriven& driven) {
   const std::string singular = "small motions turned about the axis are singular";
@@ -177,38 +234,15 @@ std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotatio
   const double length = system.length_scale();
   const double s = std::max({std::abs(rotation.rate),
                              slightly * std::sqrt(motions.stiffness() / motions.mass()), 1e-300});
-  VecX force(n);
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> number(-1.0, 1.0);
-  for (double& entry : force) entry = number(random);
-  for (Index i = 0; i < n; i += 6) force.segment<3>(i) /= length;
-
+  const VecX force = random_force(n, length);
   VecX first;
   std::vector<VecX> answers;
   double noise = 0.0;  // round-off, of another angle that is nearly the same
-  std::string broken;
   constexpr double hardly = 1e-9;
+  std::string broken;
   for (const double angle : {0.0, 0.7, 0.7 + hardly, -1.1}) {
-    State turned = state;
-    const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, rotation.axis));
-    // g of small_motions.hpp, by node.
-    std::vector<Pose<double>> to_body(state.pose.size());
-    for (std::size_t k = 1; k < turned.pose.size(); ++k) {
-      const Pose<double>& H = state.pose[k];
-      Pose<double> after = H;
-      after.r = rotation.through + by * (H.r - rotation.through);
-      after.p = by * H.p;
-      if (rotation.turns(k)) turned.pose[k] = after;
-      to_body[k] = relative(axes == ModeAxes::turning ? after : H, turned.pose[k]);
-    }
-    const auto assemble = [&] {
-      turn_steadily(rotation, turned);
-      if (!about_rotation(motions, rotation, axes, turned)) return false;
-      // A spin that nothing holds would answer more than all else.
-      const VecX z = turning(motions, rotation, turned);
-      if (is_free_to_turn(motions, z)) motions.hold(most_turned(z));
-      return motions.factor(s);
-    };
+    Turned turned = turned_by(angle, rotation, axes, state);
+    const auto assemble = [&] { return factor_about(motions, rotation, axes, turned.state, s); };
     if (!assemble()) return singular;
     VecX x = -motions.residual().tail(motions.unknowns());
     for (Index row = n; row < x.size(); ++row) {
@@ -231,17 +265,9 @@ std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotatio
           system.name_of(where + 6));
       break;
     }
-    turned.lambda += x.tail(turned.lambda.size());
+    turned.state.lambda += x.tail(turned.state.lambda.size());
     if (!assemble()) return singular;
-    VecX answer = force;
-    for (Index i = 0; i < n; i += 6)
-      answer.segment<6>(i) =
-          adjoint(to_body[static_cast<std::size_t>(i / 6 + 1)]).matrix().transpose() *
-          answer.segment<6>(i);
-    motions.solve(answer);
-    for (Index i = 0; i < n; i += 6)
-      answer.segment<6>(i) =
-          adjoint(to_body[static_cast<std::size_t>(i / 6 + 1)]).matrix() * answer.segment<6>(i);
+    VecX answer = answer_to(force, motions, turned);
     if (angle == 0.0) {
       first = answer;
       continue;

@@ -144,6 +144,10 @@ std::string range_failure(const std::string& name) {
   if (name.starts_with("bushing "))
     return name +
            " is turned beyond its range, 0.9 of half a turn; make it stiffer, or give a joint";
+  if (name.starts_with("force '")) {  // of a program or a plug-in; it may have said why
+    return name.ends_with(")") ? name
+                               : name + " is out of its range; look for what it cannot take there";
+  }
   // The others are joints (joint.hpp, on_branch).
   return name + " has turned to the wrong side, half a turn away; take smaller steps";
 }

@@ -45,7 +45,7 @@ struct StepSizes {
   double velocity_left = 0.0;
 };
 
-struct StepReport {
+struct [[nodiscard]] StepReport {
   bool converged = false;
   int iterations = 0;
   double error = 0.0;  // estimate of what is left, in units of the tolerance
@@ -57,6 +57,9 @@ struct StepReport {
       increments{};  // size of each iteration's increment, in units of the tolerance
   std::string
       failure;  // when not converged: what happened, naming the worst equation and the remedy
+  Failure kind = Failure::none;  // and of what kind
+  // Of steps whose cost is bounded: their iterations ended before the tolerance, and `error` is what that left undone.
+  bool undone = false;
 };
 
 }  // namespace mbd

@@ -70,6 +70,144 @@ double search(const System& system, const LinearSolver& solver, const State& sta
   return 0.0;
 }
 
+// Newton's iterations from a state towards an equilibrium.
+struct Newton {
+  const System& system;
+  LinearSolver& solver;
+  const NewtonOptions& options;
+  State& state;
+  Counters& counters;
+  std::string& failure;
+  MixedIterate& mixed;
+  const VecX weights = motion_weights(system);
+  NeutralMotions free{};
+  VecX r{}, x = VecX(system.unknowns());  // residual, increment
+  State trial{};
+  std::vector<Vec6> next{};  // resultants
+
+  bool iterate() {
+    mixed.sign = 0;
+    mixed.sign_varied = false;
+    mixed.out_of_range.clear();
+    if (mixed.resultants.empty()) take_resultants();
+    IncrementNorm norm(system, options);
+    double previous = 0.0;
+    const int most =
+        options.line_search ? searching * options.max_iterations : options.max_iterations;
+    for (int k = 0; k < most; ++k) {
+      stop::check();
+      linearize();
+      stop::check();
+      ++counters.iterations;
+      ++counters.residuals;
+      ++counters.tangents;
+      ++counters.factorizations;
+      if (k == 0) norm.set_floor(state, largest_stiffness(system, solver));
+      const FactorStatus status = factor(k == 0);
+      if (!is_held() || !is_regular(status)) return false;
+      x = -r.tail(x.size());
+      solver.solve({x.data(), static_cast<std::size_t>(x.size())});
+      if (free.count() > 0) free.take_out(weights, x);
+      const double e = norm({x.data(), static_cast<std::size_t>(x.size())}, 1.0);
+      if (!std::isfinite(e))
+        return fail(
+            fmt::format("the residual is not finite at {}", system.name_of(worst_row(system, r))));
+      const int sign = free.count() > 0 ? 0 : solver.determinant_sign();
+      mixed.sign_varied |= k > 0 && sign != mixed.sign;
+      mixed.sign = sign;
+      const double share = take(e);
+      if (share == 0.0)
+        return fail(
+            fmt::format("no share of Newton's increment brings it nearer to equilibrium "
+                        "(worst equation: {})",
+                        system.name_of(worst_row(system, r))));
+      norm.observe(state.lambda);
+      if (share == 1.0 && has_converged(e, previous)) return is_admissible();
+      previous = e;
+    }
+    return fail(fmt::format("Newton's iterations do not converge (worst equation: {})",
+                            system.name_of(worst_row(system, r))));
+  }
+
+  bool fail(std::string why) {
+    failure = std::move(why);
+    return false;
+  }
+
+  void take_resultants() { system.linearized_resultants(state, {}, mixed.resultants); }
+
+  void linearize() {
+    if (options.line_search) take_resultants();
+    if (!system.linearize_mixed(state, mixed.resultants, r, solver) && mixed.out_of_range.empty())
+      mixed.out_of_range = system.out_of_range(state);
+  }
+
+  // Neutral motions, whose pivots are round-off or zero, are looked for at first and held from then on.
+  FactorStatus factor(bool first) {
+    FactorStatus status = solver.factor();
+    if (first) {
+      if (status == FactorStatus::ok && !(solver.reciprocal_condition() < nearly_singular))
+        return status;
+      free = find_neutral_motions(system, solver, state, mixed.resultants);
+      counters.factorizations += free.count() == 0 ? 2 : 1;
+      if (free.count() > 0) return FactorStatus::ok;
+      linearize();
+      return solver.factor();
+    }
+    if (free.count() == 0) return status;
+    free = find_neutral_motions(system, solver, state, mixed.resultants);
+    ++counters.factorizations;
+    return free.count() > 0 ? FactorStatus::ok : FactorStatus::singular;
+  }
+
+  // Loads drive none of the neutral motions.
+  bool is_held() {
+    if (free.count() == 0) return true;
+    const VecX drives = free.shapes.transpose() * r.tail(x.size());
+    if (drives.norm() <= driven * size_of_forces(system, r, state)) return true;
+    return fail(fmt::format(
+        "nothing holds the motion in which {} most, which loads drive; hold it by a joint or a "
+        "spring",
+        name_of_motion(system, free.shapes * drives)));
+  }
+
+  bool is_regular(FactorStatus status) {
+    if (status == FactorStatus::ok) return true;
+    const Index row = solver.singular_row();
+    return fail(fmt::format("the tangent is singular{}: the structure can move freely there",
+                            row >= 0 ? " at " + system.name_of(row + 6) : std::string()));
+  }
+
+  // Moves the state by a share of the increment, which it returns; 0 if none helps.
+  double take(double e) {
+    const double turn = largest_rotation_in(system, x);
+    const double share = turn > largest_rotation ? largest_rotation / turn : 1.0;
+    if (options.line_search && motion(system, x) > small_increment) {
+      const double helps = search(system, solver, state, x, counters, trial, share);
+      if (helps != 0.0) state = trial;
+      return helps;
+    }
+    if (!options.line_search) {
+      std::vector<Vec6>& S = mixed.resultants;
+      system.linearized_resultants(state, x, next);
+      for (std::size_t i = 0; i < S.size(); ++i) S[i] += share * (next[i] - S[i]);
+    }
+    if (share == 1.0 && e < 1e3) mixed.linearized = state;
+    retract(system, state, x, share);
+    return share;
+  }
+
+  // What Newton's iterations have converged to is an equilibrium.
+  bool is_admissible() {
+    if (const std::string element = system.out_of_range(state); !element.empty())
+      return fail(range_failure(element));
+    if (std::optional<std::string> open = idle_rows_open(system, state))
+      return fail(std::move(*open));
+    if (options.line_search) take_resultants();
+    return true;
+  }
+};
+
 }  // namespace
 
 void retract(const System& system, State& state, const VecX& increment, double scale) {
@@ -121,123 +259,16 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
                         State& state, Counters& counters, std::string& failure,
                         NeutralMotions* neutral, MixedIterate* mixed) {
   MixedIterate own;
-  if (mixed == nullptr) mixed = &own;
-  std::vector<Vec6>& S = mixed->resultants;
-  std::vector<Vec6> next;
-  mixed->sign = 0;
-  mixed->sign_varied = false;
-  mixed->out_of_range.clear();
-  if (S.empty()) system.linearized_resultants(state, {}, S);
-  const auto linearize = [&](VecX& r) {
-    if (options.line_search) system.linearized_resultants(state, {}, S);
-    if (!system.linearize_mixed(state, S, r, solver) && mixed->out_of_range.empty())
-      mixed->out_of_range = system.out_of_range(state);
-  };
-  NeutralMotions free;
-  bool looked = false;
-  const VecX weights = motion_weights(system);
   if (neutral != nullptr) *neutral = {};
-  IncrementNorm norm(system, options);
-  VecX r, x(system.unknowns());
-  State trial;
-  double previous = 0.0;
-  const int most =
-      options.line_search ? searching * options.max_iterations : options.max_iterations;
-  for (int k = 0; k < most; ++k) {
-    stop::check();
-    linearize(r);
-    stop::check();
-    ++counters.iterations;
-    ++counters.residuals;
-    ++counters.tangents;
+  Newton newton{system, solver, options, state, counters, failure, mixed != nullptr ? *mixed : own};
+  if (!newton.iterate()) return false;
+  if (neutral != nullptr && newton.free.count() > 0) {
+    // Off the equilibrium a motion that is neutral at it has some stiffness, of the order of the residual.
+    NeutralMotions there = find_neutral_motions(system, solver, state, newton.mixed.resultants);
     ++counters.factorizations;
-    if (k == 0) norm.set_floor(state, largest_stiffness(system, solver));
-    FactorStatus status = solver.factor();
-    // Pivots of a neutral motion are round-off, or zero.
-    if (!looked) {
-      looked = true;
-      if (status != FactorStatus::ok || solver.reciprocal_condition() < nearly_singular) {
-        free = find_neutral_motions(system, solver, state, S);
-        if (free.count() == 0) {
-          linearize(r);
-          status = solver.factor();
-        } else {
-          status = FactorStatus::ok;
-        }
-        counters.factorizations += free.count() == 0 ? 2 : 1;
-      }
-    } else if (free.count() > 0) {
-      free = find_neutral_motions(system, solver, state, S);
-      status = free.count() > 0 ? FactorStatus::ok : FactorStatus::singular;
-      ++counters.factorizations;
-    }
-    if (free.count() > 0) {  // the motion that loads drive, of those that are neutral
-      const VecX drives = free.shapes.transpose() * r.tail(x.size());
-      if (!(drives.norm() <= driven * size_of_forces(system, r, state))) {
-        failure = fmt::format(
-            "nothing holds the motion in which {} most, which loads drive; hold it by a joint or a "
-            "spring",
-            name_of_motion(system, free.shapes * drives));
-        return false;
-      }
-    }
-    if (status != FactorStatus::ok) {
-      const Index row = solver.singular_row();
-      failure = fmt::format("the tangent is singular{}: the structure can move freely there",
-                            row >= 0 ? " at " + system.name_of(row + 6) : std::string());
-      return false;
-    }
-    x = -r.tail(x.size());
-    solver.solve({x.data(), static_cast<std::size_t>(x.size())});
-    if (free.count() > 0) free.take_out(weights, x);
-    const double e = norm({x.data(), static_cast<std::size_t>(x.size())}, 1.0);
-    if (!std::isfinite(e)) {
-      failure =
-          fmt::format("the residual is not finite at {}", system.name_of(worst_row(system, r)));
-      return false;
-    }
-    const double turn = largest_rotation_in(system, x);
-    double share = turn > largest_rotation ? largest_rotation / turn : 1.0;
-    const int sign = free.count() > 0 ? 0 : solver.determinant_sign();
-    mixed->sign_varied |= k > 0 && sign != mixed->sign;
-    mixed->sign = sign;
-    if (options.line_search && motion(system, x) > small_increment) {
-      share = search(system, solver, state, x, counters, trial, share);
-      if (share == 0.0) {
-        failure = fmt::format(
-            "no share of Newton's increment brings it nearer to equilibrium "
-            "(worst equation: {})",
-            system.name_of(worst_row(system, r)));
-        return false;
-      }
-      state = trial;
-    } else {
-      if (!options.line_search) {
-        system.linearized_resultants(state, x, next);
-        for (std::size_t i = 0; i < S.size(); ++i) S[i] += share * (next[i] - S[i]);
-      }
-      if (share == 1.0 && e < 1e3) mixed->linearized = state;
-      retract(system, state, x, share);
-    }
-    norm.observe(state.lambda);
-    if (share == 1.0 && has_converged(e, previous)) {
-      if (const std::string element = system.out_of_range(state); !element.empty()) {
-        failure = range_failure(element);
-        return false;
-      }
-      if (const std::optional<std::string> open = idle_rows_open(system, state)) {
-        failure = *open;
-        return false;
-      }
-      if (options.line_search) system.linearized_resultants(state, {}, S);
-      if (neutral != nullptr) *neutral = std::move(free);
-      return true;
-    }
-    previous = e;
+    *neutral = there.count() >= newton.free.count() ? std::move(there) : std::move(newton.free);
   }
-  failure = fmt::format("Newton's iterations do not converge (worst equation: {})",
-                        system.name_of(worst_row(system, r)));
-  return false;
+  return true;
 }
 
 }  // namespace mbd

@@ -359,23 +359,46 @@ class Follower {
     return point;
   }
 
+  // Away from a mode: near a singular point the motion along it is known to round-off over the eigenvalue only, and a path
+  // that does not move along it is found without it. `scale`: of eigenvalues.
+  std::optional<Point> between_off(const VecX& mode, double scale, const Point& from, double h) {
+    deflated_.resize(n_ + 1);
+    deflated_ << mode, 0.0;
+    deflated_ -= dot(deflated_, from.tangent) * from.tangent;
+    deflated_ /= std::sqrt(dot(deflated_, deflated_));
+    scale_ = scale;
+    std::optional<Point> point = between(from, h);
+    deflated_.resize(0);
+    return point;
+  }
+
+  // Of a bracket of a singular point: its measure from the last point, and the eigenvalue nearest to 0 with its mode.
+  struct End {
+    double h, value;
+    VecX shape;
+  };
+
+  End end_at(double h, const Point& point) {
+    const std::optional<CriticalMode> mode =
+        critical_mode(system_, plain_, point.state, guess_, point.resultants);
+    ++report_.counters.factorizations;
+    if (!mode) return {h, 0.0, {}};
+    return {h, mode->eigenvalue, mode->shape};
+  }
+
+  // Far from the root the eigenvalues nearest to zero may be others at the two ends.
+  bool are_of_one_mode(const End& left, const End& right) const {
+    return left.shape.size() > 0 && right.shape.size() > 0 &&
+           std::abs(left.shape.dot(w_.cwiseProduct(right.shape))) > 0.9 &&
+           (left.value < 0.0) != (right.value < 0.0);
+  }
+
   // Where between h = a, with index ia, and b the index first changes. Narrows the bracket by counting
   // and, once both its ends know the eigenvalue that crosses, by that.
   std::optional<Event> find_singular(const Point& from, double a, const Point& at_a, double b,
                                      const Point& at_b) {
-    struct End {
-      double h, value;
-      VecX shape;
-    };
-    const auto end = [&](double h, const Point& point) -> End {
-      const std::optional<CriticalMode> mode =
-          critical_mode(system_, plain_, point.state, guess_, point.resultants);
-      ++report_.counters.factorizations;
-      if (!mode) return {h, 0.0, {}};
-      return {h, mode->eigenvalue, mode->shape};
-    };
     guess_.resize(0);
-    End left = end(a, at_a), right = end(b, at_b);
+    End left = end_at(a, at_a), right = end_at(b, at_b);
     Point best = at_b;
     Index after = at_b.index.value_or(0);
     End found = right;
@@ -386,30 +409,17 @@ class Follower {
     for (int k = 0; k < 40 && !singular; ++k) {
       if (std::abs(right.h - left.h) <= 1e-14 * std::abs(b)) break;
       double h = 0.5 * (left.h + right.h);
-      // Far from the root the eigenvalues nearest to zero may be others at the two ends.
-      const bool same = left.shape.size() > 0 && right.shape.size() > 0 &&
-                        std::abs(left.shape.dot(w_.cwiseProduct(right.shape))) > 0.9 &&
-                        (left.value < 0.0) != (right.value < 0.0);
+      const bool same = are_of_one_mode(left, right);
       if (same && k % 5 != 4) {
         const double secant = right.h - f_right * (right.h - left.h) / (f_right - f_left);
         if ((secant - left.h) * (secant - right.h) < 0.0) h = secant;
       }
-      // Near the point the motion along the mode is known to round-off over the eigenvalue only. A path
-      // that does not move along it is found without it.
       std::optional<Point> point;
-      if (same) {
-        deflated_.resize(n_ + 1);
-        deflated_ << found.shape, 0.0;
-        deflated_ -= dot(deflated_, from.tangent) * from.tangent;
-        deflated_ /= std::sqrt(dot(deflated_, deflated_));
-        scale_ = scale;
-        point = between(from, h);
-        deflated_.resize(0);
-      }
+      if (same) point = between_off(found.shape, scale, from, h);
       if (!point) point = between(from, h);
       if (!point) break;
       point->index = index(*point);
-      End middle = end(h, *point);
+      End middle = end_at(h, *point);
       if (found.shape.size() == 0 || std::abs(middle.value) < std::abs(found.value)) {
         found = middle;
         best = *point;
@@ -605,11 +615,44 @@ class Follower {
     report_.end += (report_.end.empty() ? "" : "; ") + who + why;
   }
 
+  // A step of length h; empty if there is none, or it turns too far. `turn`: between the tangents.
+  std::optional<Point> step(const Point& at, double h, int& iterations, double& turn) {
+    turn = 0.0;
+    std::optional<Point> next = correct(at, h, iterations);
+    if (!next || !tangent(*next, at.tangent)) return std::nullopt;
+    turn = std::acos(std::clamp(dot(at.tangent, next->tangent), -1.0, 1.0));
+    if (turn > (at.is_branching ? 2.0 * most_turn : most_turn)) return std::nullopt;
+    return next;
+  }
+
+  void note_not_located(const Point& at, const Point& next) {
+    report_.notes.push_back(
+        fmt::format("between load factors {:.9g} and {:.9g} the path has a point that could not be "
+                    "located{}",
+                    at.state.load_factor, next.state.load_factor,
+                    at.index && next.index && at.index != next.index && stability_
+                        ? fmt::format(": negative eigenvalues {} -> {}", *at.index, *next.index)
+                        : std::string()));
+  }
+
+  void set_bend(const Point& at, Point& next, double h) const {
+    next.bend = (next.tangent - at.tangent) / h;
+    next.bend_of_resultants = rate_of_resultants(next);
+    const std::vector<Vec6> before = rate_of_resultants(at);
+    for (std::size_t i = 0; i < before.size(); ++i)
+      next.bend_of_resultants[i] = (next.bend_of_resultants[i] - before[i]) / h;
+  }
+
+  double first_step(const Point& at, int branch) const {
+    const double per_load = std::abs(at.tangent(n_));
+    return std::min(
+        per_load > 0.0 && branch <= 0 ? options_.step / per_load : 0.1 * options_.max_step,
+        options_.max_step);
+  }
+
   void trace(Point at, int branch, const std::string& who) {
     sign_of_branch_ = branch < 0 ? -1.0 : 1.0;
-    const double per_load = std::abs(at.tangent(n_));
-    double h = per_load > 0.0 && branch <= 0 ? options_.step / per_load : 0.1 * options_.max_step;
-    h = std::min(h, options_.max_step);
+    double h = first_step(at, branch);
     int halvings = 0, leaps = 0;
     bool passing = false;  // an event that cannot be located
     for (int count = 1; count < options_.points;) {
@@ -618,14 +661,8 @@ class Follower {
       h = std::min(h, left);
       int iterations = 0;
       why_.clear();
-      std::optional<Point> next = correct(at, h, iterations);
       double turn = 0.0;
-      if (next && tangent(*next, at.tangent)) {
-        turn = std::acos(std::clamp(dot(at.tangent, next->tangent), -1.0, 1.0));
-        if (turn > (at.is_branching ? 2.0 * most_turn : most_turn)) next.reset();
-      } else {
-        next.reset();
-      }
+      std::optional<Point> next = step(at, h, iterations, turn);
       if (!next) {
         ++report_.counters.retries;
         h *= 0.5;
@@ -653,14 +690,7 @@ class Follower {
       }
       passing = false;
       halvings = leaps = 0;
-      if (!met.all)
-        report_.notes.push_back(fmt::format(
-            "between load factors {:.9g} and {:.9g} the path has a point that could not be "
-            "located{}",
-            at.state.load_factor, next->state.load_factor,
-            at.index && next->index && at.index != next->index && stability_
-                ? fmt::format(": negative eigenvalues {} -> {}", *at.index, *next->index)
-                : std::string()));
+      if (!met.all) note_not_located(at, *next);
       for (Event& event : met.events) {
         note(event, branch);
         system_.follow_angles(event.point.state);
@@ -672,11 +702,7 @@ class Follower {
       ++count;
       ++report_.counters.steps;
       if (!accept(*next, PathEvent::none, branch)) return;
-      next->bend = (next->tangent - at.tangent) / h;
-      next->bend_of_resultants = rate_of_resultants(*next);
-      const std::vector<Vec6> before = rate_of_resultants(at);
-      for (std::size_t i = 0; i < before.size(); ++i)
-        next->bend_of_resultants[i] = (next->bend_of_resultants[i] - before[i]) / h;
+      set_bend(at, *next, h);
       at = std::move(*next);
       double factor = iterations <= easy_iterations ? 2.0 : iterations <= most_easy ? 1.0 : 0.7;
       if (turn > 0.0) factor = std::min(factor, 0.5 * most_turn / turn);

@@ -32,6 +32,7 @@ VecX motion_per_load(const System& system, const LinearSolver& solver, const Sta
   solver.solve({z.data(), static_cast<std::size_t>(z.size())});
   return z.allFinite() ? z : VecX();
 }
+
 VecX motion_per_load_anew(const System& system, LinearSolver& solver, const State& state) {
   VecX r;
   system.linearize(state, {}, r, solver);
@@ -148,28 +149,6 @@ bool is_near(const System& system, const State& last, const std::optional<State>
   return off <= std::max(smallest_motion, astray * motion_between(system, last, *foretold));
 }
 
-// The rate of the path without load, where there is an equilibrium to start from and nothing is neutral, and the sign of
-// the determinant there.
-void begin(const System& system, LinearSolver& solver, const StaticOptions& options,
-           const State& start, LoadPath& path, int& sign, Counters& counters) {
-  constexpr double most =
-      1.0;  // [rad] of a first prediction; Newton's own increments are shortened beyond
-  State unloaded = start;
-  MixedIterate mixed;
-  NeutralMotions neutral;
-  std::string failure;
-  NewtonOptions newton = options.newton;
-  newton.max_iterations = 1;
-  newton.line_search = false;
-  if (!newton_equilibrium(system, solver, newton, unloaded, counters, failure, &neutral, &mixed) ||
-      neutral.count() > 0)
-    return;
-  sign = mixed.sign;
-  VecX rate = motion_per_load(system, solver, unloaded);
-  if (rate.size() == 0 || largest_rotation_in(system, rate) / std::max(1, options.steps) < most)
-    path = path.next(unloaded, std::move(rate), mixed, 1.0);
-}
-
 // Of a step too small to be cut, in which stability changes.
 std::string words_of_passing(const System& system, LinearSolver& solver, const State& at,
                              const Resultants& resultants, double load_factor,
@@ -187,137 +166,208 @@ std::string words_of_passing(const System& system, LinearSolver& solver, const S
            : std::string());
 }
 
+// The equilibria over the load, step by step.
+struct LoadSteps {
+  const System& system;
+  LinearSolver& solver;
+  const StaticOptions& options;
+  State start;  // without load
+  LoadPath path;
+  double increment = 1.0 / std::max(1, options.steps);  // of the load
+  const VecX weights = motion_weights(system);
+  StabilityCount* count = nullptr;  // null where there is no potential
+  int sign = 0;                     // of the determinant at the last equilibrium; 0: not known
+  std::optional<Index> negative{};  // eigenvalues there
+  bool cut = false;                 // the last step was
+  bool judges_rates = true;
+  double whole = 0.0;  // the increment before it was cut where the path was left; 0: it was not
+  StaticReport report{};
+
+  StaticReport run(State& state) {
+    begin();
+    while (report.load_factor < 1.0) {
+      Step step = attempt(state);
+      const bool leaves = step.found && leaves_path(state, step);
+      if (leaves && increment < smallest_passed) {
+        pass(state, step);
+      } else if (leaves) {
+        ++report.counters.retries;
+        whole = std::max(whole, increment);
+        increment *= 0.5;
+        cut = true;
+        continue;
+      }
+      if (!step.found) {
+        if (!shorten(state, step.failure)) return std::move(report);
+        continue;
+      }
+      accept(state, step);
+      if (options.accepted && !options.accepted(state)) return std::move(report);
+      if (step.iterations <= easy_iterations && !cut) increment *= 2.0;
+      cut = false;
+    }
+    report.converged = true;
+    return std::move(report);
+  }
+
+  // A load step on trial, and what was found at its end.
+  struct Step {
+    double load_factor = 0.0, ahead = 0.0;  // at its end; more than at its beginning
+    State state;
+    MixedIterate mixed;
+    NeutralMotions neutral;
+    std::optional<State> foretold;
+    bool found = false, searched = false;
+    int iterations = 0;
+    std::string failure;
+    std::optional<LoadPath> path;   // from there
+    std::optional<Index> negative;  // eigenvalues there
+  };
+
+  std::optional<Index> negative_at(const State& at, const Resultants& S) {
+    ++report.counters.tangents;
+    return count ? (*count)(at, false, S) : std::nullopt;
+  }
+
+  // The rate of the path without load, where there is an equilibrium to start from and nothing is neutral, and the sign of
+  // the determinant there.
+  void begin() {
+    constexpr double most =
+        1.0;  // [rad] of a first prediction; Newton's own increments are shortened beyond
+    State unloaded = start;
+    MixedIterate mixed;
+    NeutralMotions neutral;
+    std::string failure;
+    NewtonOptions newton = options.newton;
+    newton.max_iterations = 1;
+    newton.line_search = false;
+    if (!newton_equilibrium(system, solver, newton, unloaded, report.counters, failure, &neutral,
+                            &mixed) ||
+        neutral.count() > 0)
+      return;
+    sign = mixed.sign;
+    VecX rate = motion_per_load(system, solver, unloaded);
+    if (rate.size() == 0 || largest_rotation_in(system, rate) / std::max(1, options.steps) < most)
+      path = path.next(unloaded, std::move(rate), mixed, 1.0);
+    if (sign != 0) negative = negative_at(start, path.resultants());
+  }
+
+  Step attempt(const State& state) {
+    increment = std::min({increment, 1.0 - report.load_factor, most_ahead(system, state)});
+    double next = report.load_factor + increment;
+    if (next > 1.0 - 1e-9) next = 1.0;
+    Step step;
+    step.load_factor = next;
+    step.ahead = next - report.load_factor;
+    step.state = state;
+    path.foretell(step.ahead, step.state, step.mixed.resultants);
+    step.state.load_factor = next;
+    if (path.is_known()) step.foretold = step.state;
+    const long before = report.counters.iterations;
+    NewtonOptions newton = options.newton;
+    newton.line_search = false;
+    const bool by_newton = options.solver == StaticSolver::newton;
+    const auto equilibrium = by_newton ? newton_equilibrium : kinsol_equilibrium;
+    step.found = equilibrium(system, solver, newton, step.state, report.counters, step.failure,
+                             &step.neutral, &step.mixed);
+    // Beyond the range of its metric an element is wound the other way round.
+    if (step.found && !step.mixed.out_of_range.empty()) {
+      step.found = false;
+      step.failure = range_failure(step.mixed.out_of_range);
+    }
+    if (!step.found && options.newton.line_search && by_newton) {
+      newton.line_search = true;
+      step.state = state;
+      step.state.load_factor = next;
+      step.mixed = {};
+      step.found = step.searched =
+          newton_equilibrium(system, solver, newton, step.state, report.counters, step.failure,
+                             &step.neutral, &step.mixed);
+    }
+    step.iterations = static_cast<int>(report.counters.iterations - before);
+    return step;
+  }
+
+  // The path, or passes a point where stability changes.
+  bool leaves_path(const State& state, Step& step) {
+    // Newton's last tangent is that of the solution, up to its last increment.
+    VecX rate = motion_per_load(system, solver, step.state);
+    if (step.neutral.count() > 0 && rate.size() > 0) step.neutral.take_out(weights, rate);
+    step.path = path.next(step.state, std::move(rate), step.mixed, step.ahead);
+    if (step.neutral.count() == 0) step.negative = negative_at(step.state, step.mixed.resultants);
+    const bool signs = options.conservative && sign != 0 && step.mixed.sign != 0;
+    return (signs && (step.mixed.sign != sign || step.mixed.sign_varied)) ||
+           (negative && step.negative && *negative != *step.negative) ||
+           (judges_rates &&
+            !(path.leads_to(*step.path, step.ahead) &&
+              (step.searched || is_near(system, state, step.foretold, step.state))));
+  }
+
+  // Goes on where a step too small to be cut leaves the path, unless it jumps.
+  void pass(const State& state, Step& step) {
+    if (motion_between(system, state, step.state) > jump) {
+      step.found = false;
+      increment = 0.0;
+    } else if ((options.conservative && sign != step.mixed.sign) || negative != step.negative) {
+      report.passed.push_back(words_of_passing(system, solver, step.state, step.mixed.resultants,
+                                               report.load_factor, negative, step.negative));
+      increment = std::max(increment, whole);
+      whole = 0.0;
+    } else {
+      judges_rates = false;  // a kink
+    }
+  }
+
+  // False when no shorter step would help: the report says why.
+  bool shorten(const State& state, const std::string& failure) {
+    ++report.counters.retries;
+    if (failure.starts_with("nothing holds the motion")) {  // nor under a smaller load
+      report.failure = report.load_factor > 0.0
+                           ? fmt::format("no equilibrium beyond {:.9g} of the load: {}",
+                                         report.load_factor, failure)
+                           : failure;
+      return false;
+    }
+    increment *= 0.5;
+    cut = true;
+    if (increment >= smallest_increment) return true;
+    report.failure = fmt::format("no equilibrium beyond {:.9g} of the load: {}", report.load_factor,
+                                 reason(system, solver, start, state, failure));
+    return false;
+  }
+
+  void accept(State& state, Step& step) {
+    state = std::move(step.state);
+    path = std::move(*step.path);
+    sign = step.mixed.sign;
+    negative = report.negative = step.negative;
+    report.searched += step.searched ? 1 : 0;
+    report.neutral.clear();
+    for (Index i = 0; i < step.neutral.count(); ++i)
+      report.neutral.push_back(name_of_motion(system, step.neutral.shapes.col(i)));
+    system.follow_angles(state);
+    report.load_factor = step.load_factor;
+    ++report.counters.steps;
+    report.most_iterations = std::max(report.most_iterations, step.iterations);
+  }
+};
+
 }  // namespace
 
 StaticReport solve_statics(const System& system, LinearSolver& solver, const StaticOptions& options,
                            State& state) {
-  StaticReport report;
   solver.analyze(system.graph());
-  double increment = 1.0 / std::max(1, options.steps);
-  const auto equilibrium =
-      options.solver == StaticSolver::kinsol ? kinsol_equilibrium : newton_equilibrium;
-  const State start = [&state] {
-    State unloaded = state;
-    unloaded.load_factor = 0.0;
-    return unloaded;
-  }();
-  const VecX weights = motion_weights(system);
   std::optional<StabilityCount> count;
   if (options.has_potential) count.emplace(system, solver);
-  const auto negative_at = [&](const State& at, const Resultants& S) {
-    ++report.counters.tangents;
-    return count ? (*count)(at, false, S) : std::nullopt;
-  };
-  LoadPath path(system, state);
-  int sign = 0;                   // of the determinant at the last equilibrium; 0: not known
-  std::optional<Index> negative;  // eigenvalues there
-  begin(system, solver, options, start, path, sign, report.counters);
-  if (sign != 0) negative = negative_at(start, path.resultants());
-  bool cut = false;  // the last step was
-  bool judges_rates = true;
-  double whole = 0.0;  // the increment before it was cut where the path was left; 0: it was not
-  while (report.load_factor < 1.0) {
-    increment = std::min({increment, 1.0 - report.load_factor, most_ahead(system, state)});
-    double next = report.load_factor + increment;
-    if (next > 1.0 - 1e-9) next = 1.0;
-    const double ahead = next - report.load_factor;
-    State trial = state;
-    MixedIterate mixed;
-    path.foretell(ahead, trial, mixed.resultants);
-    trial.load_factor = next;
-    const std::optional<State> foretold = path.is_known() ? std::optional(trial) : std::nullopt;
-    std::string failure;
-    const long before = report.counters.iterations;
-    NewtonOptions newton = options.newton;
-    newton.line_search = false;
-    NeutralMotions neutral;
-    bool searched = false, found = equilibrium(system, solver, newton, trial, report.counters,
-                                               failure, &neutral, &mixed);
-    // Beyond the range of its metric an element is wound the other way round.
-    if (found && !mixed.out_of_range.empty()) {
-      found = false;
-      failure = range_failure(mixed.out_of_range);
-    }
-    if (!found && options.newton.line_search && options.solver == StaticSolver::newton) {
-      newton.line_search = true;
-      trial = state;
-      trial.load_factor = next;
-      mixed = {};
-      found = searched = newton_equilibrium(system, solver, newton, trial, report.counters, failure,
-                                            &neutral, &mixed);
-    }
-    const auto iterations = static_cast<int>(report.counters.iterations - before);
-    std::optional<LoadPath> there;
-    std::optional<Index> negative_there;
-    bool leaves = false;  // the path, or passes a point where stability changes
-    if (found) {
-      // Newton's last tangent is that of the solution, up to its last increment.
-      VecX rate = motion_per_load(system, solver, trial);
-      if (neutral.count() > 0 && rate.size() > 0) neutral.take_out(weights, rate);
-      there = path.next(trial, std::move(rate), mixed, ahead);
-      if (neutral.count() == 0) negative_there = negative_at(trial, mixed.resultants);
-      const bool signs = options.conservative && sign != 0 && mixed.sign != 0;
-      leaves = (signs && (mixed.sign != sign || mixed.sign_varied)) ||
-               (negative && negative_there && *negative != *negative_there) ||
-               (judges_rates && !(path.leads_to(*there, ahead) &&
-                                  (searched || is_near(system, state, foretold, trial))));
-    }
-    if (leaves && increment < smallest_passed) {
-      if (motion_between(system, state, trial) > jump) {
-        found = false;
-        increment = 0.0;
-      } else if ((options.conservative && sign != mixed.sign) || negative != negative_there) {
-        report.passed.push_back(words_of_passing(system, solver, trial, mixed.resultants,
-                                                 report.load_factor, negative, negative_there));
-        increment = std::max(increment, whole);
-        whole = 0.0;
-      } else {
-        judges_rates = false;  // a kink
-      }
-    } else if (leaves) {
-      ++report.counters.retries;
-      whole = std::max(whole, increment);
-      increment *= 0.5;
-      cut = true;
-      continue;
-    }
-    if (!found) {
-      ++report.counters.retries;
-      if (failure.starts_with("nothing holds the motion")) {  // nor under a smaller load
-        report.failure = report.load_factor > 0.0
-                             ? fmt::format("no equilibrium beyond {:.9g} of the load: {}",
-                                           report.load_factor, failure)
-                             : failure;
-        return report;
-      }
-      increment *= 0.5;
-      cut = true;
-      if (increment < smallest_increment) {
-        report.failure =
-            fmt::format("no equilibrium beyond {:.9g} of the load: {}", report.load_factor,
-                        reason(system, solver, start, state, failure));
-        return report;
-      }
-      continue;
-    }
-    state = std::move(trial);
-    path = std::move(*there);
-    sign = mixed.sign;
-    negative = report.negative = negative_there;
-    report.searched += searched ? 1 : 0;
-    report.neutral.clear();
-    for (Index i = 0; i < neutral.count(); ++i)
-      report.neutral.push_back(name_of_motion(system, neutral.shapes.col(i)));
-    system.follow_angles(state);
-    report.load_factor = next;
-    ++report.counters.steps;
-    report.most_iterations = std::max(report.most_iterations, iterations);
-    if (options.accepted && !options.accepted(state)) return report;
-    if (iterations <= easy_iterations && !cut) increment *= 2.0;
-    cut = false;
-  }
-  report.converged = true;
-  return report;
+  State start = state;
+  start.load_factor = 0.0;
+  return LoadSteps{.system = system,
+                   .solver = solver,
+                   .options = options,
+                   .start = std::move(start),
+                   .path = LoadPath(system, state),
+                   .count = count ? &*count : nullptr}
+      .run(state);
 }
 
 }  // namespace mbd

@@ -64,6 +64,12 @@ GeneralizedAlpha::GeneralizedAlpha(const System& system, std::unique_ptr<LinearS
   if (options.balance == Balance::momentum) momentum_.resize(n);
   if (options.keep_momenta && momentum_.empty()) free_ = FreeMomenta(system);
   damps_little_ = options.rho_infinity > damps_little;
+  if (options.max_cost < 0)
+    throw Error(fmt::format("max_cost must not be negative, and is {}", options.max_cost));
+  if (options.max_cost > 0 && settings_.adaptive())
+    throw Error("max_cost is of fixed steps; give a step in place of tolerances");
+  max_cost_ = options.max_cost;
+  bounded_ = max_cost_ > 0;
   p_.resize(n);
   solver_->analyze(own_graph(false));
   Q_.assign(n, Vec6::Zero());
@@ -309,24 +315,62 @@ bool GeneralizedAlpha::factorize(StepReport& report, bool& in_range) {
   if (!factored_) {
     const Index row = solver().singular_row();
     report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
+    report.kind = Failure::singular;
   }
   kept_.renewed();
   return factored_;
 }
 
+// Solves (2) for the increment, whose size it returns. In iteration k of a step.
+double GeneralizedAlpha::solve_increment(double s, int k, StepReport& report) {
+  x_ = -r_.tail(x_.size());
+  x_.head(6 * (system_.nodes() - 1)) *= s;
+  solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
+  ++report.iterations;
+  ++counters_.iterations;
+  const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, multiplier_slack());
+  if (static_cast<std::size_t>(k) < report.increments.size())
+    report.increments[static_cast<std::size_t>(k)] = e;
+  report.error = e;
+  if (!std::isfinite(e))
+    report.failure =
+        fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
+  return e;
+}
+
+// What is left after an increment of size e, whose predecessor had the size `before`. Multipliers may not settle any more:
+// then the iterate is as good as it gets, where the motion has settled.
+GeneralizedAlpha::Rest GeneralizedAlpha::rest_after(double e, double before, double s) {
+  const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
+  double left = always ? e : e * kept_.share_left();
+  // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion
+  // does not feel it.
+  const bool creeps = before > 0.0 && e > creeping * before;
+  const double motion =
+      creeps ? norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, without_multipliers)
+             : 0.0;
+  if (tolerant_ && creeps && motion < converged_motion) left = motion;
+  // Multipliers that do not settle any more, where the motion has: as large as what round-off of the gaps makes of them,
+  // which in a long row of bodies is far above what one body feels of it.
+  const bool is_settled =
+      left >= 1.0 && creeps && !tolerant_ && motion < converged_motion && is_round_off(e);
+  return {left, is_settled};
+}
+
 bool GeneralizedAlpha::iterate(StepReport& report) {
-  const double h = h_, s = a_.beta * h * h;
-  const Index motions = 6 * (system_.nodes() - 1);
+  const double s = a_.beta * h_ * h_;
   const bool always = settings_.newton.tangent == NewtonOptions::Tangent::every_iteration;
   double previous = 0.0, last = 0.0;  // increments: with the same tangent, with any
   bool refactor = refactor_next_ || !factored_;
   bool fresh = false;  // tangent of this step
   report.iterations = 0;
   report.contraction = 0.0;
-  for (int k = 0; k < settings_.newton.max_iterations; ++k) {
+  bool in_range = true;
+  const int most = bounded_ ? max_cost_ : settings_.newton.max_iterations;
+  for (int k = 0; k < most; ++k) {
     stop::check();
-    bool in_range = true;
-    if (refactor || always) {
+    in_range = true;
+    if ((refactor || always) && !(bounded_ && fresh)) {
       if (!factorize(report, in_range)) return false;
       fresh = true;
       refactor = false;
@@ -336,27 +380,18 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
       in_range = residual();
     }
     ++counters_.residuals;
-    x_ = -r_.tail(x_.size());
-    x_.head(motions) *= s;
-    solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
-    ++report.iterations;
-    ++counters_.iterations;
-    const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, multiplier_slack());
-    if (static_cast<std::size_t>(k) < report.increments.size())
-      report.increments[static_cast<std::size_t>(k)] = e;
-    report.error = e;
-    if (!std::isfinite(e)) {
-      report.failure =
-          fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_)));
-      return false;
-    }
+    const double e = solve_increment(s, k, report);
+    if (!std::isfinite(e)) return false;
     const double contraction = report.contraction;  // without what round-off makes of it
     if (previous > 0.0) {
       kept_.measured(e, previous);
       if (previous > 1.0) report.contraction = std::max(report.contraction, e / previous);
       if (e > 2.0 * previous && !(fresh && k < 4) && e > 1.0) {
-        if (fresh) break;  // diverges with its own tangent
-        refactor = true;   // the increment is not taken: start again from the present iterate
+        if (fresh) {  // diverges with its own tangent
+          in_range = false;
+          break;
+        }
+        refactor = true;  // the increment is not taken: start again from the present iterate
         continue;
       }
     }
@@ -366,19 +401,8 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     take_increment(s);
     mixed_.advance(x_, resultants_);
 
-    double left = always ? e : e * kept_.share_left();
-    // What is not determined in a rank-tolerant step: gaps of round-off, over eps, are added to it for ever. The motion
-    // does not feel it.
-    const bool creeps = before > 0.0 && e > creeping * before;
-    const double motion =
-        creeps ? norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, without_multipliers)
-               : 0.0;
-    if (tolerant_ && creeps && motion < converged_motion) left = motion;
+    const auto [left, is_settled] = rest_after(e, before, s);
     report.error = left;
-    // Multipliers that do not settle any more, where the motion has: as large as what round-off of the gaps makes of them,
-    // which in a long row of bodies is far above what one body feels of it.
-    const bool is_settled =
-        left >= 1.0 && creeps && !tolerant_ && motion < converged_motion && is_round_off(e);
     if (is_settled) report.contraction = contraction;
     if (left < 1.0 || is_settled) {
       if (!in_range) break;
@@ -388,9 +412,16 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     }
     if (kept_.is_poor()) refactor = true;
   }
+  if (bounded_ && in_range && report.iterations == most && report.failure.empty()) {
+    report.undone = true;
+    refactor_next_ = true;
+    return true;
+  }
   if (report.failure.empty()) {
     residual();
-    report.failure = newton_failure(system_.out_of_range(end_), r_);
+    const std::string out_of_range = system_.out_of_range(end_);
+    report.failure = newton_failure(out_of_range, r_);
+    report.kind = out_of_range.empty() ? Failure::convergence : Failure::range;
   }
   return false;
 }
@@ -412,6 +443,7 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
   predict(t, true);
   if (!usable(end_, report)) return false;
   bool converged = iterate(report);
+  if (bounded_ && !converged) return false;
   if (!converged) {  // once more without extrapolation, with a tangent of its own
     report.failure.clear();
     refactor_next_ = true;
@@ -439,7 +471,7 @@ bool GeneralizedAlpha::surprises(StepReport& report) {
 
 void GeneralizedAlpha::settle() {
   projects_ = projects_ || (damps_little_ && !tolerant_);
-  calm_next_ = projects_ && !tolerant_ && !starting_;
+  calm_next_ = projects_ && !tolerant_ && !starting_ && !bounded_;
   tolerant_ = false;
   factored_ = false;  // or by the other solver
   refactor_next_ = true;
@@ -565,7 +597,8 @@ void GeneralizedAlpha::calm_velocities() {
   system_.constraints(end_, g_, gdot_);
   if (!projects_) {
     if (!rings()) return;
-    projects_ = calm_next_ = true;
+    projects_ = true;
+    calm_next_ = !bounded_;  // that costs a factorisation
     system_.constraints(end_, g_, gdot_);
   }
   constexpr int most_passes = 3;

@@ -76,6 +76,12 @@ struct GeneralizedAlphaOptions {
   Balance balance = Balance::acceleration;
   int max_halvings = 5;  // of a step that fails
   NewtonOptions newton;
+  // Real time, in fixed steps; 0: off. A step, or a part of it between breakpoints, has at most so many iterations and one
+  // factorisation, and no second try: it is taken as it is then, StepReport::undone, and the next one begins with a new
+  // tangent. It fails only where numbers are none, elements are out of range, iterations part with a tangent of their own, something
+  // turns too far, or the factorisation is singular. The first step after start(), or after a jump of a load or drive, has a second one for
+  // its start, and the jump itself has one.
+  int max_cost = 0;
   // With a balance of accelerations: momenta of parts that nothing ties to the ground (free_momenta.hpp).
   bool keep_momenta = false;
 };
@@ -84,6 +90,7 @@ struct GeneralizedAlphaOptions {
 struct GeneralizedAlphaParameters {
   double alpha_m, alpha_f, gamma, beta;
 };
+
 GeneralizedAlphaParameters generalized_alpha_parameters(double rho_infinity);
 
 class GeneralizedAlpha final : public OneStep {
@@ -125,6 +132,12 @@ class GeneralizedAlpha final : public OneStep {
   bool residual();
   bool is_round_off(double e);
   bool factorize(StepReport& report, bool& in_range);
+  double solve_increment(double s, int k, StepReport& report);
+  struct Rest {
+    double left;      // in units of the tolerance
+    bool is_settled;  // to round-off
+  };
+  Rest rest_after(double e, double before, double s);
   bool iterate(StepReport& report);
   LinearSolver& solver() { return tolerant_ ? *tolerant_solver_ : *solver_; }
 
@@ -148,6 +161,7 @@ class GeneralizedAlpha final : public OneStep {
   std::vector<double> S_, S_old_, S_older_;  // resultants, too, and of the accepted state
   Work power_;                               // at the last accepted state [W]
 
+  int max_cost_ = 0;
   KeptResultants mixed_;
   KeptResultants::Iterate resultants_;
 

@@ -24,6 +24,36 @@
 namespace mbd {
 namespace {
 
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAFree);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAReInit);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetMaxStep);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetErrHandlerFn);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAInit);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetUserData);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAWFtolerances);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetId);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetSuppressAlg);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetMaxOrd);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetNonlinConvCoef);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetLinearSolver);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetJacFn);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetLinearSolutionScaling);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetDeltaCjLSetup);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASetStopTime);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDASolve);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumSteps);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumErrTestFails);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumNonlinSolvIters);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetNumStepSolveFails);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetCurrentTime);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetLastStep);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetDky);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetEstLocalErrors);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetErrWeights);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetCurrentStep);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDAGetReturnFlagName);
+MBD_LOADED(MBD_SUNDIALS_IDA, IDACreate);
+
 using sundials::values;
 using sundials::Vector;
 
@@ -376,7 +406,10 @@ StepReport Ida::restart(State& state) {
   StepReport report;
   double mass = 0.0;
   report.failure = initial_accelerations(system_, *solver_, state, mass, counters_);
-  if (!report.failure.empty()) return report;
+  if (!report.failure.empty()) {
+    report.kind = Failure::singular;
+    return report;
+  }
   integrator_->start(state, span_);
   report.converged = true;
   return report;
@@ -414,6 +447,20 @@ StepReport Ida::with_other_rows(State& state, StepReport report) {
   return report;
 }
 
+// Of the step that has been taken, by Gauss's rule.
+void Ida::add_work(State& state) {
+  const double h = state.t - begin_.t;
+  std::array<Work, 3> powers;
+  Work work = begin_.work;
+  for (std::size_t k = 0; k < powers.size(); ++k) {
+    integrator_->at(begin_.t + work_nodes[k] * h, scratch_);
+    powers[k] = system_.power(scratch_);
+    work += h * (k == 1 ? 8.0 : 5.0) / 18.0 * powers[k];
+  }
+  state.work = work;
+  integrator_->set_powers(powers);
+}
+
 StepReport Ida::one_step(State& state) {
   StepReport report;
   parted_ = false;
@@ -422,6 +469,7 @@ StepReport Ida::one_step(State& state) {
   if (last_usable_ < landing.t) {
     if (!(last_usable_ - state.t > slack_)) {
       report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable_);
+      report.kind = Failure::law;
       return report;
     }
     landing = {.t = last_usable_};
@@ -429,6 +477,7 @@ StepReport Ida::one_step(State& state) {
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
                                  last < options_.end ? " (Stepper::stop_at)" : "");
+    report.kind = Failure::end;
     return report;
   }
   double reached = state.t;
@@ -457,16 +506,7 @@ StepReport Ida::one_step(State& state) {
   }
   const double h = state.t - begin_.t;
   record_size(h, landed);
-
-  std::array<Work, 3> powers;
-  Work work = begin_.work;
-  for (std::size_t k = 0; k < powers.size(); ++k) {
-    integrator_->at(begin_.t + work_nodes[k] * h, scratch_);
-    powers[k] = system_.power(scratch_);
-    work += h * (k == 1 ? 8.0 : 5.0) / 18.0 * powers[k];
-  }
-  state.work = work;
-  integrator_->set_powers(powers);
+  add_work(state);
   if (observer_) observer_(*integrator_);
 
   if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, slack_, report))

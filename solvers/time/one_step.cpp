@@ -45,6 +45,7 @@ bool OneStep::usable(const State& state, StepReport& report) {
   report.failure = system_.unusable_signal(state);
   if (report.failure.empty()) return true;
   last_usable_ = last_usable(system_, begin_, state.t, slack_, report.failure);
+  report.kind = Failure::law;
   return false;
 }
 
@@ -157,7 +158,10 @@ std::string OneStep::signature_of(std::string_view method,
 StepReport OneStep::restart(State& state) {
   StepReport report;
   report.failure = initial_accelerations(system_, *solver_, state, mass_, counters_);
-  if (!report.failure.empty()) return report;
+  if (!report.failure.empty()) {
+    report.kind = Failure::singular;
+    return report;
+  }
   norm_.observe(state.lambda);
   begin_at(state);
   if (controller_) controller_->start(first_step(system_, state, settings_.end - state.t));
@@ -170,6 +174,10 @@ StepReport OneStep::step(State& state) {
   if (!may_step(system_, state, InputChange::jump, report)) return report;
   report = settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
   watch(state);
+  if (report.converged)
+    report.kind = Failure::none;
+  else if (report.kind == Failure::none)
+    report.kind = Failure::convergence;
   return report;
 }
 
@@ -182,9 +190,10 @@ bool OneStep::try_step(const State& state, double t, StepReport& report) {
   const double contraction = report.contraction;
   report.iterations = 0;
   report.failure.clear();
+  report.kind = Failure::none;
   last_usable_.reset();
   bool converged = attempt(t, h, report);
-  if (!converged && !last_usable_ && system_.idle_rows_allowed())
+  if (!converged && !bounded_ && !last_usable_ && system_.idle_rows_allowed())
     converged = attempt_with_other_rows(t, h, report);
   report.iterations += before;
   report.contraction = converged ? std::max(contraction, report.contraction) : contraction;
@@ -268,9 +277,9 @@ StepReport OneStep::fixed_step(State& state) {
       }
       last = false;
       good_ = 0;
-      if (halvings_ == settings_.max_halvings) {
+      if (bounded_ || halvings_ == settings_.max_halvings) {
         report.failure = fmt::format("from t = {:.9g} s{}: {}", state.t,
-                                     settings_.max_halvings > 0 && !last_usable_
+                                     !bounded_ && settings_.max_halvings > 0 && !last_usable_
                                          ? fmt::format(", even with a step of {:.3g} s", h)
                                          : std::string(),
                                      report.failure);
@@ -287,6 +296,47 @@ StepReport OneStep::fixed_step(State& state) {
   return report;
 }
 
+bool OneStep::is_too_short(double h, double t, const std::string& unusable,
+                           StepReport& report) const {
+  if (h > slack_) return false;
+  if (!unusable.empty()) {
+    report.failure = fmt::format("from t = {:.9g} s: {}", t, unusable);
+    return true;
+  }
+  report.failure = fmt::format(
+      "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", t, h,
+      report.failure.empty()
+          ? "the estimated error stays too large at " + system_.name_of(error_norm_->worst_row())
+          : report.failure);
+  if (report.kind == Failure::none) report.kind = Failure::step_size;
+  return true;
+}
+
+bool OneStep::stays_short(double h, bool last, double t, StepReport& report) {
+  if (h > short_step * slack_) short_steps_ = 0;
+  if (h > short_step * slack_ || last || ++short_steps_ <= most_short_steps) return false;
+  report.failure = fmt::format(
+      "at t = {:.9g} s the steps remain shorter than {:.3g} s, where times are nearly "
+      "round-off, "
+      "{} of them in a row: {}",
+      t, short_step * slack_, most_short_steps, shortened_by_);
+  report.kind = Failure::step_size;
+  return true;
+}
+
+// Of a step that is wanted, with `rest` to go: two alike, rather than a whole one and a rest.
+double OneStep::fitted(double wanted, double rest) {
+  if (wanted > rest * (1.0 - same_step)) return rest;
+  return 2.0 * wanted > rest ? 0.5 * rest : wanted;
+}
+
+void OneStep::record_error(double error) {
+  sizes_.worst_error = std::max(sizes_.worst_error, error);
+  sizes_.position_error += error_norm_->position();
+  sizes_.rotation_error += error_norm_->rotation();
+  sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
+}
+
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const double end = std::min(settings_.end, stop_);
@@ -297,31 +347,15 @@ StepReport OneStep::adaptive_step(State& state) {
   if (!(landing.t - state.t > slack_)) {
     report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
                                  end < settings_.end ? " (Stepper::stop_at)" : "");
+    report.kind = Failure::end;
     return report;
   }
   for (;;) {
     // A law of time may ask for less than the estimate does, which knows only what it has seen.
-    const double most = laws_.end_of_step(state.t) - state.t;
-    double h = std::min(controller_->step(), most);
-    const double rest = landing.t - state.t;
-    const bool last = h > rest * (1.0 - same_step);
-    if (last)
-      h = rest;
-    else if (2.0 * h > rest)
-      h = 0.5 * rest;  // two alike, rather than a whole one and a rest
-    if (!(h > slack_) && !unusable.empty()) {
-      report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable);
-      return report;
-    }
-    if (!(h > slack_)) {
-      report.failure = fmt::format(
-          "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", state.t,
-          h,
-          report.failure.empty() ? "the estimated error stays too large at " +
-                                       system_.name_of(error_norm_->worst_row())
-                                 : report.failure);
-      return report;
-    }
+    const double most = laws_.end_of_step(state.t) - state.t, rest = landing.t - state.t;
+    const double h = fitted(std::min(controller_->step(), most), rest);
+    const bool last = h == rest;
+    if (is_too_short(h, state.t, unusable, report)) return report;
     if (!try_step(state, last ? landing.t : state.t + h, report)) {
       ++counters_.retries;
       if (last_usable_) {
@@ -351,21 +385,9 @@ StepReport OneStep::adaptive_step(State& state) {
     }
     controller_->accepted(h, report.error);
     if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);
-    if (h > short_step * slack_)
-      short_steps_ = 0;
-    else if (!last && ++short_steps_ > most_short_steps) {
-      report.failure = fmt::format(
-          "at t = {:.9g} s the steps remain shorter than {:.3g} s, where times are nearly "
-          "round-off, "
-          "{} of them in a row: {}",
-          state.t, short_step * slack_, most_short_steps, shortened_by_);
-      return report;
-    }
+    if (stays_short(h, last, state.t, report)) return report;
     record_size(h, last);
-    sizes_.worst_error = std::max(sizes_.worst_error, report.error);
-    sizes_.position_error += error_norm_->position();
-    sizes_.rotation_error += error_norm_->rotation();
-    sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
+    record_error(report.error);
     take_step(state);
     ++counters_.steps;
     if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))

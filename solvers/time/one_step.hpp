@@ -70,6 +70,8 @@ class OneStep : public Stepper {
   // The settings that all methods have, and a method's own.
   std::string signature_of(std::string_view method, std::initializer_list<double> own) const;
 
+  bool bounded_ = false;  // a step that fails is not tried otherwise
+
   // eps of rank-tolerant steps, in units of 1/mass.
   static constexpr double rank_tolerance = 1e-3;
   double rank_tolerance_ = rank_tolerance;
@@ -121,6 +123,12 @@ class OneStep : public Stepper {
   void prepare();
   StepReport fixed_step(State& state);
   StepReport adaptive_step(State& state);
+  static double fitted(double wanted, double rest);
+  void record_error(double error);
+  // Of a step of h to be tried at t, and of one that was taken: whether that ends the run, and report.failure says why.
+  // `unusable`: why it has to end where it does, if a signal is the reason.
+  bool is_too_short(double h, double t, const std::string& unusable, StepReport& report) const;
+  bool stays_short(double h, bool last, double t, StepReport& report);
   bool try_step(const State& state, double t, StepReport& report);
   bool attempt(double t, double h, StepReport& report);
   bool attempt_with_other_rows(double t, double h, StepReport& report);

@@ -263,6 +263,7 @@ bool Radau::factorize(StepReport& report) {
   if (pencil_->factor(1.0 / (x * x), x, tableau().mu / h_) != FactorStatus::ok) {
     const Index row = pencil_->singular_row();
     report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
+    report.kind = Failure::singular;
     factored_step_ = 0.0;
     return false;
   }
@@ -385,6 +386,7 @@ bool Radau::iterate(StepReport& report) {
     for (std::size_t j = 0; j < stages && element.empty(); ++j)
       element = system_.out_of_range(stage_[j]);
     report.failure = newton_failure(element, r_[2]);
+    report.kind = element.empty() ? Failure::convergence : Failure::range;
   }
   return false;
 }

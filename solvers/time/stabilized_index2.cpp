@@ -12,6 +12,7 @@ Quaternion<double> quaternion(const double* p) { return {p[0], p[1], p[2], p[3]}
 void put(const Quaternion<double>& q, double* p) {
   p[0] = q.w(), p[1] = q.x(), p[2] = q.y(), p[3] = q.z();
 }
+
 Vec3 vector(const double* x) { return {x[0], x[1], x[2]}; }
 
 using Block = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
@@ -27,11 +28,25 @@ StabilizedIndex2::StabilizedIndex2(const System& system, std::unique_ptr<LinearS
       nodes_(system.nodes() - 1),
       size_(per_node * nodes_ + 2 * system.multipliers()),
       length_(system.length_scale()) {
-  const BlockGraph& graph = system.graph();
+  solver_->analyze(lay_out(system.graph()));
+
+  find_joints();
+
+  at_ = system.reference_state();
+  mu_state_ = at_;
+  const auto n = static_cast<std::size_t>(system.nodes());
+  norm_.assign(n, 1.0);
+  rate_.assign(n, Vec6::Zero());
+  q0_.assign(n, 0.0);
+  x_.resize(12 * nodes_ + 2 * system.multipliers());
+  for (const ConstraintInfo& c : system.constraints()) first_row_.push_back(c.first_row);
+  color_nodes();
+}
+
+// Blocks: dU of the nodes, dV of the nodes, dlambda, dmu; rows: (1), (3), gdot, g.
+BlockGraph StabilizedIndex2::lay_out(const BlockGraph& graph) {
   const auto nodes = static_cast<int>(nodes_);
   const int constraints = static_cast<int>(graph.blocks.size()) - nodes;
-
-  // Blocks: dU of the nodes, dV of the nodes, dlambda, dmu; rows: (1), (3), gdot, g.
   BlockGraph all;
   all.blocks.assign(static_cast<std::size_t>(2 * nodes), {6, BlockGraph::Kind::node});
   for (int copy = 0; copy < 2; ++copy)
@@ -80,26 +95,18 @@ StabilizedIndex2::StabilizedIndex2(const System& system, std::unique_ptr<LinearS
     K_slots_.push_back({K_.data() + s.offset, s.rows});
     D_slots_.push_back({D_.data() + s.offset, s.rows});
   }
-  solver_->analyze(all);
+  return all;
+}
 
-  // Batches with a contribution to a multiplier: B^T mu is their residual, which is linear in multipliers.
-  const auto first = system.first_contributions();
+// Batches with a contribution to a multiplier: B^T mu is their residual, which is linear in multipliers.
+void StabilizedIndex2::find_joints() {
+  const auto first = system_.first_contributions();
   for (std::size_t b = 0; b + 1 < first.size(); ++b)
     for (std::size_t i = first[b]; i < first[b + 1]; ++i)
-      if (graph.contributions[i].row >= nodes) {
-        joints_.push_back(system.batches()[b].get());
+      if (system_.graph().contributions[i].row >= nodes_) {
+        joints_.push_back(system_.batches()[b].get());
         break;
       }
-
-  at_ = system.reference_state();
-  mu_state_ = at_;
-  const auto n = static_cast<std::size_t>(system.nodes());
-  norm_.assign(n, 1.0);
-  rate_.assign(n, Vec6::Zero());
-  q0_.assign(n, 0.0);
-  x_.resize(12 * nodes_ + 2 * system.multipliers());
-  for (const ConstraintInfo& c : system.constraints()) first_row_.push_back(c.first_row);
-  color_nodes();
 }
 
 // Nodes of one constraint differ in color.
@@ -250,6 +257,20 @@ bool StabilizedIndex2::residual(double t, std::span<const double> y, std::span<c
   return in_range;
 }
 
+// The rows (1) of the nodes, without mu.
+void StabilizedIndex2::add_kinematics(std::span<const Slot> slots) const {
+  for (Index n = 0; n < nodes_; ++n) {
+    const auto N = static_cast<std::size_t>(n + 1);
+    const auto first = static_cast<std::size_t>(2 * n);
+    Block A = block(slots[first], 6, 6);
+    A.diagonal().array() += 1.0;
+    A.diagonal().tail<3>().array() -= q0_[N] / c_;
+    A.topRightCorner<3, 3>() += hat(rate_[N].head<3>()) / c_;
+    A.bottomRightCorner<3, 3>() += 0.5 / c_ * hat(rate_[N].tail<3>());
+    block(slots[first + 1], 6, 6).diagonal().array() -= 1.0;
+  }
+}
+
 bool StabilizedIndex2::linearize(double t, std::span<const double> y, std::span<const double> ydot,
                                  double c) {
   set(t, y, ydot);
@@ -268,16 +289,7 @@ bool StabilizedIndex2::linearize(double t, std::span<const double> y, std::span<
 
   solver_->set_zero();
   const auto slots = solver_->slots();
-  for (Index n = 0; n < nodes_; ++n) {
-    const auto N = static_cast<std::size_t>(n + 1);
-    const auto first = static_cast<std::size_t>(2 * n);
-    Block A = block(slots[first], 6, 6);
-    A.diagonal().array() += 1.0;
-    A.diagonal().tail<3>().array() -= q0_[N] / c;
-    A.topRightCorner<3, 3>() += hat(rate_[N].head<3>()) / c;
-    A.bottomRightCorner<3, 3>() += 0.5 / c * hat(rate_[N].tail<3>());
-    block(slots[first + 1], 6, 6).diagonal().array() -= 1.0;
-  }
+  add_kinematics(slots);
   const double by_position = 1.0 / (mass_ * c * c), by_velocity = 1.0 / (mass_ * c);
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const Source& s = sources_[i];

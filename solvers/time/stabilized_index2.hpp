@@ -79,7 +79,10 @@ class StabilizedIndex2 {
 
  private:
   void set(double t, std::span<const double> y, std::span<const double> ydot);
+  BlockGraph lay_out(const BlockGraph& graph);
+  void find_joints();
   void color_nodes();
+  void add_kinematics(std::span<const Slot> slots) const;
   void set_gradient_of_rates();
 
   const System& system_;

@@ -13,6 +13,34 @@
 #include "solvers/newton/increments.hpp"
 
 namespace mbd {
+namespace {
+
+// Whether constraints of positions hold as steps leave them, and those of velocities as steps without constraints of velocities
+// do, which err by the square of the step: what is wrong by more has been set so.
+bool is_consistent(const System& system, const State& state, StepReport& report) {
+  constexpr double open = 1e-6,
+                   torn = 0.2;   // of the scene's length and 1 rad; of the fastest motion
+  constexpr double slow = 1e-3;  // [rad/s] no motion to speak of
+  if (system.multipliers() == 0) return true;
+  VecX g, gdot;
+  system.constraints(state, g, gdot);
+  Index row = 0;
+  const double gap = largest_violation(system, g, &row);
+  const bool is_open = !(gap <= open);
+  const double rate = is_open ? 0.0 : largest_violation(system, gdot, &row);
+  if (!is_open && rate <= std::max(slow, torn * fastest(system, state))) return true;
+  report.converged = false;
+  report.kind = Failure::inconsistent;
+  report.failure = fmt::format(
+      "the state at t = {:.9g} s breaks {}: {} by {:.3g} {}; begin with states that their joints "
+      "allow",
+      state.t, system.name_of(6 * system.nodes() + row),
+      is_open ? "it is open" : "its velocities part", is_open ? gap : rate,
+      is_open ? "(of the scene's length, or rad)" : "(of the scene's length or rad, a second)");
+  return false;
+}
+
+}  // namespace
 
 bool Stepper::restart_at(double t, State& state, double slack, StepReport& report) {
   const double reached = state.t;
@@ -22,6 +50,7 @@ bool Stepper::restart_at(double t, State& state, double slack, StepReport& repor
   if (!wrong.empty()) {
     report.converged = false;
     report.failure = fmt::format("at t = {:.9g} s: {}", reached, wrong);
+    report.kind = Failure::law;
     return false;
   }
   const StepReport again = restart(state);
@@ -30,6 +59,7 @@ bool Stepper::restart_at(double t, State& state, double slack, StepReport& repor
   report.converged = false;
   report.failure =
       fmt::format("at t = {:.9g} s, where a load or drive jumps: {}", reached, again.failure);
+  report.kind = again.kind;
   return false;
 }
 
@@ -41,12 +71,14 @@ void Stepper::begin_watching(const System& system, const State& state) {
 
 StepReport Stepper::first_restart(const System& system, State& state, double slack) {
   StepReport report = restart(state);
+  if (!report.converged || !is_consistent(system, state, report)) return report;
   std::string wrong;
-  if (!report.converged || !system.sample(state, slack, wrong)) return report;
+  if (!system.sample(state, slack, wrong)) return report;
   inputs_ = state.inputs;
   if (wrong.empty()) return restart(state);
   report.converged = false;
   report.failure = fmt::format("at t = {:.9g} s: {}", state.t, wrong);
+  report.kind = Failure::law;
   return report;
 }
 
@@ -66,12 +98,14 @@ bool Stepper::may_step(const System& system, State& state, InputChange restarts,
                        StepReport& report) {
   if (!watched_) {
     report.failure = "start() comes before step()";
+    report.kind = Failure::order;
     return false;
   }
   if (state.t != *watched_) {
     report.failure = fmt::format(
         "the state is of t = {:.9g} s, and the stepper was left at {:.9g} s; call start() with it",
         state.t, *watched_);
+    report.kind = Failure::order;
     return false;
   }
   const auto same = [](const InputValue& a, const InputValue& b) {
@@ -116,6 +150,7 @@ bool Stepper::may_step(const System& system, State& state, InputChange restarts,
           "from its value and its rate (InputValue)",
           state.t, rate ? "the rate of " : "", system.signal_name(i), rate ? was.fdot : was.f,
           rate ? is.fdot : is.f);
+      report.kind = Failure::law;
       return false;
     }
     jump = jump || is.fddot != was.fddot;

@@ -1,5 +1,5 @@
 // The field between the nodes of a beam element: what it must be at nodes, of a helix, under rigid motions, its
-// derivative; and the strains of the paper's figures 6 and 7.
+// derivative; and the strains of HB's figures 6 and 7.
 
 #include <gtest/gtest.h>
 
@@ -83,7 +83,7 @@ TYPED_TEST(Field, MovesWithTheNodes) {
   }
 }
 
-// Equation (17) of the paper, of which the field is the solution.
+// Equation (17) of HB (NOTATION.md), of which the field is the solution.
 TYPED_TEST(Field, BalancesTheParameters) {
   Rng rng(3);
   for (int i = 0; i < 60; ++i) {
@@ -152,7 +152,7 @@ TYPED_TEST(Field, AssumedCurvatureIsThatOfTheKernel) {
   }
 }
 
-// ---- figures 6 and 7 of the paper ------------------------------------------------------------------
+// ---- figures 6 and 7 of HB -------------------------------------------------------------------------
 
 // Root element of bend45, 8 four-node elements, the paper's form; interpolated (HB 18) and assumed (HB 20)
 // strains at xi.

@@ -21,6 +21,7 @@ constexpr std::string_view repeat = "<repeat>";
 constexpr std::string_view include = "<include>";
 constexpr std::string_view defaults = "<defaults>";
 constexpr std::string_view version = "the version of the format";
+constexpr std::string_view file_of_model = "files beside a model";
 
 // For twins.
 Expression law(std::string_view text) { return Expression::parse(text, {}, Variables::time); }
@@ -795,6 +796,39 @@ const std::vector<BadModel>& bad_models() {
        [](Scene& s) { s.expects[0].tolerance = 0.0; }},
       {"expect_when_malformed", "pendulum", {12}, "expect", {"when", "parameter=value"},
        expression},
+
+      // --- shapes ---
+      {"shape_of_two_forms", "shapes", {9}, R"(body "tip", shape)", {"box", "sphere", "one of"},
+       [](Scene& s) { s.bodies[0].shapes[0].sphere = 0.1; }},
+      {"shape_of_a_beam_with_a_form", "shapes", {5}, R"(beam "b", shape)", {"box", "of a body", "attached_to"},
+       [](Scene& s) { ShapeScene& x = *s.beams[0].shape; x.rectangle = x.to = {}; x.box = Vec3(0.1, 0.02, 0.1); }},
+      {"shape_of_a_body_with_an_outline", "shapes", {9}, R"(body "tip", shape)", {"rectangle", "of a beam"},
+       [](Scene& s) { s.bodies[0].shapes[0].rectangle = {0.1, 0.1}; }},
+      {"shape_of_nothing", "shapes", {5}, R"(beam "b", shape)", {"colour", "rectangle"},
+       [](Scene& s) { ShapeScene none; none.source = s.beams[0].shape->source; s.beams[0].shape = none; }},
+      {"shape_colour_unknown", "shapes", {9}, R"(body "tip", shape)", {R"("bleu")", R"("blue")"},
+       [](Scene& s) { s.bodies[0].shapes[0].colour = "bleu"; }},
+      {"shape_mesh_missing", "shapes", {9}, R"(body "tip", shape)", {"nothing.stl", "no such file"}, file_of_model},
+      {"shape_mesh_of_another_kind", "shapes", {9}, R"(body "tip", shape)", {"part.step", ".stl", "convert"},
+       file_of_model},
+      {"shape_density_of_no_form", "shapes", {9}, R"(body "tip", shape)", {"density", "box"},
+       [](Scene& s) { s.bodies[0].shapes[0].box = {}; }},
+      {"shape_size_negative", "shapes", {9}, "shape", {"box", "-0.1", "positive"},
+       [](Scene& s) { (*s.bodies[0].shapes[0].box)(1) = -0.1; }},
+      {"shape_orientation_no_rotation", "shapes", {9}, R"(body "tip", shape)", {"orientation", "rotation"},
+       [](Scene& s) { s.bodies[0].shapes[0].orientation(2, 2) = 2.0; }},
+      {"shape_twice_of_a_beam", "shapes", {5}, "shape", {"one"}, one_of_it},
+      {"shape_with_an_end_of_nothing", "shapes", {5}, R"(beam "b", shape)", {"to", "rectangle"},
+       [](Scene& s) { s.beams[0].shape->rectangle = {}; }},
+      {"shape_unit_without_mesh", "shapes", {9}, R"(body "tip", shape)", {"unit", "mesh"},
+       [](Scene& s) { s.bodies[0].shapes[0].unit = 1e-3; }},
+      {"shape_colour_beside_forms", "shapes", {9}, R"(body "tip", shape)", {"colour", "only"},
+       [](Scene& s) { ShapeScene more; more.source = s.bodies[0].shapes[0].source; more.colour = "blue";
+         s.bodies[0].shapes.push_back(more); }},
+      {"shape_of_two_outlines", "shapes", {5}, R"(beam "b", shape)", {"rectangle", "ellipse"},
+       [](Scene& s) { ShapeScene& x = *s.beams[0].shape; x.to = {}; x.ellipse = x.rectangle; }},
+      {"body_without_mass", "shapes", {8}, R"(body "tip")", {R"("mass")", "missing"}, optional_attribute},
+      {"body_with_mass_alone", "shapes", {8}, R"(body "tip")", {R"("inertia")", "missing"}, optional_attribute},
 
       // --- repetition, inclusion, defaults ---
       {"repeat_negative", "chain", {4}, "repeat", {"count", "-3", "0"}, repeat},

@@ -329,6 +329,9 @@ void forget_sources(Scene& scene) {
   clear(scene.point_masses);
   clear(scene.drags);
   clear(scene.added_masses);
+  for (BodyScene& body : scene.bodies) clear(body.shapes);
+  for (BeamScene& beam : scene.beams)
+    if (beam.shape) beam.shape->source = Source{};
   if (scene.base_motion) scene.base_motion->source = Source{};
   const auto clear_law = [](std::optional<LawScene>& law) {
     if (TableScene* const table = law ? std::get_if<TableScene>(&*law) : nullptr)

@@ -1,5 +1,6 @@
 // A regression test, against this program's own earlier counts: of steps and Newton iterations of runs of all kinds, within
-// 5 % (at least 2), and of tangents within 25 %. A change that makes runs dearer, or less careful, shows here before it shows
+// 5 % (at least 2), of tangents within 25 %, and of iterations along a path within 12 %: special points are located to round-off,
+// which took 251 iterations on a machine with AVX-512 and 267 on one without. A change that makes runs dearer, or less careful, shows here before it shows
 // in times. Who changes them on purpose writes the new counts, and why, into the commit.
 // Mutation: contractions below 0.1 are believed (tangent_policy of generalized-alpha): four_bar, chain, slider_crank fail.
 #include <gtest/gtest.h>
@@ -61,7 +62,8 @@ TEST_P(Counts, AreWhatTheyWere) {
         << what;
   };
   expect("steps", now.steps, c.steps, 0.05);
-  expect("iterations", now.iterations, c.iterations, 0.05);
+  const bool is_path = scene.path.has_value();
+  expect("iterations", now.iterations, c.iterations, is_path ? 0.12 : 0.05);
   expect("tangents", now.tangents, c.tangents, 0.25);  // which round-off moves
 }
 INSTANTIATE_TEST_SUITE_P(Of, Counts, ::testing::ValuesIn(cases),

@@ -282,12 +282,36 @@ class VtkFilesTestSlow : public VtkFilesTest {};
 TEST_F(VtkFilesTestSlow, AreTheMotionOfEveryModel) {
   require_vtk();
   if (IsSkipped()) return;
-  for (const char* name :
-       {"arch",         "bend45",          "bushing",           "chain",
-        "composite",    "damped_beam",     "damped_oscillator", "double_pendulum",
-        "elastica",     "four_bar_static", "heavy_top",         "lee_frame",
-        "portal_frame", "princeton",       "right_angle_frame", "roll_up",
-        "shaft",        "slider_crank",    "submerged_beam",    "torsion_pendulum"})
+  for (const char* name : {"cart_pole",
+                           "double_pendulum_beams",
+                           "dzhanibekov",
+                           "four_bar_boxes",
+                           "free_beam",
+                           "internal_damping",
+                           "shaft_tube",
+                           "shaken_oscillator",
+                           "terminal_velocity",
+                           "windows",
+                           "arch",
+                           "bend45",
+                           "bushing",
+                           "chain",
+                           "composite",
+                           "damped_beam",
+                           "damped_oscillator",
+                           "double_pendulum",
+                           "elastica",
+                           "four_bar_static",
+                           "heavy_top",
+                           "lee_frame",
+                           "portal_frame",
+                           "princeton",
+                           "right_angle_frame",
+                           "roll_up",
+                           "shaft",
+                           "slider_crank",
+                           "submerged_beam",
+                           "torsion_pendulum"})
     expect_same(name, "--motion", 0);
 }
 

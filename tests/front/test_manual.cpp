@@ -199,7 +199,8 @@ TEST(Manual, EachElementStandsInAnExample) {
   std::string text;
   for (const Example& example : examples()) text += example.text;
   for (const schema::Element& element : schema::elements())
-    if (schema::find_joint_kind(element.name) == nullptr) {
+    if (schema::find_joint_kind(element.name) == nullptr &&
+        element.name != "extension") {  // it needs a plug-in
       EXPECT_HAS(text, "<" + std::string(element.name));
     }
 }
@@ -286,7 +287,7 @@ TEST_F(Grammar, RefusesWhatIsWrong) {
       {"<curve name='c' section='s' normal='0 0 1'><repeat count='2'>" + bar +
            "/></repeat></curve>",
        "'beam'"},
-      {bar + "><point at='0 0 0'/></beam>", "'beam'"},
+      {bar + "><point at='0 0 0'/></beam>", "'point'"},
       {"some text", "'mbd'"},
       {"<static>text</static>", "'static'"},
   };

@@ -213,8 +213,10 @@ TEST_F(PictureFile, ColoursHaveALegend) {
   const double radius = 4.0, angle = 0.5;
   const double moved = std::hypot(radius * std::sin(angle) - 2.0, radius * (1.0 - std::cos(angle)));
   FigureOptions options;
-  for (const auto& [colour, value, within] :
-       {std::tuple{"M", 25.0, 1e-6}, {"displacement", moved, 1e-3}, {"N", 0.0, 1e-6}}) {
+  for (const auto& [colour, value, within] : {std::tuple{"M", 25.0, 1e-6},
+                                              {"displacement", moved, 1e-3},
+                                              {"N", 0.0, 1e-6},
+                                              {"energy", 0.5 * 25.0 * 25.0 / 100.0, 1e-6}}) {
     options.colour = colour;
     const Stage stage(motion, options);
     ASSERT_NE(stage.legend(), nullptr);

@@ -82,7 +82,7 @@ TEST_F(Runs, FilesBearTheIdOfTheirRun) {
     const RunReport report = run_into(out);
     EXPECT_EQ(report.id.size(), 16U);
     EXPECT_TRUE(ids.insert(report.id).second) << "twice the same";
-    const History history = read_history(path(out));
+    const mbd::History history = read_history(path(out));
     EXPECT_EQ(history.run, report.id);
     EXPECT_EQ(history.notes, std::vector<std::string>());
     EXPECT_EQ(read_motion(path(out) / "motion.bin").run, report.id);

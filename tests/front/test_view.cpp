@@ -242,6 +242,8 @@ TEST_F(ViewPageSlow, LegendIsThatOfClosedForms) {
   EXPECT_EQ(answer.at("M").at(0), "bending moment |M| [N.m]");
   EXPECT_EQ(answer.at("M").at(1), 0.0);  // no load
   EXPECT_EQ(answer.at("M").at(2), 25.0);
+  EXPECT_EQ(answer.at("energy").at(0), "strain energy per length [J/m]");
+  EXPECT_NEAR(answer.at("energy").at(2).get<double>(), 0.5 * 25.0 * 25.0 / 100.0, 1e-3);
   const double radius = 4.0, angle = 0.5;
   const double moved = std::hypot(radius * std::sin(angle) - 2.0, radius * (1.0 - std::cos(angle)));
   EXPECT_EQ(answer.at("displacement").at(0), "displacement [m]");

@@ -23,7 +23,7 @@ namespace mbd::test::test_gmsh {
 namespace {
 
 using namespace section;
-using section::Mesh;
+using section::Element, section::Mesh;
 constexpr double pi = std::numbers::pi;
 
 // A rectangle of unequal cells, as numbers of Gmsh: nodes, and elements of a type with a physical surface.

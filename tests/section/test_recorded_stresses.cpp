@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <regex>
 #include <span>
 #include <sstream>
 #include <string>
@@ -15,6 +17,7 @@
 #include "libmbd/compile/model.hpp"
 #include "libmbd/run/describe_stress.hpp"
 #include "libmbd/study/trust/transform.hpp"
+#include "libmbd/view/figure.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
@@ -329,6 +332,68 @@ TEST_F(StressCommand, OfARun) {
   ASSERT_EQ(numbers.size(), 9u);
   EXPECT_EQ(numbers[0], 1.0);
   EXPECT_NEAR(numbers[3] / (100 * 4 / (pi * std::pow(0.02, 3))), 1.0, 1e-3);
+}
+
+// Under M2 the stress along the line is M2 x3/I: every cell of the picture has the colour of its middle on the scale of
+// the legend, within two of 255 levels; and cells cover the section.
+TEST_F(StressCommand, PicturesHaveTheStresses) {
+  const std::filesystem::path file = directory_.path() / "s.svg";
+  const Output run = call("section " + model_.string() +
+                          " --stress '0 0 0 0 100 0' --colour LL --image " + file.string());
+  ASSERT_EQ(run.status, 0) << run.text;
+  const std::string svg = test::read_text(file);
+  EXPECT_NE(svg.find("section &quot;s&quot;: LL [Pa]"), std::string::npos) << svg.substr(0, 600);
+  struct Cell {
+    double x, y, area;
+    std::array<int, 3> colour;
+  };
+  std::vector<Cell> cells;
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  const std::regex polygon("<polygon fill=\"#(..)(..)(..)\"[^>]* points=\"([^\"]*)\"");
+  for (std::sregex_iterator it(svg.begin(), svg.end(), polygon), end; it != end; ++it) {
+    Cell cell{0, 0, 0, {}};
+    for (std::size_t i = 0; i < 3; ++i) cell.colour[i] = std::stoi((*it)[i + 1], nullptr, 16);
+    std::istringstream numbers((*it)[4].str());
+    std::vector<std::array<double, 2>> corners;
+    char comma = ',';
+    for (double x = 0, y = 0; numbers >> x >> comma >> y;) corners.push_back({x, y});
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const auto& [x, y] = corners[k];
+      const auto& [u, v] = corners[(k + 1) % corners.size()];
+      cell.x += x / static_cast<double>(corners.size());
+      cell.y += y / static_cast<double>(corners.size());
+      cell.area += 0.5 * (x * v - u * y);
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+    cells.push_back(cell);
+  }
+  ASSERT_GT(cells.size(), 100U);
+  const double scale = (right - left) / 0.04, middle = 0.5 * (top + bottom);
+  double area = 0.0, high = 0.0;
+  for (const Cell& cell : cells) {
+    area += std::abs(cell.area) / (scale * scale);
+    high = std::max(high, (middle - cell.y) / scale);
+  }
+  EXPECT_NEAR(area / (pi * 4e-4), 1.0, 2e-2);  // of straight sides
+  for (const Cell& cell : cells) {
+    const double share =
+        0.5 + 0.5 * (middle - cell.y) / scale / high;  // M2 presses b3: N1 = M2 x3/I
+    const Colour expected = Stage::shade(share);
+    EXPECT_NEAR(cell.colour[0], 255 * expected.r, 3.0) << cell.y;
+    EXPECT_NEAR(cell.colour[1], 255 * expected.g, 3.0) << cell.y;
+    EXPECT_NEAR(cell.colour[2], 255 * expected.b, 3.0) << cell.y;
+  }
+  for (const auto& [rest, part] :
+       {std::pair{"--stress '1 0 0 0 0 0' --image s.png", ".svg"},
+        {"--stress '1 0 0 0 0 0' --colour LL", "give --image"},
+        {"--stress '1 0 0 0 0 0' --colour LM --image s.svg", "there is no such quantity"},
+        {"--stress '1 0 0 0 0 0' --colour tsai_wu --image s.svg", "none of its materials"},
+        {"--image s.svg", "give --stress"}}) {
+    const Output wrong = call("section " + model_.string() + " " + rest);
+    EXPECT_EQ(wrong.status, 1) << rest;
+    EXPECT_NE(wrong.text.find(part), std::string::npos) << rest << ": " << wrong.text;
+  }
 }
 
 TEST_F(StressCommand, RefusesWrongUse) {

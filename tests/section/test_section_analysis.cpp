@@ -20,7 +20,7 @@ namespace mbd::test::test_section_analysis {
 namespace {
 
 using namespace section;
-using section::Mesh;  // and not how elements lie along a beam
+using section::Element, section::Mesh;  // and not how elements lie along a beam
 constexpr double pi = std::numbers::pi, degree = pi / 180.0;
 
 std::vector<MeshMaterial> one(const EngineeringConstants& constants, double density = 1.0) {

@@ -16,7 +16,7 @@ namespace mbd::test::test_section_references {
 namespace {
 
 using namespace section;
-using section::Mesh;  // and not how elements lie along a beam
+using section::Element, section::Mesh;  // and not how elements lie along a beam
 constexpr double degree = std::numbers::pi / 180.0;
 
 std::vector<MeshMaterial> one(const EngineeringConstants& constants) {

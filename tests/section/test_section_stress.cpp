@@ -20,7 +20,7 @@ namespace mbd::test::test_section_stress {
 namespace {
 
 using namespace section;
-using section::Mesh;
+using section::Element, section::Mesh;
 constexpr double pi = std::numbers::pi, degree = pi / 180.0;
 
 std::vector<MeshMaterial> one(const EngineeringConstants& constants) {

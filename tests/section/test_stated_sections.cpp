@@ -131,7 +131,7 @@ TEST(StatedSections, PliesTurnWithTheShape) {
   EXPECT_LT(difference(c("0.7"), both * c("0") * both.transpose()), 1e-8);
 }
 
-// Of the box of the paper (issue 28): butt corners are softer, in D22 by 14 %.
+// Of the box of the paper (models/four_bar_boxes.xml): butt corners are softer, in D22 by 14 %.
 TEST(StatedSectionsSlow, CornersOfBoxes) {
   const auto box = [](const std::string& corners) {
     return one_section(
@@ -158,7 +158,7 @@ TEST(StatedSections, AreKeptApart) {
   EXPECT_GT(std::abs(scene.sections[2].stiffness(0, 5)), 1.0);
 }
 
-// A single ply at +theta, right-handed about the outward normal: D14 < 0, D25 > 0 (issue 28).
+// A single ply at +theta, right-handed about the outward normal: D14 < 0, D25 > 0.
 TEST(StatedSections, SignOfPlies) {
   const auto tube = [](const std::string& angle) {
     return one_section(
@@ -296,7 +296,7 @@ TEST(StatedSections, MassThatIsStatedStays) {
   EXPECT_GT(s.stiffness(0, 0), 1e6);
 }
 
-// To the first order of k, D16 = E k I33 of k3 = -k (issue 28: the sign is this one).
+// To the first order of k, D16 = E k I33 of k3 = -k.
 TEST(StatedSections, Curved) {
   const Section s = one_section(
       "<material name=\"m\" E=\"100 GPa\" nu=\"0\"/>" +
@@ -651,7 +651,7 @@ TEST_F(SectionCommand, RefusesWrongUse) {
 TEST(StatedModels, TubeHasThePaperDigits) {
   const Section s = model_scene("shaft_tube").sections.at(0);
   const Mat6& d = s.stiffness;
-  // /1e5; the last digits of issue 28.
+  // /1e5, to the last digit of these numbers.
   EXPECT_NEAR(d(0, 0) / 1e5, 1254.407, 6e-4);
   EXPECT_NEAR(d(1, 1) / 1e5, 162.2863, 6e-5);
   EXPECT_NEAR(d(0, 3) / 1e5, .1565394, 3e-7);

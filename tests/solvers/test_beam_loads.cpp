@@ -424,7 +424,7 @@ TEST(Loads, WorkIsTheGainInEnergy) {
     GeneralizedAlpha stepper(*model.system, make_klu_solver(),
                              {.step = step, .rho_infinity = 0.9, .newton = {}});
     State state = model.initial;
-    stepper.start(state);
+    EXPECT_TRUE(stepper.start(state).converged);
     double work = 0.0, before = model.system->power(state).loads;
     const double start = model.system->energies(state).total();
     while (state.t < 1.0 - 0.5 * step) {

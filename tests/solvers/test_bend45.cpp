@@ -146,7 +146,7 @@ TEST_P(OrderInSpace, BelowTheRoundOffOfDouble) {
   }
 }
 
-// Errors of the geodesic metric and the paper's form that the scene lists, to their two or three digits.
+// Errors of the geodesic metric and the paper's form that were known before, to their two or three digits.
 TEST(Bend45, HasTheListedErrors) {
   struct Row {
     int order, elements;

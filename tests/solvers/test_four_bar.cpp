@@ -1,4 +1,4 @@
-// The four-bar mechanism (scene A4) against its converged reference.
+// The four-bar mechanism (models/four_bar.xml) against its converged reference.
 //
 // Norm of the first part: largest error over the 601 samples of the reference with t <= 5.4 s (every
 // 9 ms), divided by the largest magnitude of the reference's whole column (0 … 13.5 s). The motion is

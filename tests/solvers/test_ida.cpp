@@ -313,7 +313,7 @@ std::string error_of(const System& system, const IdaOptions& options, double t =
   try {
     State state = system.reference_state();
     state.t = t;
-    Ida(system, make_klu_solver(), options).start(state);
+    static_cast<void>(Ida(system, make_klu_solver(), options).start(state));
   } catch (const Error& e) {
     return e.what();
   }

@@ -135,8 +135,8 @@ TEST(NewtonMutation, TakesMoreIterationsToTheSameSolution) {
   GeneralizedAlpha right(*model.system, make_klu_solver(), options);
   GeneralizedAlpha wrong(*model.system, std::make_unique<WithoutGeometricStiffness>(), options);
   State a = state, b = state;
-  right.start(a);
-  wrong.start(b);
+  ASSERT_TRUE(right.start(a).converged);
+  ASSERT_TRUE(wrong.start(b).converged);
   const StepReport good = right.step(a), bad = wrong.step(b);
   ASSERT_TRUE(good.converged && bad.converged) << good.failure << bad.failure;
   EXPECT_GT(bad.iterations, good.iterations);

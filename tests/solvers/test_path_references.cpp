@@ -83,7 +83,7 @@ TEST(LeeFrameReferenceSlow, LimitPoints) {
   EXPECT_GT(points(frame, 4, 0.2, 1, limit_event)[0].P - 18556.7, 1000);
 }
 
-// DaDeppo, Schmidt; the numbers of a calculation of its own (scenes, A2), which finds the arch leave its
+// DaDeppo, Schmidt (models/arch.xml); the numbers of a calculation of its own, which finds the arch leave its
 // plane near P = 243.9, |u| = 14.57.
 TEST(DeepArchReferenceSlow, LimitPoints) {
   CircularArch arch;
@@ -96,8 +96,7 @@ TEST(DeepArchReferenceSlow, LimitPoints) {
   arch.EI *= 1.1;
   EXPECT_GT(points(arch, 4, 0.4, 1, limit_event)[0].P - 897.289134, 10);
 }
-// P = -17.8 is crossed at |u| = 133.0793, falling, and 148.68, rising; the paper's point (scenes, A2, which
-// cut the first to 133.07). 12, 24 and 48 steps give 133.07929.
+// P = -17.8 is crossed at |u| = 133.0793, falling, and 148.68, rising: the paper's point. 12, 24 and 48 steps give 133.07929.
 TEST(DeepArchReferenceSlow, PointsBetweenTheLimits) {
   const CircularArch arch;
   const auto crossings =

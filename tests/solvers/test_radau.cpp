@@ -545,7 +545,7 @@ std::string error_of(const System& system, const MakeStepper& make, double t = 0
   try {
     State state = system.reference_state();
     state.t = t;
-    make(system)->start(state);
+    static_cast<void>(make(system)->start(state));
   } catch (const Error& e) {
     return e.what();
   }

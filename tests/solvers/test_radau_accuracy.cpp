@@ -129,7 +129,7 @@ TEST(RadauOrder, Shaft) {
   EXPECT_GT(fitted_order(h, e.reaction), 2.7) << listed(e.reaction);
 }
 
-// Scene A3: rms of u2 and u3 over the 501 samples of the reference.
+// models/shaft.xml: rms of u2 and u3 over the 501 samples of the reference.
 double shaft_error(const Scene& model, const MakeStepper& make, double duration = 2.5) {
   static const Table reference = reference_table("shaft");
   Scene scene = model;

@@ -20,7 +20,7 @@ void expect_has(const std::string& text, const std::string& part) {
 std::string error_of(const System& system, const MakeStepper& make) {
   try {
     State state = system.reference_state();
-    make(system)->start(state);
+    static_cast<void>(make(system)->start(state));
   } catch (const Error& e) {
     return e.what();
   }

@@ -1,4 +1,4 @@
-// The rotating shaft (scene A3) against its converged reference.
+// The rotating shaft (models/shaft.xml) against its converged reference.
 //
 // Norm: sqrt(sum e2^2 + e3^2) / sqrt(sum u2^2 + u3^2) over the 501 times of the reference (every 5 ms,
 // 0 … 2.5 s), u2 and u3 the inertial displacements of mid-span, e their errors. At the paper's step the

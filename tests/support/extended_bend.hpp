@@ -22,7 +22,7 @@ struct ExtendedBend {
   Matrix6<Real> D = printed_stiffness();                 // [N; M] vs [gamma; kappa]
   Vector3<Real> force = Vector3<Real>(0.0L, 0.0L, 600.0L);
 
-  // Of the paper's section 9.1, as printed.
+  // HB 9.1, as printed.
   static Matrix6<Real> printed_stiffness();
 };
 

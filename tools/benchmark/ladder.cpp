@@ -107,7 +107,7 @@ void ladder(benchmark::State& bench, std::size_t rung) {
                              {.step = *scene.transient->step,
                               .rho_infinity = rho_infinity_of(*scene.transient),
                               .newton = {}});
-    stepper.start(state);
+    if (!stepper.start(state).converged) bench.SkipWithError("no start");
     bench.ResumeTiming();
     const double begin = used_cpu();
     for (int i = 0; i < steps; ++i) {

@@ -131,7 +131,7 @@ void run(benchmark::State& bench, const std::string& name) {
                              {.step = scene.transient->step.value(),
                               .rho_infinity = rho_infinity_of(*scene.transient),
                               .newton = {}});
-    stepper.start(state);
+    if (!stepper.start(state).converged) bench.SkipWithError("no start");
     const long steps = std::lround(scene.transient->duration / scene.transient->step.value());
     for (long i = 0; i < steps; ++i) {
       if (!stepper.step(state).converged) {

@@ -8,7 +8,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
-set(CPACK_COMPONENTS_ALL program dev)
+set(CPACK_COMPONENTS_ALL program library)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -17,7 +17,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(mbd_loaded "")
 find_program(MBD_DPKG_QUERY dpkg-query)
 mark_as_advanced(MBD_DPKG_QUERY)
-foreach(library IN ITEMS "${MUMPS_LIBRARY}" "${MBD_HDF5_LIBRARY}" "${MBD_METIS_LIBRARY}")
+foreach(library IN ITEMS "${MUMPS_LIBRARY}" "${MBD_HDF5_LIBRARY}" "${MBD_METIS_LIBRARY}" "${MBD_ASSIMP_LIBRARY}")
   if(MBD_DPKG_QUERY AND EXISTS "${library}")
     file(REAL_PATH "${library}" library)
     execute_process(COMMAND "${MBD_DPKG_QUERY}" --search "${library}" OUTPUT_VARIABLE owner ERROR_QUIET)
@@ -37,15 +37,15 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${mbd_loaded}")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "flexible multibody dynamics: the program
  Computes how machines made of rigid and bending parts move, and what forces that takes, from models in XML.${mbd_for}")
-set(CPACK_DEBIAN_DEV_PACKAGE_NAME libmbd-multibody-dev)
-set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libmbd-multibody-dev)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
     "libeigen3-dev, libfmt-dev, libsuitesparse-dev, libsundials-dev, libtinyxml2-dev, libudunits2-dev, zlib1g-dev, ${mbd_loaded}")
-set(CPACK_COMPONENT_DEV_DESCRIPTION
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
     "flexible multibody dynamics: the library (C++20)
  The static library, its headers, and what find_package(mbd CONFIG) reads.${mbd_for}")
 install(FILES LICENSE DESTINATION share/doc/mbd RENAME copyright COMPONENT program EXCLUDE_FROM_ALL)
-install(FILES LICENSE DESTINATION share/doc/libmbd-multibody-dev RENAME copyright COMPONENT dev EXCLUDE_FROM_ALL)
+install(FILES LICENSE DESTINATION share/doc/libmbd-multibody-dev RENAME copyright COMPONENT library EXCLUDE_FROM_ALL)
 
 if(MBD_PYTHON_FOUND)
   list(APPEND CPACK_COMPONENTS_ALL python)

@@ -5,7 +5,7 @@
 // Build: see CMakeLists.txt beside this file. Run: driven_arm
 // Expect: the arm stands at its target after two seconds; both ways there are the same; the matrices know the inertia about the
 // motor. Exit status 0 if so.
-#include <libmbd/mbd.hpp>
+#include <mbd/mbd.hpp>
 
 #include <Eigen/LU>
 #include <cmath>

@@ -17,7 +17,7 @@ namespace {
 
 struct CheckArguments {
   std::vector<std::string> models;
-  std::vector<std::string> set;
+  std::vector<std::string> set, plugins;
   bool json = false;
 };
 
@@ -28,7 +28,7 @@ int check_models(const CheckArguments& arguments) {
   bool first = true;
   for (const std::string& file : arguments.models) {
     try {
-      const Scene scene = read_model(file, overrides);
+      const Scene scene = read_model(file, overrides, arguments.plugins);
       const Model model = compile(scene);
       const CheckReport report = check_model(scene, model);
       const std::string text = arguments.json ? to_json(report) : to_text(report);
@@ -51,6 +51,7 @@ void add_check_command(CLI::App& app, int& status) {
       "check", "Reads and compiles models and says what they are; runs and writes nothing.");
   command->add_option("MODEL", arguments->models, "model files (XML)")->required();
   add_set_option(*command, arguments->set);
+  add_plugin_option(*command, arguments->plugins);
   command->add_flag("--json", arguments->json, "the same as JSON, one object for each model");
   set_examples(*command,
                "mbd check models/four_bar.xml\n"

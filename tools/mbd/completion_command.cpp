@@ -142,6 +142,53 @@ std::string bash_branch(const Words& command) {
   return text;
 }
 
+constexpr std::string_view bash_begin =
+    "# Completion of mbd in bash. For now:  source <(mbd completion bash)\n"
+    "# For good: put that line into ~/.bashrc, or this text into\n"
+    "# ~/.local/share/bash-completion/completions/mbd\n"
+    "_mbd() {\n"
+    "  local current=\"${COMP_WORDS[COMP_CWORD]}\" command='' option='' position=0 i=1\n"
+    "  local options='' kind=nothing words=''\n"
+    "  COMPREPLY=()\n"
+    "  # What stands before: the command, how many arguments, an option whose value comes now. "
+    "Bash\n"
+    "  # makes three words of a=b.\n"
+    "  while ((i < COMP_CWORD)); do\n"
+    "    option=''\n"
+    "    case \"$command ${COMP_WORDS[i]}\" in\n";
+constexpr std::string_view bash_of_values =
+    "        option=\"${COMP_WORDS[i]}\"\n"
+    "        [[ ${COMP_WORDS[i + 1]} == = ]] && ((++i))\n"
+    "        ((++i < COMP_CWORD)) && option=''\n"
+    "        while [[ ${COMP_WORDS[i + 1]} == = ]]; do ((i += 2)); done\n"
+    "        ((i >= COMP_CWORD)) && [[ -z $option ]] && return 0 ;;\n"
+    "      *' '-*) ;;\n"
+    "      ' '*) command=\"${COMP_WORDS[i]}\" ;;\n"
+    "      *) ((++position)) ;;\n"
+    "    esac\n"
+    "    ((++i))\n"
+    "  done\n"
+    "  [[ $current == = ]] && current=''\n"
+    "  case \"$command\" in\n";
+constexpr std::string_view bash_end =
+    "  if [[ -z $option && $current == -* ]]; then kind=words words=\"$options\"; fi\n"
+    "  case $kind in\n"
+    "    models)\n"
+    "      compopt -o filenames 2>/dev/null\n"
+    "      mapfile -t COMPREPLY < <(compgen -f -X '!*.xml' -- \"$current\"; compgen -d -- "
+    "\"$current\") ;;\n"
+    "    files)\n"
+    "      compopt -o filenames 2>/dev/null\n"
+    "      mapfile -t COMPREPLY < <(compgen -f -- \"$current\") ;;\n"
+    "    directories)\n"
+    "      compopt -o filenames 2>/dev/null\n"
+    "      mapfile -t COMPREPLY < <(compgen -d -- \"$current\") ;;\n"
+    "    words) mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\") ;;\n"
+    "  esac\n"
+    "  return 0\n"
+    "}\n"
+    "complete -F _mbd mbd\n";
+
 std::string bash_script(const CLI::App& app) {
   const std::vector<Words> commands = words_of_commands(app);
   std::vector<std::string> names, with_value;
@@ -158,54 +205,11 @@ std::string bash_script(const CLI::App& app) {
   top.name.clear();
   top.arguments = {{"COMMAND", false, {Offer::Kind::words, joined(names, " ")}}};
 
-  std::string text =
-      "# Completion of mbd in bash. For now:  source <(mbd completion bash)\n"
-      "# For good: put that line into ~/.bashrc, or this text into\n"
-      "# ~/.local/share/bash-completion/completions/mbd\n"
-      "_mbd() {\n"
-      "  local current=\"${COMP_WORDS[COMP_CWORD]}\" command='' option='' position=0 i=1\n"
-      "  local options='' kind=nothing words=''\n"
-      "  COMPREPLY=()\n"
-      "  # What stands before: the command, how many arguments, an option whose value comes now. "
-      "Bash\n"
-      "  # makes three words of a=b.\n"
-      "  while ((i < COMP_CWORD)); do\n"
-      "    option=''\n"
-      "    case \"$command ${COMP_WORDS[i]}\" in\n";
+  std::string text(bash_begin);
   text += fmt::format("      {})\n", with_value.empty() ? "''" : joined(with_value, "|"));
-  text +=
-      "        option=\"${COMP_WORDS[i]}\"\n"
-      "        [[ ${COMP_WORDS[i + 1]} == = ]] && ((++i))\n"
-      "        ((++i < COMP_CWORD)) && option=''\n"
-      "        while [[ ${COMP_WORDS[i + 1]} == = ]]; do ((i += 2)); done\n"
-      "        ((i >= COMP_CWORD)) && [[ -z $option ]] && return 0 ;;\n"
-      "      *' '-*) ;;\n"
-      "      ' '*) command=\"${COMP_WORDS[i]}\" ;;\n"
-      "      *) ((++position)) ;;\n"
-      "    esac\n"
-      "    ((++i))\n"
-      "  done\n"
-      "  [[ $current == = ]] && current=''\n"
-      "  case \"$command\" in\n";
+  text += bash_of_values;
   text += bash_branch(top) + branches + "  esac\n";
-  text +=
-      "  if [[ -z $option && $current == -* ]]; then kind=words words=\"$options\"; fi\n"
-      "  case $kind in\n"
-      "    models)\n"
-      "      compopt -o filenames 2>/dev/null\n"
-      "      mapfile -t COMPREPLY < <(compgen -f -X '!*.xml' -- \"$current\"; compgen -d -- "
-      "\"$current\") ;;\n"
-      "    files)\n"
-      "      compopt -o filenames 2>/dev/null\n"
-      "      mapfile -t COMPREPLY < <(compgen -f -- \"$current\") ;;\n"
-      "    directories)\n"
-      "      compopt -o filenames 2>/dev/null\n"
-      "      mapfile -t COMPREPLY < <(compgen -d -- \"$current\") ;;\n"
-      "    words) mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\") ;;\n"
-      "  esac\n"
-      "  return 0\n"
-      "}\n"
-      "complete -F _mbd mbd\n";
+  text += bash_end;
   return text;
 }
 

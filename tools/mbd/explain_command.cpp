@@ -16,12 +16,12 @@ namespace {
 
 struct ExplainArguments {
   std::string model;
-  std::vector<std::string> set;
+  std::vector<std::string> set, plugins;
   bool json = false;
 };
 
 void explain(const ExplainArguments& arguments) {
-  const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  const Scene scene = read_model(arguments.model, to_overrides(arguments.set), arguments.plugins);
   const Explanation explanation = explain_model(scene, compile(scene));
   fmt::print("{}", arguments.json ? to_json(explanation) : to_text(explanation));
 }
@@ -34,6 +34,7 @@ void add_explain_command(CLI::App& app, int& status) {
       "explain", "Says what is simulated, term by term, and what is absent and why; no run.");
   command->add_option("MODEL", arguments->model, "model file (XML)")->required();
   add_set_option(*command, arguments->set);
+  add_plugin_option(*command, arguments->plugins);
   command->add_flag("--json", arguments->json, "the same as JSON");
   set_examples(*command,
                "mbd explain models/four_bar.xml\n"

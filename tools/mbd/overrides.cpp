@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "libmbd/compile/plugin.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/language/units.hpp"
 #include "libmbd/scene/transient.hpp"
@@ -43,6 +44,23 @@ void add_set_option(CLI::App& command, std::vector<std::string>& set) {
       .add_option("-s,--set", set, "give a parameter of the model another value; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
+}
+
+void add_plugin_option(CLI::App& command, std::vector<std::string>& plugins) {
+  command
+      .add_option(
+          "--plugin", plugins,
+          "load forces that the model's <extension>s ask for from this shared object "
+          "(libmbd/plugin.h), which it runs: only files you trust; may be given more than once")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+}
+
+Scene read_model(const std::string& file, const Overrides& overrides,
+                 const std::vector<std::string>& plugins) {
+  Scene scene = read_model(file, overrides);
+  for (const std::string& plugin : plugins) use_plugin(scene, plugin);
+  return scene;
 }
 
 void add_without_option(CLI::App& command, std::vector<std::string>& without) {

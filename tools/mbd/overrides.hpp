@@ -13,6 +13,13 @@ namespace mbd {
 // --set NAME=VALUE, as often as wanted.
 void add_set_option(CLI::App& command, std::vector<std::string>& set);
 
+// --plugin FILE, as often as wanted.
+void add_plugin_option(CLI::App& command, std::vector<std::string>& plugins);
+
+// A model with what these options say. Throws Error for files that are no plug-ins, or not for this model.
+Scene read_model(const std::string& file, const Overrides& overrides,
+                 const std::vector<std::string>& plugins);
+
 // --without EFFECT, as often as wanted: keys of without() (libmbd/study/effects/ablation.hpp).
 void add_without_option(CLI::App& command, std::vector<std::string>& without);
 

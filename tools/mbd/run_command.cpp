@@ -35,7 +35,7 @@ namespace {
 struct RunArguments {
   std::string model;
   std::string output;
-  std::vector<std::string> set;
+  std::vector<std::string> set, plugins;
   std::vector<std::string> without;   // effects
   std::string accuracy;               // empty: the model's own settings
   std::vector<std::string> accurate;  // quantities; none: all that are recorded
@@ -181,7 +181,7 @@ void keep_motion(const RunArguments& arguments, Scene& scene) {
 }
 
 int run_model(const RunArguments& arguments) {
-  Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  Scene scene = read_model(arguments.model, to_overrides(arguments.set), arguments.plugins);
   if (!arguments.without.empty()) scene = without(scene, arguments.without);
   RunOptions options;
   if (!arguments.accuracy.empty()) refuse_both(arguments.transient);
@@ -275,6 +275,7 @@ void add_run_command(CLI::App& app, int& status) {
           "", "")
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
+  add_plugin_option(*command, arguments->plugins);
   add_transient_options(*command, arguments->transient);
   command
       ->add_option(

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
+#include "libmbd/pictures/plot.hpp"
 #include "libmbd/results/history.hpp"
 #include "libmbd/run/describe_section.hpp"
 #include "libmbd/run/describe_stress.hpp"
+#include "libmbd/run/section_picture.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/text/text.hpp"
@@ -25,7 +27,7 @@ namespace mbd {
 namespace {
 
 struct SectionArguments {
-  std::string model, name, csv, stress, run, record, point;
+  std::string model, name, csv, stress, run, record, point, image, colour;
   std::optional<double> station;
   std::vector<std::string> set;
   bool json = false;
@@ -76,6 +78,9 @@ void recover(const SectionArguments& arguments) {
         "--run and --record belong together: a directory of results, and a record in it with the "
         "quantities force and moment");
   const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  if (!arguments.image.empty()) plot::check_picture(arguments.image);
+  if (!arguments.colour.empty() && arguments.image.empty())
+    throw Error("--colour is of a picture; give --image FILE.svg, or leave it out");
   std::vector<SectionLoad> loads;
   std::string at_name;
   if (arguments.run.empty()) {
@@ -100,6 +105,10 @@ void recover(const SectionArguments& arguments) {
     fmt::print("{}", arguments.json ? to_json(point) : to_text(point));
   }
   if (!arguments.csv.empty()) write_file(arguments.csv, to_csv(report));
+  if (arguments.image.empty()) return;
+  const std::string quantity = arguments.colour.empty() ? "von_mises" : arguments.colour;
+  write_file(arguments.image,
+             section_picture(scene, report.section, arguments.station, worst(report), quantity));
 }
 
 void describe(const SectionArguments& arguments) {
@@ -107,9 +116,11 @@ void describe(const SectionArguments& arguments) {
     recover(arguments);
     return;
   }
-  if (!arguments.point.empty() || arguments.station)
+  if (!arguments.point.empty() || arguments.station || !arguments.image.empty() ||
+      !arguments.colour.empty())
     throw Error(
-        "--point and --station are of stresses; give --stress \"N Q2 Q3 M1 M2 M3\", or "
+        "--point, --station, --image and --colour are of stresses; give --stress \"N Q2 Q3 M1 M2 "
+        "M3\", or "
         "--run "
         "and --record");
   const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
@@ -121,6 +132,40 @@ void describe(const SectionArguments& arguments) {
   }
   for (std::size_t i = 0; i < reports.size(); ++i)
     fmt::print("{}{}", i == 0 ? "" : "\n", to_text(reports[i]));
+}
+
+void add_stress_options(CLI::App& command, SectionArguments& arguments) {
+  command
+      .add_option(
+          "--stress", arguments.stress,
+          "stresses under these resultants N Q2 Q3 M1 M2 M3 about the reference line [N, N.m]")
+      ->type_name("NUMBERS");
+  command.add_option("--run", arguments.run, "stresses under the resultants of a run: its results")
+      ->type_name("DIR");
+  command
+      .add_option(
+          "--record", arguments.record,
+          "of that run: a record at a place of a beam, with the quantities force and moment")
+      ->type_name("NAME");
+  command
+      .add_option("--station", arguments.station, "of a section that varies: one of its stations")
+      ->type_name("S");
+  command
+      .add_option(
+          "--point", arguments.point,
+          "stresses and strains at this point x2 x3 [m]; of a run, when the stress of von Mises "
+          "over the section is the largest")
+      ->type_name("POINT");
+  command
+      .add_option("--image", arguments.image,
+                  "draw the section with these stresses as an SVG; of a run, when the stress of "
+                  "von Mises over the section is the largest")
+      ->type_name("FILE");
+  command
+      .add_option("--colour", arguments.colour,
+                  "of that picture: a failure index, von_mises (default), LL TT NN TN LN LT, or "
+                  "warping, the displacement along b1")
+      ->type_name("QUANTITY");
 }
 
 }  // namespace
@@ -142,33 +187,14 @@ void add_section_command(CLI::App& app, int& status) {
                    "write the matrices, or the largest indices and stresses by rows of the run, to "
                    "this file, as CSV")
       ->type_name("FILE");
-  command
-      ->add_option(
-          "--stress", arguments->stress,
-          "stresses under these resultants N Q2 Q3 M1 M2 M3 about the reference line [N, N.m]")
-      ->type_name("NUMBERS");
-  command
-      ->add_option("--run", arguments->run, "stresses under the resultants of a run: its results")
-      ->type_name("DIR");
-  command
-      ->add_option(
-          "--record", arguments->record,
-          "of that run: a record at a place of a beam, with the quantities force and moment")
-      ->type_name("NAME");
-  command
-      ->add_option("--station", arguments->station, "of a section that varies: one of its stations")
-      ->type_name("S");
-  command
-      ->add_option(
-          "--point", arguments->point,
-          "stresses and strains at this point x2 x3 [m]; of a run, when the stress of von Mises "
-          "over the section is the largest")
-      ->type_name("POINT");
+  add_stress_options(*command, *arguments);
   set_examples(*command,
                "mbd section models/shaft_tube.xml\n"
                "mbd section models/four_bar_boxes.xml box16 --json\n"
                "mbd section models/shaft_tube.xml tube --out tube.csv\n"
-               "mbd section models/shaft_tube.xml tube --stress \"0 0 1000 0 500 0\"");
+               "mbd section models/shaft_tube.xml tube --stress \"0 0 1000 0 500 0\"\n"
+               "mbd section models/shaft_tube.xml tube --stress \"0 0 0 1 0 0\" --image s.svg "
+               "--colour LT");
   command->callback([arguments, &status] {
     describe(*arguments);
     status = 0;

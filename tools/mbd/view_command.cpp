@@ -425,6 +425,43 @@ Page write_view(const fs::path& results, const fs::path& page, const PageOptions
   return made;
 }
 
+namespace {
+
+void add_picture_options(CLI::App& command, ViewArguments& arguments) {
+  const auto text_option = [&](const char* name, std::string& value, const char* what,
+                               const char* type) {
+    command.add_option(name, value, what)->check(not_empty, "", "")->type_name(type);
+  };
+  text_option("--image", arguments.image, "a picture in place of the page: SVG or PNG",
+              "FILE.svg|FILE.png");
+  text_option("--animation", arguments.animation, "an animated picture in place of the page",
+              "FILE.webp");
+  text_option("--time", arguments.time,
+              "time [s] (or load factor) of the picture, default: the end; FROM:TO of an "
+              "animation, default: all",
+              "T");
+  text_option("--from", arguments.from,
+              "whence: iso, x, y, z, -x, -y, -z, or azimuth and elevation [degrees]; default: as "
+              "the page begins",
+              "VIEW");
+  text_option("--pixels", arguments.pixels, "width and height of pictures; default: 960x600",
+              "WxH");
+  text_option("--colour", arguments.colour,
+              "colour of beams: displacement, velocity, N, Q, T (torque), M (bending) or energy "
+              "(strain energy per length), with a legend",
+              "QUANTITY");
+  text_option("--scale", arguments.scale, "displacements times this number; default: 1", "F");
+  text_option(
+      "--seconds", arguments.seconds,
+      "how long an animation takes; default: as the run, from 2 to 12 s, and 4 s of load steps",
+      "S");
+  command.add_flag("--trails", arguments.trails,
+                   "paths of what is recorded, and of bodies, in pictures");
+  command.add_flag("--bare", arguments.bare, "pictures without ground, axes, time and legend");
+}
+
+}  // namespace
+
 void add_view_command(CLI::App& app, int& status) {
   const auto arguments = std::make_shared<ViewArguments>();
   CLI::App* const command = app.add_subcommand(
@@ -457,36 +494,7 @@ void add_view_command(CLI::App& app, int& status) {
                    "largest page [MB], for which frames are left out; default: 20")
       ->check(not_empty, "", "")
       ->type_name("MB");
-  const auto text_option = [&](const char* name, std::string& value, const char* what,
-                               const char* type) {
-    command->add_option(name, value, what)->check(not_empty, "", "")->type_name(type);
-  };
-  text_option("--image", arguments->image, "a picture in place of the page: SVG or PNG",
-              "FILE.svg|FILE.png");
-  text_option("--animation", arguments->animation, "an animated picture in place of the page",
-              "FILE.webp");
-  text_option("--time", arguments->time,
-              "time [s] (or load factor) of the picture, default: the end; FROM:TO of an "
-              "animation, default: all",
-              "T");
-  text_option("--from", arguments->from,
-              "whence: iso, x, y, z, -x, -y, -z, or azimuth and elevation [degrees]; default: as "
-              "the page begins",
-              "VIEW");
-  text_option("--pixels", arguments->pixels, "width and height of pictures; default: 960x600",
-              "WxH");
-  text_option(
-      "--colour", arguments->colour,
-      "colour of beams: displacement, velocity, N, Q, T (torque) or M (bending), with a legend",
-      "QUANTITY");
-  text_option("--scale", arguments->scale, "displacements times this number; default: 1", "F");
-  text_option(
-      "--seconds", arguments->seconds,
-      "how long an animation takes; default: as the run, from 2 to 12 s, and 4 s of load steps",
-      "S");
-  command->add_flag("--trails", arguments->trails,
-                    "paths of what is recorded, and of bodies, in pictures");
-  command->add_flag("--bare", arguments->bare, "pictures without ground, axes, time and legend");
+  add_picture_options(*command, *arguments);
   set_examples(*command,
                "mbd view models/four_bar.xml\n"
                "mbd run models/four_bar.xml --motion && mbd view results/four_bar\n"

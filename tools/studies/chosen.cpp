@@ -71,6 +71,7 @@ const std::vector<ModelCase> models = {{"bend45"},
 struct Row {
   double accuracy = 0.0;
   Choice choice;
+  std::string setting;  // in words
   Trial run;
   std::optional<double> error;  // true
   bool below_reference = false;
@@ -112,130 +113,114 @@ std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.1e}", *value) : "not known";
 }
 
-}  // namespace
+Scene scene_of(const ModelCase& model) {
+  Scene scene =
+      read_model(std::filesystem::path(MBD_SOURCE_DIR) / "models" / (model.name + ".xml"));
+  if (model.duration > 0.0) {
+    scene.transient->duration = model.duration;
+    scene.expects.clear();
+    scene.plots.clear();
+  }
+  return scene;
+}
 
-void chosen(const std::filesystem::path& directory, const ChosenOptions& options) {
-  Csv csv(
-      "# rms of the worst recorded quantity over its largest value; CPU seconds; limit: of "
-      "choosing\n"
-      "model,duration,requested,limit,met,believed,true,true_below_reference,reference_error,"
-      "quantity,"
-      "setting,pilots,cpu_choosing,cpu_run,reference,reason");
-  std::string table =
-      "| model | requested | believed | true | choosing [s] | of at most [s] | run [s] | setting "
-      "|\n"
-      "|---|---|---|---|---|---|---|---|\n";
-  std::string misses;
-  int cases = 0, met = 0, honest = 0, judged = 0, dishonest = 0;
-  for (const ModelCase& model : models) {
-    if (!options.models.empty() &&
-        std::find(options.models.begin(), options.models.end(), model.name) == options.models.end())
-      continue;
-    Scene scene =
-        read_model(std::filesystem::path(MBD_SOURCE_DIR) / "models" / (model.name + ".xml"));
-    if (model.duration > 0.0) {
-      scene.transient->duration = model.duration;
-      scene.expects.clear();
-      scene.plots.clear();
-    }
-    const std::string name =
-        model.duration > 0.0 ? fmt::format("{}, {:g} s", model.name, model.duration) : model.name;
-    std::vector<Row> rows;
-    for (const double accuracy : options.accuracies) {
-      Row row;
-      row.accuracy = accuracy;
-      row.choice = choose(scene, {.accuracy = accuracy, .limit = options.limit});
-      for (const Pilot& pilot : row.choice.pilots)
-        std::printf("    %-60s %8.2f s  %s %s %s %s\n", pilot.text.c_str(), pilot.cpu,
-                    number(pilot.error).c_str(),
-                    pilot.in_time ? fmt::format("time {:.1e}", *pilot.in_time).c_str() : "",
-                    pilot.in_space ? fmt::format("space {:.1e}", *pilot.in_space).c_str() : "",
-                    pilot.failure.c_str());
-      row.run = run_trial(with(scene, row.choice.setting), {.limit = 4.0 * options.limit});
-      std::printf("%s %.0e: %s; believed %s (%s), choosing %.2f s, run %.2f s %s\n", name.c_str(),
-                  accuracy, to_text(scene, row.choice.setting).c_str(),
-                  number(row.choice.error).c_str(), row.choice.worst.c_str(), row.choice.cpu,
-                  row.run.cpu, row.choice.reason.c_str());
-      std::fflush(stdout);
-      rows.push_back(std::move(row));
-    }
-
-    std::string reference = "none";
-    double reference_error = std::numeric_limits<double>::infinity();
-    for (const bool modest : {false, true}) {
-      Setting finest = reference_setting(scene, rows, modest);
-      const Trial truth =
-          run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
-      if (!truth.complete) {
-        std::printf("  reference %s: %s\n", to_text(scene, finest).c_str(), truth.failure.c_str());
-        continue;
-      }
-      reference = to_text(scene, finest);
-      if (finest.tolerance) *finest.tolerance *= 10.0;
-      if (finest.step) *finest.step *= 2.0;
-      if (finest.order) --*finest.order;
-      const Trial less =
-          run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
-      if (less.complete)
-        reference_error =
-            disagreement(less.findings, truth.findings, options.accuracies.back()).rms;
-      for (Row& row : rows) {
-        if (!row.run.complete) continue;
-        row.error = disagreement(row.run.findings, truth.findings, row.accuracy).rms;
-        row.below_reference = *row.error < 3.0 * reference_error;
-      }
-      break;
-    }
-    std::printf("  reference: %s, its own error %.1e; true errors", reference.c_str(),
-                reference_error);
-    for (const Row& row : rows) std::printf(" %s", number(row.error).c_str());
-    std::printf("\n");
+// The model run at settings of its own choice, one for each requested accuracy.
+std::vector<Row> run_choices(const Scene& scene, const std::string& name,
+                             const ChosenOptions& options) {
+  std::vector<Row> rows;
+  for (const double accuracy : options.accuracies) {
+    Row row;
+    row.accuracy = accuracy;
+    row.choice = choose(scene, {.accuracy = accuracy, .limit = options.limit});
+    for (const Pilot& pilot : row.choice.pilots)
+      std::printf("    %-60s %8.2f s  %s %s %s %s\n", pilot.text.c_str(), pilot.cpu,
+                  number(pilot.error).c_str(),
+                  pilot.in_time ? fmt::format("time {:.1e}", *pilot.in_time).c_str() : "",
+                  pilot.in_space ? fmt::format("space {:.1e}", *pilot.in_space).c_str() : "",
+                  pilot.failure.c_str());
+    row.setting = to_text(scene, row.choice.setting);
+    row.run = run_trial(with(scene, row.choice.setting), {.limit = 4.0 * options.limit});
+    std::printf("%s %.0e: %s; believed %s (%s), choosing %.2f s, run %.2f s %s\n", name.c_str(),
+                accuracy, row.setting.c_str(), number(row.choice.error).c_str(),
+                row.choice.worst.c_str(), row.choice.cpu, row.run.cpu, row.choice.reason.c_str());
     std::fflush(stdout);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
 
-    for (const Row& row : rows) {
-      const Choice& choice = row.choice;
-      ++cases;
-      const bool kept = choice.met && row.error && *row.error <= row.accuracy;
-      met += kept ? 1 : 0;
-      std::string verdict;
-      if (choice.met && !row.error) verdict = "claimed; no reference in the time there is";
-      if (choice.met && row.error && !kept) {
-        ++dishonest;
-        verdict = "claimed, and not kept";
-      }
-      // Below the reference's own error, and where all is round-off, nothing can be told from the ratio.
-      if (choice.error && row.error && *row.error > 0.0) {
-        const double ratio = *choice.error / *row.error;
-        const bool judgeable = !(row.below_reference && ratio > 1.0) && *choice.error > 1e-11;
-        judged += judgeable ? 1 : 0;
-        const bool close = ratio < within && ratio > 1.0 / within;
-        honest += judgeable && close ? 1 : 0;
-        if (judgeable && !close)
-          verdict += fmt::format("{}believed {:.2g} times the true error",
-                                 verdict.empty() ? "" : "; ", ratio);
-      }
-      if (!choice.met) verdict += (verdict.empty() ? "" : "; ") + choice.reason;
-      if (!verdict.empty())
-        misses += fmt::format("- {}, {:.0e} ({}): {}\n", name, row.accuracy, choice.worst, verdict);
-      csv << model.name << model.duration << row.accuracy << options.limit << long{choice.met};
-      csv << (choice.error ? fmt::format("{:.4g}", *choice.error) : "")
-          << (row.error ? fmt::format("{:.4g}", *row.error) : "") << long{row.below_reference}
-          << reference_error << choice.worst << '"' + to_text(scene, choice.setting) + '"'
-          << static_cast<long>(choice.pilots.size()) << choice.cpu << row.run.cpu
-          << '"' + reference + '"' << '"' + choice.reason + '"';
-      csv.end_row();
-      table += fmt::format("| {} | {:.0e}{} | {} | {}{} | {:.2g} | {:g} | {:.2g} | {} |\n", name,
-                           row.accuracy, choice.met ? "" : ", not met", number(choice.error),
-                           row.below_reference ? "≤ " : "", number(row.error), choice.cpu,
-                           options.limit, row.run.cpu, to_text(scene, choice.setting));
+struct Reference {
+  std::string setting = "none";
+  double error = std::numeric_limits<double>::infinity();
+};
+
+// The rows' true errors against the first reference that can be had in the time there is.
+Reference judge(const Scene& scene, const ChosenOptions& options, std::vector<Row>& rows) {
+  Reference reference;
+  for (const bool modest : {false, true}) {
+    Setting finest = reference_setting(scene, rows, modest);
+    const Trial truth =
+        run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
+    if (!truth.complete) {
+      std::printf("  reference %s: %s\n", to_text(scene, finest).c_str(), truth.failure.c_str());
+      continue;
     }
-    const std::string verdict = fmt::format(
+    reference.setting = to_text(scene, finest);
+    if (finest.tolerance) *finest.tolerance *= 10.0;
+    if (finest.step) *finest.step *= 2.0;
+    if (finest.order) --*finest.order;
+    const Trial less =
+        run_trial(with(scene, finest), {.limit = reference_limit * options.limit, .repeats = 1});
+    if (less.complete)
+      reference.error = disagreement(less.findings, truth.findings, options.accuracies.back()).rms;
+    for (Row& row : rows) {
+      if (!row.run.complete) continue;
+      row.error = disagreement(row.run.findings, truth.findings, row.accuracy).rms;
+      row.below_reference = *row.error < 3.0 * reference.error;
+    }
+    break;
+  }
+  std::printf("  reference: %s, its own error %.1e; true errors", reference.setting.c_str(),
+              reference.error);
+  for (const Row& row : rows) std::printf(" %s", number(row.error).c_str());
+  std::printf("\n");
+  std::fflush(stdout);
+  return reference;
+}
+
+// What came of all cases, as a table for eyes and one for programs.
+class Tally {
+ public:
+  explicit Tally(double limit) : limit_(limit) {}
+
+  void add(const ModelCase& model, const std::string& name, const Row& row,
+           const Reference& reference) {
+    const Choice& choice = row.choice;
+    if (const std::string verdict = judged(row); !verdict.empty())
+      misses_ += fmt::format("- {}, {:.0e} ({}): {}\n", name, row.accuracy, choice.worst, verdict);
+    csv_ << model.name << model.duration << row.accuracy << limit_ << long{choice.met};
+    csv_ << (choice.error ? fmt::format("{:.4g}", *choice.error) : "")
+         << (row.error ? fmt::format("{:.4g}", *row.error) : "") << long{row.below_reference}
+         << reference.error << choice.worst << '"' + row.setting + '"'
+         << static_cast<long>(choice.pilots.size()) << choice.cpu << row.run.cpu
+         << '"' + reference.setting + '"' << '"' + choice.reason + '"';
+    csv_.end_row();
+    table_ += fmt::format("| {} | {:.0e}{} | {} | {}{} | {:.2g} | {:g} | {:.2g} | {} |\n", name,
+                          row.accuracy, choice.met ? "" : ", not met", number(choice.error),
+                          row.below_reference ? "≤ " : "", number(row.error), choice.cpu, limit_,
+                          row.run.cpu, row.setting);
+  }
+
+  std::string verdict() const {
+    return fmt::format(
         "\n{} cases: requested accuracy met (and true) in {}; claimed and not kept in {}; the "
         "estimate "
         "within a factor of {:g} of the true error in {} of {} that the reference can judge.\n",
-        cases, met, dishonest, within, honest, judged);
-    // After each model: what there is survives an interruption.
-    write(directory, "chosen.csv", csv.text());
+        cases_, met_, dishonest_, within, honest_, judged_);
+  }
+
+  void write_to(const std::filesystem::path& directory) const {
+    write(directory, "chosen.csv", csv_.text());
     write(
         directory, "chosen.md",
         "`mbd_study chosen`: rms of the worst recorded quantity over its largest value, requested, "
@@ -244,8 +229,69 @@ void chosen(const std::filesystem::path& directory, const ChosenOptions& options
         "the elements of two orders more; where that took too long a tenth, and as many; ≤: not "
         "told "
         "from the error of that reference). CPU times.\n\n" +
-            table + verdict + (misses.empty() ? "" : "\nMisses:\n\n" + misses));
-    if (&model == &models.back()) std::fputs(verdict.c_str(), stdout);
+            table_ + verdict() + (misses_.empty() ? "" : "\nMisses:\n\n" + misses_));
+  }
+
+ private:
+  // Counts a case; in words, what is to be held against it.
+  std::string judged(const Row& row) {
+    const Choice& choice = row.choice;
+    ++cases_;
+    const bool kept = choice.met && row.error && *row.error <= row.accuracy;
+    met_ += kept ? 1 : 0;
+    std::string verdict;
+    if (choice.met && !row.error) verdict = "claimed; no reference in the time there is";
+    if (choice.met && row.error && !kept) {
+      ++dishonest_;
+      verdict = "claimed, and not kept";
+    }
+
+    // Below the reference's own error, and where all is round-off, nothing can be told from the ratio.
+    if (choice.error && row.error && *row.error > 0.0) {
+      const double ratio = *choice.error / *row.error;
+      const bool judgeable = !(row.below_reference && ratio > 1.0) && *choice.error > 1e-11;
+      judged_ += judgeable ? 1 : 0;
+      const bool close = ratio < within && ratio > 1.0 / within;
+      honest_ += judgeable && close ? 1 : 0;
+      if (judgeable && !close)
+        verdict += fmt::format("{}believed {:.2g} times the true error",
+                               verdict.empty() ? "" : "; ", ratio);
+    }
+    if (!choice.met) verdict += (verdict.empty() ? "" : "; ") + choice.reason;
+    return verdict;
+  }
+
+  double limit_;
+  Csv csv_{
+      "# rms of the worst recorded quantity over its largest value; CPU seconds; limit: of "
+      "choosing\n"
+      "model,duration,requested,limit,met,believed,true,true_below_reference,reference_error,"
+      "quantity,"
+      "setting,pilots,cpu_choosing,cpu_run,reference,reason"};
+  std::string table_ =
+      "| model | requested | believed | true | choosing [s] | of at most [s] | run [s] | "
+      "setting |\n"
+      "|---|---|---|---|---|---|---|---|\n";
+  std::string misses_;
+  int cases_ = 0, met_ = 0, honest_ = 0, judged_ = 0, dishonest_ = 0;
+};
+
+}  // namespace
+
+void chosen(const std::filesystem::path& directory, const ChosenOptions& options) {
+  Tally tally(options.limit);
+  for (const ModelCase& model : models) {
+    if (!options.models.empty() &&
+        std::find(options.models.begin(), options.models.end(), model.name) == options.models.end())
+      continue;
+    const Scene scene = scene_of(model);
+    const std::string name =
+        model.duration > 0.0 ? fmt::format("{}, {:g} s", model.name, model.duration) : model.name;
+    std::vector<Row> rows = run_choices(scene, name, options);
+    const Reference reference = judge(scene, options, rows);
+    for (const Row& row : rows) tally.add(model, name, row, reference);
+    tally.write_to(directory);  // after each model: what there is survives an interruption
+    if (&model == &models.back()) std::fputs(tally.verdict().c_str(), stdout);
   }
 }
 

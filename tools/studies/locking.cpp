@@ -74,6 +74,26 @@ Solution solved(Line line, double slenderness, const std::function<void(BeamScen
   return solve(scene);
 }
 
+struct TipReference {
+  Vec3 tip;
+  double uncertainty;
+};
+
+TipReference reference_of(Line line, double slenderness) {
+  const auto best = [](BeamScene& beam) {
+    beam.metric = Metric::geodesic;
+    beam.form = Form::energy;
+  };
+  const Solution a = solved(line, slenderness, best, Rule::gauss, 8, 8);
+  const Solution b = solved(line, slenderness, best, Rule::gauss, 7, 16);
+  const TipReference reference{a.tip(), (b.tip() - a.tip()).norm() / a.tip().norm()};
+  std::printf("locking, %s, slenderness %.3g: reference (%.12g, %.12g), +- %.1e%s\n",
+              name_of(line).c_str(), slenderness, reference.tip(0), reference.tip(1),
+              reference.uncertainty, a.converged && b.converged ? "" : ", not converged");
+  std::fflush(stdout);
+  return reference;
+}
+
 }  // namespace
 
 void locking(const std::filesystem::path& directory) {
@@ -95,18 +115,7 @@ void locking(const std::filesystem::path& directory) {
                         .curves = std::vector<plot::Curve>(2 * std::size(locking_orders))});
     for (int i = 0; i <= 8; ++i) {
       const double slenderness = std::pow(10.0, 1 + 0.5 * i);
-      const auto best = [](BeamScene& beam) {
-        beam.metric = Metric::geodesic;
-        beam.form = Form::energy;
-      };
-      const Solution a = solved(line, slenderness, best, Rule::gauss, 8, 8);
-      const Solution b = solved(line, slenderness, best, Rule::gauss, 7, 16);
-      const Vec3 reference = a.tip();
-      const double uncertainty = (b.tip() - reference).norm() / reference.norm();
-      std::printf("locking, %s, slenderness %.3g: reference (%.12g, %.12g), +- %.1e%s\n",
-                  name_of(line).c_str(), slenderness, reference(0), reference(1), uncertainty,
-                  a.converged && b.converged ? "" : ", not converged");
-      std::fflush(stdout);
+      const auto [reference, uncertainty] = reference_of(line, slenderness);
       for (std::size_t s = 0; s < all_series().size(); ++s) {
         const Series& series = all_series()[s];
         for (const Rule rule : {Rule::gauss, Rule::gauss_lobatto}) {
@@ -116,12 +125,8 @@ void locking(const std::filesystem::path& directory) {
             const double error = (solution.tip() - reference).norm() / reference.norm();
             csv << name_of(line) << series.form << series.name << studies::name_of(rule)
                 << long{locking_orders[n]} << slenderness << long{solution.converged};
-            if (solution.converged)
-              csv << error;
-            else
-              csv << "";
-            csv << solution.iterations << solution.load_steps << reference(0) << reference(1)
-                << uncertainty;
+            csv << (solution.converged ? std::optional(error) : std::nullopt) << solution.iterations
+                << solution.load_steps << reference(0) << reference(1) << uncertainty;
             csv.end_row();
             const bool gauss = rule == Rule::gauss;
             plot::Curve& curve = panels[s].curves[2 * n + (gauss ? 0 : 1)];

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ class Csv {
   explicit Csv(std::string comment_and_header) : text_(std::move(comment_and_header) + '\n') {}
   Csv& operator<<(const std::string& cell);
   Csv& operator<<(double value);
+  Csv& operator<<(const std::optional<double>& value) {
+    return value ? *this << *value : *this << "";
+  }
   Csv& operator<<(long value) { return *this << std::to_string(value); }
   void end_row();
   const std::string& text() const { return text_; }

@@ -37,6 +37,7 @@ struct Case {
   double reference;  // tolerance of the reference
   double finest;     // tolerance of the runs
 };
+
 // Undamped axial waves of stiff beams have to be resolved for tight tolerances; where that takes too long,
 // the tolerances end early.
 constexpr Case cases[] = {
@@ -129,6 +130,77 @@ double distance(const Result& a, const Result& b, double length) {
   return worst;
 }
 
+// One case: its reference, and the points of its curves.
+class Runs {
+ public:
+  Runs(const Case& of, Csv& csv) : case_(of), csv_(csv) {
+    for (BeamScene& beam : scene_.beams)
+      if (of.order > 0) beam.order = of.order;
+    model_ = compile(scene_);
+    end_ = of.duration > 0.0 ? of.duration : scene_.transient->duration;
+    reference_ =
+        run(model_, scene_, end_, {TimeMethod::radau, of.reference, 0.0}, 20.0 * most_seconds);
+    std::printf("%s: reference %.2f s %s\n", of.model, reference_.cpu, reference_.failure.c_str());
+  }
+
+  bool has_reference() const { return reference_.complete; }
+
+  // Adds a row to the table of its results.
+  void add_curves(TimeMethod method, plot::Panel& panel, std::string& table, int& style) {
+    const std::string name(name_of(method));
+    const double finest =
+        method == TimeMethod::generalized_alpha ? std::max(1e-5, case_.finest) : case_.finest;
+    plot::Curve curve{name, {}, style++};
+    std::vector<plot::Point> proportion;
+    double last = 0.0;
+    for (double tolerance = 1e-3; tolerance > 0.5 * finest; tolerance *= 0.1) {
+      const auto p = point({method, tolerance, 0.0});
+      if (!p) continue;
+      curve.trace.add(*p);
+      proportion.push_back({tolerance, (*p)[1]});
+      last = tolerance;
+    }
+    if (proportion.size() >= 2) {
+      const PowerLaw f = fit_power_law(proportion);
+      table += fmt::format("| {} | {} | 1e-3 … {:.0e} | {:.2f} | {:.2g} |\n", case_.model, name,
+                           last, f.slope, f.mean_ratio);
+    } else {
+      table += fmt::format("| {} | {} | none reached | | |\n", case_.model, name);
+    }
+    panel.curves.push_back(std::move(curve));
+    if (method == TimeMethod::ida || !scene_.transient->step) return;
+    plot::Curve fixed{name + ", fixed steps", {}, style++};
+    for (const double part : {1.0, 0.5, 0.25, 0.125})
+      if (const auto p = point({method, 0.0, part * *scene_.transient->step})) fixed.trace.add(*p);
+    panel.curves.push_back(std::move(fixed));
+  }
+
+ private:
+  std::optional<plot::Point> point(const Setting& setting) {
+    const Result r = run(model_, scene_, end_, setting, most_seconds);
+    csv_ << case_.model << long{case_.order} << end_ << case_.reference
+         << std::string(name_of(setting.method)) << setting.tolerance << setting.step;
+    const double error = r.complete ? distance(r, reference_, model_.system->length_scale()) : 0.0;
+    csv_ << (r.complete ? std::optional(error) : std::nullopt) << r.cpu << r.counters.steps
+         << r.counters.rejected << r.counters.iterations << r.counters.factorizations
+         << '"' + r.failure + '"';
+    csv_.end_row();
+    std::printf("  %s tolerance %g step %g: error %.2e, %.3f s, %ld steps %s\n",
+                std::string(name_of(setting.method)).c_str(), setting.tolerance, setting.step,
+                error, r.cpu, r.counters.steps, r.failure.c_str());
+    std::fflush(stdout);
+    if (!r.complete || !(error > 0.0)) return std::nullopt;
+    return plot::Point{r.cpu, error};
+  }
+  const Case& case_;
+  Csv& csv_;
+  Scene scene_ = read_model(std::filesystem::path(MBD_SOURCE_DIR) / "models" /
+                            (std::string(case_.model) + ".xml"));
+  Model model_;
+  double end_;
+  Result reference_;
+};
+
 }  // namespace
 
 void time(const std::filesystem::path& directory) {
@@ -144,70 +216,17 @@ void time(const std::filesystem::path& directory) {
       "|\n|---|---|---|---|---|\n";
   std::vector<plot::Panel> panels;
   for (const Case& c : cases) {
-    Scene scene = read_model(std::filesystem::path(MBD_SOURCE_DIR) / "models" /
-                             (std::string(c.model) + ".xml"));
-    for (BeamScene& beam : scene.beams)
-      if (c.order > 0) beam.order = c.order;
-    const double end = c.duration > 0.0 ? c.duration : scene.transient->duration;
-    const Model model = compile(scene);
-    const double length = model.system->length_scale();
-    const Result reference =
-        run(model, scene, end, {TimeMethod::radau, c.reference, 0.0}, 20.0 * most_seconds);
-    std::printf("%s: reference %.2f s %s\n", c.model, reference.cpu, reference.failure.c_str());
-    if (!reference.complete) continue;
+    Runs runs(c, csv);
+    if (!runs.has_reference()) continue;
     panels.push_back({.title = c.model,
                       .x_label = "CPU time [s]",
                       .y_label = "error",
                       .x_log = true,
                       .y_log = true});
-    const auto point = [&](const Setting& setting) -> std::optional<plot::Point> {
-      const Result r = run(model, scene, end, setting, most_seconds);
-      csv << c.model << long{c.order} << end << c.reference << std::string(name_of(setting.method))
-          << setting.tolerance << setting.step;
-      const double error = r.complete ? distance(r, reference, length) : 0.0;
-      if (r.complete)
-        csv << error;
-      else
-        csv << "";
-      csv << r.cpu << r.counters.steps << r.counters.rejected << r.counters.iterations
-          << r.counters.factorizations << '"' + r.failure + '"';
-      csv.end_row();
-      std::printf("  %s tolerance %g step %g: error %.2e, %.3f s, %ld steps %s\n",
-                  std::string(name_of(setting.method)).c_str(), setting.tolerance, setting.step,
-                  error, r.cpu, r.counters.steps, r.failure.c_str());
-      std::fflush(stdout);
-      if (!r.complete || !(error > 0.0)) return std::nullopt;
-      return plot::Point{r.cpu, error};
-    };
     int style = 0;
     for (const TimeMethod method :
-         {TimeMethod::radau, TimeMethod::generalized_alpha, TimeMethod::ida}) {
-      const double finest =
-          method == TimeMethod::generalized_alpha ? std::max(1e-5, c.finest) : c.finest;
-      plot::Curve curve{std::string(name_of(method)), {}, style++};
-      std::vector<plot::Point> proportion;
-      double last = 0.0;
-      for (double tolerance = 1e-3; tolerance > 0.5 * finest; tolerance *= 0.1) {
-        const auto p = point({method, tolerance, 0.0});
-        if (!p) continue;
-        curve.trace.add(*p);
-        proportion.push_back({tolerance, (*p)[1]});
-        last = tolerance;
-      }
-      if (proportion.size() >= 2) {
-        const PowerLaw f = fit_power_law(proportion);
-        table += fmt::format("| {} | {} | 1e-3 … {:.0e} | {:.2f} | {:.2g} |\n", c.model,
-                             name_of(method), last, f.slope, f.mean_ratio);
-      } else {
-        table += fmt::format("| {} | {} | none reached | | |\n", c.model, name_of(method));
-      }
-      panels.back().curves.push_back(std::move(curve));
-      if (method == TimeMethod::ida || !scene.transient->step) continue;
-      plot::Curve fixed{std::string(name_of(method)) + ", fixed steps", {}, style++};
-      for (const double part : {1.0, 0.5, 0.25, 0.125})
-        if (const auto p = point({method, 0.0, part * *scene.transient->step})) fixed.trace.add(*p);
-      panels.back().curves.push_back(std::move(fixed));
-    }
+         {TimeMethod::radau, TimeMethod::generalized_alpha, TimeMethod::ida})
+      runs.add_curves(method, panels.back(), table, style);
   }
   write(directory, "time.csv", csv.text());
   write(directory, "time_tolerance.md", table);

@@ -312,78 +312,46 @@ void cut(Findings& findings, double end) {
   findings.rows.resize(n);
 }
 
-void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
-                    const AccuracyOptions& options) {
-  const double budget = reference_share * options.budget;
-  double last_cost = 0.0, growth_of_cost = 2.0;
-  int no_better = 0;  // levels in a row
-  std::vector<Quantity> quantities = study.quantities;
-  Findings other, coarser;
-  std::array<Setting, 2> chosen;
-  for (int level = 0; level < options.refinements; ++level) {
-    std::array<Setting, 2> ways = ways_of(scene, level);
-    if (ways[0].elements && (*ways[0].order > 8 || *ways[0].elements > 64)) break;
-    if (ways[0].tolerance && *ways[0].tolerance < 1e-13) break;
-    const double left = budget - trials.used();
-    const double expected = last_cost * growth_of_cost;
-    if (level > 0 && expected > left) break;
-    std::array<Trial, 2> done;
-    double cost = 0.0;
-    bool complete = true, partial = false;
-    for (std::size_t w = 0; w < 2 && complete; ++w) {
-      if (options.progress)
-        options.progress(fmt::format("reference {}{}: {}", level + 1, w == 0 ? "a" : "b",
-                                     to_text(scene, ways[w])),
-                         0, 0, 0.0);
-      const auto limit = [&] {
-        return (budget - trials.used()) / (level == 0 && w == 0 ? 2.0 : 1.0);
-      };
-      TrialPoint point = trials.point(ways[w], limit());
-      if (!point.trial.complete && !point.trial.stopped && ways[w].method == TimeMethod::ida) {
-        // Where IDA does not get through.
-        ways[w].method = TimeMethod::radau;
-        ways[w].tolerance = 10.0 * *ways[0].tolerance;
-        point = trials.point(ways[w], limit());
-      }
-      complete = is_usable(scene, point.trial);
-      partial = partial || !point.trial.complete;
-      cost += point.trial.cpu * point.trial.repeats;
-      done[w] = point.trial;
-      study.ways.push_back(std::move(point));
+// Two ways to run the model that refine it differently.
+struct TwoWays {
+  std::array<Setting, 2> ways;
+  std::array<Trial, 2> done;
+  double cost = 0.0;
+  bool complete = true, partial = false;  // as far as both can be used; not to the end
+};
+
+TwoWays run_both(AccuracyStudy& study, const Scene& scene, Trials& trials,
+                 const AccuracyOptions& options, double budget, int level,
+                 const std::array<Setting, 2>& ways) {
+  TwoWays both;
+  both.ways = ways;
+  for (std::size_t w = 0; w < 2 && both.complete; ++w) {
+    Setting& way = both.ways[w];
+    if (options.progress)
+      options.progress(
+          fmt::format("reference {}{}: {}", level + 1, w == 0 ? "a" : "b", to_text(scene, way)), 0,
+          0, 0.0);
+    const auto limit = [&] {
+      return (budget - trials.used()) / (level == 0 && w == 0 ? 2.0 : 1.0);
+    };
+    TrialPoint point = trials.point(way, limit());
+    if (!point.trial.complete && !point.trial.stopped && way.method == TimeMethod::ida) {
+      // Where IDA does not get through.
+      way.method = TimeMethod::radau;
+      way.tolerance = 10.0 * *both.ways[0].tolerance;
+      point = trials.point(way, limit());
     }
-    if (!complete) {
-      if (trials.interrupted() || study.ways.back().trial.stopped || !study.truth.at.empty()) break;
-      continue;  // a coarse one that fails says nothing of the finer ones
-    }
-    if (last_cost > 0.0) growth_of_cost = std::max(1.5, 1.2 * cost / last_cost);
-    last_cost = cost;
-    if (partial && !study.truth.at.empty()) break;  // a whole one is worth more
-    if (partial) {
-      const double reached = std::min(done[0].findings.at.back(), done[1].findings.at.back());
-      for (Trial& trial : done) cut(trial.findings, reached);
-    }
-    if (done[0].findings.at.size() != done[1].findings.at.size()) continue;  // of special points
-    const double worst = judge(quantities, done[0].findings, done[1].findings, coarser);
-    coarser = done[0].findings;
-    if (study.truth.at.empty() || is_better(quantities, study.quantities)) {
-      no_better = 0;
-      study.quantities = quantities;
-      study.truth = done[0].findings;
-      other = done[1].findings;
-      chosen = ways;
-    } else if (++no_better == 2) {
-      break;  // round-off, or chaos
-    }
-    if (worst < agreed || partial) break;
+    both.complete = is_usable(scene, point.trial);
+    both.partial = both.partial || !point.trial.complete;
+    both.cost += point.trial.cpu * point.trial.repeats;
+    both.done[w] = point.trial;
+    study.ways.push_back(std::move(point));
   }
-  if (study.truth.at.empty())
-    throw Error(
-        scene.source,
-        fmt::format("no reference could be made within {:.3g} s ({}); give more budget, or "
-                    "a reference from a file",
-                    budget, study.ways.empty() ? "no run" : study.ways.back().trial.failure));
-  study.reference = fmt::format("{}; its own error is the difference to {}",
-                                to_text(scene, chosen[0]), to_text(scene, chosen[1]));
+  return both;
+}
+
+// What the reference is good for, in notes. `other`: what it was compared with.
+void note_limits(AccuracyStudy& study, const Scene& scene, const Findings& other) {
   if (scene.transient && study.truth.at.back() < scene.transient->duration * (1.0 - near))
     study.notes.push_back(fmt::format(
         "the budget allowed a reference up to {:.4g} s only: errors are those before; for more, "
@@ -414,6 +382,102 @@ void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
   }
 }
 
+void make_reference(AccuracyStudy& study, const Scene& scene, Trials& trials,
+                    const AccuracyOptions& options) {
+  const double budget = reference_share * options.budget;
+  double last_cost = 0.0, growth_of_cost = 2.0;
+  int no_better = 0;  // levels in a row
+  std::vector<Quantity> quantities = study.quantities;
+  Findings other, coarser;
+  std::array<Setting, 2> chosen;
+  for (int level = 0; level < options.refinements; ++level) {
+    const std::array<Setting, 2> ways = ways_of(scene, level);
+    if (ways[0].elements && (*ways[0].order > 8 || *ways[0].elements > 64)) break;
+    if (ways[0].tolerance && *ways[0].tolerance < 1e-13) break;
+    const double left = budget - trials.used();
+    const double expected = last_cost * growth_of_cost;
+    if (level > 0 && expected > left) break;
+    TwoWays both = run_both(study, scene, trials, options, budget, level, ways);
+    std::array<Trial, 2>& done = both.done;
+    if (!both.complete) {
+      if (trials.interrupted() || study.ways.back().trial.stopped || !study.truth.at.empty()) break;
+      continue;  // a coarse one that fails says nothing of the finer ones
+    }
+    if (last_cost > 0.0) growth_of_cost = std::max(1.5, 1.2 * both.cost / last_cost);
+    last_cost = both.cost;
+    if (both.partial && !study.truth.at.empty()) break;  // a whole one is worth more
+    if (both.partial) {
+      const double reached = std::min(done[0].findings.at.back(), done[1].findings.at.back());
+      for (Trial& trial : done) cut(trial.findings, reached);
+    }
+    if (done[0].findings.at.size() != done[1].findings.at.size()) continue;  // of special points
+    const double worst = judge(quantities, done[0].findings, done[1].findings, coarser);
+    coarser = done[0].findings;
+    if (study.truth.at.empty() || is_better(quantities, study.quantities)) {
+      no_better = 0;
+      study.quantities = quantities;
+      study.truth = done[0].findings;
+      other = done[1].findings;
+      chosen = both.ways;
+    } else if (++no_better == 2) {
+      break;  // round-off, or chaos
+    }
+    if (worst < agreed || both.partial) break;
+  }
+  if (study.truth.at.empty())
+    throw Error(
+        scene.source,
+        fmt::format("no reference could be made within {:.3g} s ({}); give more budget, or "
+                    "a reference from a file",
+                    budget, study.ways.empty() ? "no run" : study.ways.back().trial.failure));
+  study.reference = fmt::format("{}; its own error is the difference to {}",
+                                to_text(scene, chosen[0]), to_text(scene, chosen[1]));
+  note_limits(study, scene, other);
+}
+
+// Of a file, those that the quantities need; 0 for the others.
+std::vector<std::size_t> columns_of_file(const History& file, const std::string& path,
+                                         const Findings& own,
+                                         const std::vector<Quantity>& quantities) {
+  std::vector<std::size_t> columns(own.columns.size(), 0);
+  for (const Quantity& quantity : quantities)
+    for (const std::size_t c : quantity.columns) {
+      columns[c] = choose_column(file, own.columns[c]);
+      const std::string& unit = file.columns[columns[c]].unit;
+      if (!unit.empty() && unit != own.units[c])
+        throw Error(fmt::format("{}: column {} is in {}, and the model's is in {}", path,
+                                own.columns[c], unit, own.units[c]));
+    }
+  return columns;
+}
+
+// At a place within the file, which has a row there; or the cubic through four neighbours, and then it counts that.
+std::vector<double> row_at(const History& file, const std::string& path,
+                           const std::vector<std::size_t>& columns, double at, double slack,
+                           std::size_t& interpolated) {
+  const std::vector<double>& t = file.values[0];
+  const auto after = std::lower_bound(t.begin(), t.end(), at - slack);
+  auto k = static_cast<std::size_t>(after - t.begin());
+  std::vector<double> row(columns.size(), 0.0);
+  if (k < t.size() && std::abs(t[k] - at) <= slack) {
+    for (std::size_t c = 0; c < row.size(); ++c)
+      if (columns[c] > 0) row[c] = file.values[columns[c]][k];
+    return row;
+  }
+  if (t.size() < 4)
+    throw Error(fmt::format("{}: has no row at {}, and too few to interpolate", path, at));
+  ++interpolated;
+  k = std::clamp<std::size_t>(k, 2, t.size() - 2) - 2;
+  for (std::size_t i = k; i < k + 4; ++i) {
+    double weight = 1.0;
+    for (std::size_t j = k; j < k + 4; ++j)
+      if (j != i) weight *= (at - t[j]) / (t[i] - t[j]);
+    for (std::size_t c = 0; c < row.size(); ++c)
+      if (columns[c] > 0) row[c] += weight * file.values[columns[c]][i];
+  }
+  return row;
+}
+
 // From a file, at the places of the runs: its own rows where it has them, else the cubic through four neighbours.
 void read_reference(AccuracyStudy& study, const Scene& scene, const Findings& own,
                     const std::filesystem::path& path) {
@@ -421,15 +485,8 @@ void read_reference(AccuracyStudy& study, const Scene& scene, const Findings& ow
   study.truth.columns = own.columns;
   study.truth.units = own.units;
   study.truth.energy = own.energy;
-  std::vector<std::size_t> columns(own.columns.size(), 0);
-  for (const Quantity& quantity : study.quantities)
-    for (const std::size_t c : quantity.columns) {
-      columns[c] = choose_column(file, own.columns[c]);
-      const std::string& unit = file.columns[columns[c]].unit;
-      if (!unit.empty() && unit != own.units[c])
-        throw Error(fmt::format("{}: column {} is in {}, and the model's is in {}", path.string(),
-                                own.columns[c], unit, own.units[c]));
-    }
+  const std::vector<std::size_t> columns =
+      columns_of_file(file, path.string(), own, study.quantities);
   const std::vector<double>& t = file.values[0];
   if (!std::is_sorted(t.begin(), t.end(), std::less_equal<>()))
     throw Error(fmt::format("{}: the first column must rise", path.string()));
@@ -437,28 +494,8 @@ void read_reference(AccuracyStudy& study, const Scene& scene, const Findings& ow
   std::size_t interpolated = 0;
   for (const double at : own.at) {
     if (at < t.front() - slack || at > t.back() + slack) continue;
-    const auto after = std::lower_bound(t.begin(), t.end(), at - slack);
-    auto k = static_cast<std::size_t>(after - t.begin());
-    std::vector<double> row(own.columns.size(), 0.0);
-    if (k < t.size() && std::abs(t[k] - at) <= slack) {
-      for (std::size_t c = 0; c < row.size(); ++c)
-        if (columns[c] > 0) row[c] = file.values[columns[c]][k];
-    } else {
-      if (t.size() < 4)
-        throw Error(
-            fmt::format("{}: has no row at {}, and too few to interpolate", path.string(), at));
-      ++interpolated;
-      k = std::clamp<std::size_t>(k, 2, t.size() - 2) - 2;
-      for (std::size_t i = k; i < k + 4; ++i) {
-        double weight = 1.0;
-        for (std::size_t j = k; j < k + 4; ++j)
-          if (j != i) weight *= (at - t[j]) / (t[i] - t[j]);
-        for (std::size_t c = 0; c < row.size(); ++c)
-          if (columns[c] > 0) row[c] += weight * file.values[columns[c]][i];
-      }
-    }
     study.truth.at.push_back(at);
-    study.truth.rows.push_back(std::move(row));
+    study.truth.rows.push_back(row_at(file, path.string(), columns, at, slack, interpolated));
   }
   if (study.truth.at.empty())
     throw Error(fmt::format("{}: none of its rows lies within the run", path.string()));
@@ -660,55 +697,69 @@ PowerLaw law_through(const AccuracyStudy& study, Knob knob, std::size_t q,
   return fit_power_law(pairs);
 }
 
+using Refinement = std::vector<std::size_t>;  // of points, as a knob is refined
+
+// By all other knobs, in groups of those that differ in numbers only.
+std::map<std::string, std::vector<Refinement>> families_of(const AccuracyStudy& study, Knob knob) {
+  std::map<std::string, std::vector<Refinement>> groups;
+  std::map<std::string, Refinement> families;
+  for (std::size_t i = 0; i < study.points.size(); ++i) {
+    if (!number_of(study.points[i].setting, knob)) continue;
+    std::string key;
+    for (const Knob other : knobs)
+      if (other != knob) key += value_of(study.points[i].setting, other) + ";";
+    families[key].push_back(i);
+  }
+  for (auto& [key, family] : families) {
+    const Setting& setting = study.points[family.front()].setting;
+    std::string group;
+    for (const Knob other : {Knob::metric, Knob::rule, Knob::form, Knob::method, Knob::errors})
+      group += value_of(setting, other) + ";";
+    if (knob == Knob::elements) group += value_of(setting, Knob::order);
+    std::sort(family.begin(), family.end(), [&](std::size_t a, std::size_t b) {
+      const double x = *number_of(study.points[a].setting, knob),
+                   y = *number_of(study.points[b].setting, knob);
+      return knob == Knob::elements ? x < y : x > y;
+    });
+    groups[group].push_back(family);
+  }
+  return groups;
+}
+
+struct Fall {
+  Refinement points;
+  double fall;  // logarithm
+  PowerLaw law;
+};
+
+// Of the families whose errors fall far, the straightest: a fall may also be the chance of errors that cancel.
+std::optional<Fall> straightest_fall(const AccuracyStudy& study, Knob knob, std::size_t q,
+                                     const std::vector<Refinement>& families) {
+  std::vector<Fall> candidates;
+  double most = 0.0;
+  for (const Refinement& family : families) {
+    const Refinement part = falling_part(study, q, family);
+    if (part.size() < 3) continue;
+    candidates.push_back({part,
+                          std::log(study.points[part.front()].errors[q].rms /
+                                   study.points[part.back()].errors[q].rms),
+                          law_through(study, knob, q, part)});
+    most = std::max(most, candidates.back().fall);
+  }
+  const Fall* best = nullptr;
+  for (const Fall& one : candidates)
+    if (one.fall > 0.6 * most && (best == nullptr || one.law.spread < best->law.spread))
+      best = &one;
+  return best != nullptr ? std::optional(*best) : std::nullopt;
+}
+
 void fit_orders(AccuracyStudy& study, const Scene& scene) {
-  for (const Knob knob : {Knob::elements, Knob::step, Knob::tolerance})
-    for (std::size_t q = 0; q < study.quantities.size(); ++q) {
-      // Families by all other knobs; one is chosen of those that differ in other numbers only.
-      std::map<std::string, std::vector<std::vector<std::size_t>>> groups;
-      std::map<std::string, std::vector<std::size_t>> families;
-      for (std::size_t i = 0; i < study.points.size(); ++i) {
-        if (!number_of(study.points[i].setting, knob)) continue;
-        std::string key;
-        for (const Knob other : knobs)
-          if (other != knob) key += value_of(study.points[i].setting, other) + ";";
-        families[key].push_back(i);
-      }
-      for (auto& [key, family] : families) {
-        const Setting& setting = study.points[family.front()].setting;
-        std::string group;
-        for (const Knob other : {Knob::metric, Knob::rule, Knob::form, Knob::method, Knob::errors})
-          group += value_of(setting, other) + ";";
-        if (knob == Knob::elements) group += value_of(setting, Knob::order);
-        std::sort(family.begin(), family.end(), [&](std::size_t a, std::size_t b) {
-          const double x = *number_of(study.points[a].setting, knob),
-                       y = *number_of(study.points[b].setting, knob);
-          return knob == Knob::elements ? x < y : x > y;
-        });
-        groups[group].push_back(family);
-      }
-      for (const auto& [group, all] : groups) {
-        // Of those whose errors fall far, the straightest: a fall may also be the chance of errors that cancel.
-        struct Candidate {
-          std::vector<std::size_t> points;
-          double fall;  // logarithm
-          PowerLaw law;
-        };
-        std::vector<Candidate> candidates;
-        double most = 0.0;
-        for (const std::vector<std::size_t>& family : all) {
-          const std::vector<std::size_t> part = falling_part(study, q, family);
-          if (part.size() < 3) continue;
-          candidates.push_back({part,
-                                std::log(study.points[part.front()].errors[q].rms /
-                                         study.points[part.back()].errors[q].rms),
-                                law_through(study, knob, q, part)});
-          most = std::max(most, candidates.back().fall);
-        }
-        const Candidate* best = nullptr;
-        for (const Candidate& one : candidates)
-          if (one.fall > 0.6 * most && (best == nullptr || one.law.spread < best->law.spread))
-            best = &one;
-        if (best == nullptr) continue;
+  for (const Knob knob : {Knob::elements, Knob::step, Knob::tolerance}) {
+    const auto groups = families_of(study, knob);
+    for (std::size_t q = 0; q < study.quantities.size(); ++q)
+      for (const auto& [group, families] : groups) {
+        const std::optional<Fall> best = straightest_fall(study, knob, q, families);
+        if (!best) continue;
         OrderFit fit;
         fit.knob = knob;
         fit.quantity = q;
@@ -720,7 +771,7 @@ void fit_orders(AccuracyStudy& study, const Scene& scene) {
         fit.theory = theory_of(scene, settings, knob, study.quantities[q].name);
         study.fits.push_back(std::move(fit));
       }
-    }
+  }
 }
 
 // The model as it is, within a quarter of the budget.

@@ -155,6 +155,45 @@ Json json(const AccuracyStudy& study, const TrialPoint& point) {
   return all;
 }
 
+std::string csv_header(const AccuracyStudy& study) {
+  std::string header = "run";
+  for (const Knob knob : knobs) header += "," + std::string(name_of(knob));
+  header +=
+      ",text,state,failure,cpu,cpu_stepping,repeats,memory,nodes,unknowns,multipliers,steps,"
+      "substeps,retries,"
+      "rejected,tolerant,restarts,iterations,residuals,tangents,factorizations";
+  for (const Quantity& q : study.quantities)
+    for (const char* what : {"rms", "largest", "at", "below_reference", "front"})
+      header += "," + csv_cell(q.name + "." + what);
+  return header;
+}
+
+std::string csv_row(const AccuracyStudy& study, std::size_t i) {
+  const TrialPoint& point = study.points[i];
+  const Trial& trial = point.trial;
+  const Counters& c = trial.counters;
+  std::string line = std::to_string(i + 1);
+  for (const Knob knob : knobs) line += "," + csv_cell(value_of(point.setting, knob));
+  line += "," + csv_cell(point.text) + "," +
+          (trial.complete  ? "complete"
+           : trial.stopped ? "stopped"
+                           : "failed") +
+          "," + csv_cell(trial.failure);
+  line += fmt::format(",{},{},{},{:.0f},{},{},{}", number(trial.cpu), number(trial.cpu_stepping),
+                      trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers);
+  for (const NamedCounter& n : named_counters) line += fmt::format(",{}", c.*n.counter);
+  for (std::size_t q = 0; q < study.quantities.size(); ++q) {
+    if (!known(study, i, q)) {
+      line += ",,,,,0";
+      continue;
+    }
+    const QuantityError& e = point.errors[q];
+    line += fmt::format(",{},{},{},{:d},{:d}", number(e.rms), number(e.largest), number(e.at),
+                        e.below_reference, on_front(study, i, q));
+  }
+  return line;
+}
+
 std::string csv_of(const AccuracyStudy& study) {
   std::string text;
   const auto comment = [&](const std::string& words) { text += "# " + one_line(words) + "\n"; };
@@ -180,42 +219,8 @@ std::string csv_of(const AccuracyStudy& study) {
           place_label(study));
   for (const std::string& note : study.notes) comment("note: " + note);
 
-  std::string header = "run";
-  for (const Knob knob : knobs) header += "," + std::string(name_of(knob));
-  header +=
-      ",text,state,failure,cpu,cpu_stepping,repeats,memory,nodes,unknowns,multipliers,steps,"
-      "substeps,retries,"
-      "rejected,tolerant,restarts,iterations,residuals,tangents,factorizations";
-  for (const Quantity& q : study.quantities)
-    for (const char* what : {"rms", "largest", "at", "below_reference", "front"})
-      header += "," + csv_cell(q.name + "." + what);
-  text += header + "\n";
-  for (std::size_t i = 0; i < study.points.size(); ++i) {
-    const TrialPoint& point = study.points[i];
-    const Trial& trial = point.trial;
-    const Counters& c = trial.counters;
-    std::string line = std::to_string(i + 1);
-    for (const Knob knob : knobs) line += "," + csv_cell(value_of(point.setting, knob));
-    line += "," + csv_cell(point.text) + "," +
-            (trial.complete  ? "complete"
-             : trial.stopped ? "stopped"
-                             : "failed") +
-            "," + csv_cell(trial.failure);
-    line +=
-        fmt::format(",{},{},{},{:.0f},{},{},{}", number(trial.cpu), number(trial.cpu_stepping),
-                    trial.repeats, trial.memory, trial.nodes, trial.unknowns, trial.multipliers);
-    for (const NamedCounter& n : named_counters) line += fmt::format(",{}", c.*n.counter);
-    for (std::size_t q = 0; q < study.quantities.size(); ++q) {
-      if (!known(study, i, q)) {
-        line += ",,,,,0";
-        continue;
-      }
-      const QuantityError& e = point.errors[q];
-      line += fmt::format(",{},{},{},{:d},{:d}", number(e.rms), number(e.largest), number(e.at),
-                          e.below_reference, on_front(study, i, q));
-    }
-    text += line + "\n";
-  }
+  text += csv_header(study) + "\n";
+  for (std::size_t i = 0; i < study.points.size(); ++i) text += csv_row(study, i) + "\n";
   return text;
 }
 
@@ -313,6 +318,7 @@ std::string to_text(const AccuracyStudy& study) { return study_report::text_of(s
 std::string to_text(const AccuracyStudy& study, const Scene& scene) {
   return study_report::text_of(study, &scene);
 }
+
 std::string to_csv(const AccuracyStudy& study) { return study_report::csv_of(study); }
 std::string to_json(const AccuracyStudy& study) { return study_report::json_of(study); }
 std::string to_markdown(const AccuracyStudy& study) { return study_report::markdown_of(study); }

@@ -354,21 +354,24 @@ class Chooser {
   void search() {
     const double accuracy = options_.accuracy;
     tolerance_ = rounded_down(std::min(accuracy, coarsest_tolerance));
-    if (!flexible() && !moving()) {
+    if (flexible()) {
+      settle_mesh();
+    } else if (moving()) {
+      settle_time({}, part_alone * accuracy);
+      try_cheaper({});
+    } else {
       const Known& run = get({});
       if (!run.trial.complete) throw Enough{run.trial.failure};
       choice_.error = scene_.statics ? scene_.statics->tolerance : scene_.path->tolerance;
       choice_.notes.push_back(
           "rigid parts at rest: nothing is approximated but by the tolerance of iterations");
-      return;
     }
-    Mesh mesh;
-    if (flexible()) mesh = first_mesh();
-    if (!flexible()) {
-      settle_time(mesh, part_alone * accuracy);
-      try_cheaper(mesh);
-      return;
-    }
+  }
+
+  // Refines the mesh until the error is small enough.
+  void settle_mesh() {
+    const double accuracy = options_.accuracy;
+    Mesh mesh = first_mesh();
     const int own = *setting_of(scene_).elements;
     std::vector<std::pair<Mesh, double>> measured;
     // Where waves ring, a smaller tolerance than is needed costs far more than the runs that tell it is not.
@@ -389,13 +392,7 @@ class Chooser {
       const Known& finer_run =
           get(setting(better_mesh, moving() ? better(tolerance_) : tolerance_));
       const Disagreement d = compare(run, finer_run);
-      std::optional<double> rate;
-      if (!measured.empty()) {
-        const auto& [before, error] = measured.back();
-        const int orders = mesh.order - before.order;
-        if (mesh.elements == before.elements && orders > 0 && std::isfinite(error) && d.rms > 0.0)
-          rate = std::clamp(std::pow(error / d.rms, 1.0 / orders), 1.0, 1000.0);
-      }
+      const std::optional<double> rate = rate_of_orders(measured, mesh, d.rms);
       // Of the finer mesh at least what is usual of half an order; a tenth is of the tolerance.
       const double rest =
           std::max(rate ? 1.0 / (std::max(*rate, 2.0) - 1.0) : 0.2, fixed_ ? rest_of(2.0) : 0.0);
@@ -406,20 +403,7 @@ class Chooser {
       }
       if (std::isfinite(d.rms)) {
         choice_.pilots[run.pilot].in_space = std::max(0.0, error - in_time_);
-        // Is it the mesh, or did a finer one make the motion harder to follow?
-        if (moving() && error < 4.0 * in_time_) {
-          settle_time(mesh, 0.5 * part_of_time * accuracy);
-          if (!(get(setting(mesh, tolerance_)).setting == run.setting)) continue;
-        }
-        if (moving() && measured.size() >= 1) {
-          const Known& apart = get(setting(mesh, better(tolerance_)));
-          in_time_ = compare(run, apart).rms * (1.0 + rest_of(fixed_ ? 2.0 : 1.0));
-          choice_.pilots[run.pilot].in_time = in_time_;
-          if (in_time_ > 0.5 * error) {
-            settle_time(mesh, part_of_time * accuracy);
-            if (setting(mesh, tolerance_) != run.setting) continue;
-          }
-        }
+        if (is_of_time(mesh, run, error, !measured.empty())) continue;
       }
       if (!measured.empty() && std::isfinite(d.rms) && std::isfinite(measured.back().second)) {
         without_gain = d.rms > 0.5 * measured.back().second ? without_gain + 1 : 0;
@@ -433,6 +417,34 @@ class Chooser {
         throw Enough{fmt::format("more than {} elements", most_elements)};
       mesh = next;
     }
+  }
+
+  // By what factor one order more has lessened the difference to the finer mesh.
+  static std::optional<double> rate_of_orders(const std::vector<std::pair<Mesh, double>>& measured,
+                                              const Mesh& mesh, double rms) {
+    if (measured.empty()) return std::nullopt;
+    const auto& [before, error] = measured.back();
+    const int orders = mesh.order - before.order;
+    if (mesh.elements != before.elements || orders <= 0 || !std::isfinite(error) || !(rms > 0.0))
+      return std::nullopt;
+    return std::clamp(std::pow(error / rms, 1.0 / orders), 1.0, 1000.0);
+  }
+
+  // Is it the mesh, or did a finer one make the motion harder to follow? Then time is settled anew. `looks`: by one more run,
+  // if need be.
+  bool is_of_time(const Mesh& mesh, const Known& run, double error, bool looks) {
+    if (!moving()) return false;
+    if (error < 4.0 * in_time_) {
+      settle_time(mesh, 0.5 * part_of_time * options_.accuracy);
+      if (!(get(setting(mesh, tolerance_)).setting == run.setting)) return true;
+    }
+    if (!looks) return false;
+    const Known& apart = get(setting(mesh, better(tolerance_)));
+    in_time_ = compare(run, apart).rms * (1.0 + rest_of(fixed_ ? 2.0 : 1.0));
+    choice_.pilots[run.pilot].in_time = in_time_;
+    if (!(in_time_ > 0.5 * error)) return false;
+    settle_time(mesh, part_of_time * options_.accuracy);
+    return setting(mesh, tolerance_) != run.setting;
   }
 
   // ---- what is cheaper ------------------------------------------------------------------------

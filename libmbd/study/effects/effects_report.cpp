@@ -323,98 +323,135 @@ double largest_share(const EffectsStudy& study) {
 enum class Columns { both, changes, times };
 
 // Columns of bars, a line of text above each; black and grey, so that it can be printed.
-std::string svg_of(const EffectsStudy& study, bool with_title, Columns columns = Columns::both) {
-  const Axis axis = axis_of(study);
-  const bool changes = columns != Columns::times, times = columns != Columns::changes;
-  const double second = changes ? left + bars + 40.0 : left, top = with_title ? 74.0 : 48.0;
-  const double width = columns == Columns::both ? both_wide : left + bars + 60.0;
-  const double height = top + (row + 12.0) * static_cast<double>(study.runs.size()) + 52.0;
-  const double most_share = largest_share(study);
-  const double zero = second + 0.5 * bars, unit = 0.5 * bars / most_share;
-  std::string text = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"100%\" "
-      "role=\"img\" aria-label=\"{2}: what each effect {4}\" "
-      "font-family=\"sans-serif\" "
-      "font-size=\"{3:.0f}\" fill=\"#111\">\n<rect width=\"{0:.0f}\" height=\"{1:.0f}\" "
-      "fill=\"#fff\"/>\n",
-      width, height, xml_escaped(study.model), letter,
-      columns == Columns::both      ? "changes and costs"
-      : columns == Columns::changes ? "changes"
-                                    : "costs");
-  const auto write = [&](double x, double y, std::string_view words, std::string_view more = "") {
-    text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more,
-                        xml_escaped(words));
-  };
-  const auto line = [&](double x, double y, double to, std::string_view dashes) {
-    text += fmt::format(
+class Picture {
+ public:
+  Picture(const EffectsStudy& study, bool with_title, Columns columns)
+      : study_(study),
+        columns_(columns),
+        second_(changes_ ? left + bars + 40.0 : left),
+        top_(with_title ? 74.0 : 48.0),
+        height_(top_ + (row + 12.0) * static_cast<double>(study.runs.size()) + 52.0) {
+    const double width = columns == Columns::both ? both_wide : left + bars + 60.0;
+    text_ = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"100%\" "
+        "role=\"img\" aria-label=\"{2}: what each effect {4}\" "
+        "font-family=\"sans-serif\" "
+        "font-size=\"{3:.0f}\" fill=\"#111\">\n<rect width=\"{0:.0f}\" height=\"{1:.0f}\" "
+        "fill=\"#fff\"/>\n",
+        width, height_, xml_escaped(study.model), letter,
+        columns == Columns::both      ? "changes and costs"
+        : columns == Columns::changes ? "changes"
+                                      : "costs");
+    if (with_title)
+      write(left, 24.0, study.model + ": what each effect changes and costs",
+            "font-weight=\"bold\"");
+  }
+
+  std::string draw() {
+    draw_axes();
+    for (std::size_t i = 0; i < study_.runs.size(); ++i)
+      draw_effect(i, top_ + static_cast<double>(i) * (row + 12.0));
+    write(left, height_ - 10.0, note(), small);
+    return text_ + "</svg>\n";
+  }
+
+ private:
+  static constexpr std::string_view small = "font-size=\"11\"";
+
+  void write(double x, double y, std::string_view words, std::string_view more = "") {
+    text_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more,
+                         xml_escaped(words));
+  }
+
+  void line(double x, double y, double to, std::string_view dashes) {
+    text_ += fmt::format(
         "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\" "
         "stroke=\"#111\" stroke-dasharray=\"{3}\"/>\n",
         x, y, to, dashes);
-  };
-  if (with_title)
-    write(left, 24.0, study.model + ": what each effect changes and costs", "font-weight=\"bold\"");
-  const double bottom = height - 50.0;
-  if (changes) {
-    write(left, top - 20.0, "largest change");
-    for (double p = axis.low; p <= axis.high + 0.5; p += axis.high - axis.low > 6.0 ? 2.0 : 1.0)
-      write(left + bars * (p - axis.low) / (axis.high - axis.low), bottom + 16.0,
-            fmt::format("1e{:.0f}", p),
-            p == axis.low ? "font-size=\"11\"" : "text-anchor=\"middle\" font-size=\"11\"");
-    line(left + axis.at(study.tolerance), top - 10.0, bottom, "4 3");
   }
-  if (times) {
-    write(second, top - 20.0, "CPU time it takes, % of the whole model's");
-    line(zero, top - 10.0, bottom, "none");
+  void bar(const EffectRun& run, double x, double y, double size, bool filled,
+           std::string_view number) {
+    text_ += fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" fill=\"{}\" "
+        "stroke=\"#111\"><title>{}: {}</title></rect>\n",
+        x, y + 18.0, std::max(size, 0.5), filled ? "#777" : "#fff",
+        xml_escaped(run.ablation.effect), xml_escaped(number));
   }
-  bool is_cut = false;
-  double y = top;
-  for (std::size_t i = 0; i < study.runs.size(); ++i, y += row + 12.0) {
-    const EffectRun& run = study.runs[i];
-    const bool out =
-        std::count(study.cheapest.left_out.begin(), study.cheapest.left_out.end(), i) > 0;
-    write(left, y + 12.0, run.ablation.effect + (out ? " (left out of the cheapest model)" : ""),
+
+  void draw_axes() {
+    const double bottom = height_ - 50.0;
+    if (changes_) {
+      write(left, top_ - 20.0, "largest change");
+      const double low = axis_.low, high = axis_.high;
+      for (double p = low; p <= high + 0.5; p += high - low > 6.0 ? 2.0 : 1.0)
+        write(left + bars * (p - low) / (high - low), bottom + 16.0, fmt::format("1e{:.0f}", p),
+              p == low ? small : "text-anchor=\"middle\" font-size=\"11\"");
+      line(left + axis_.at(study_.tolerance), top_ - 10.0, bottom, "4 3");
+    }
+    if (times_) {
+      write(second_, top_ - 20.0, "CPU time it takes, % of the whole model's");
+      line(zero_, top_ - 10.0, bottom, "none");
+    }
+  }
+
+  void draw_effect(std::size_t i, double y) {
+    const EffectRun& run = study_.runs[i];
+    const std::vector<std::size_t>& out = study_.cheapest.left_out;
+    const bool is_out = std::count(out.begin(), out.end(), i) > 0;
+    write(left, y + 12.0, run.ablation.effect + (is_out ? " (left out of the cheapest model)" : ""),
           "stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"");
     if (!run.complete()) {
       write(left, y + 30.0, "without it the model does not run", "fill=\"#555\"");
-      continue;
+      return;
     }
-    const auto bar = [&](double x, double size, bool filled, std::string_view number) {
-      text += fmt::format(
-          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" fill=\"{}\" "
-          "stroke=\"#111\"><title>{}: {}</title></rect>\n",
-          x, y + 18.0, std::max(size, 0.5), filled ? "#777" : "#fff",
-          xml_escaped(run.ablation.effect), xml_escaped(number));
-    };
-    if (changes) {
-      bar(left, axis.at(run.worst()), run.worst() > study.tolerance, worst_text(study, run));
-      write(left + axis.at(run.worst()) + 5.0, y + 30.0, worst_text(study, run),
-            "font-size=\"11\"");
+    if (changes_) {
+      const std::string worst = worst_text(study_, run);
+      bar(run, left, y, axis_.at(run.worst()), run.worst() > study_.tolerance, worst);
+      write(left + axis_.at(run.worst()) + 5.0, y + 30.0, worst, small);
     }
-    if (!times || run.cpu.ratios.empty()) continue;
-    const double share = 1.0 - run.cpu.median(), drawn = std::clamp(share, -most_share, most_share);
-    bar(zero + std::min(0.0, drawn * unit), std::abs(drawn * unit), share > 0.0,
+    if (!times_ || run.cpu.ratios.empty()) return;
+    const double share = 1.0 - run.cpu.median(),
+                 drawn = std::clamp(share, -most_share_, most_share_);
+    bar(run, zero_ + std::min(0.0, drawn * unit_), y, std::abs(drawn * unit_), share > 0.0,
         share_text(run.cpu));
-    if (drawn != share) {  // a break near its end
-      is_cut = true;
-      const double at = zero + 0.88 * drawn * unit;
-      text += fmt::format(
-          "<path d=\"M{:.1f} {:.1f}l4 -20l5 0l-4 20z\" fill=\"#fff\"/>\n"
-          "<path d=\"M{:.1f} {:.1f}l4 -20m5 0l-4 20\" stroke=\"#111\" fill=\"none\"/>\n",
-          at - 4.0, y + 35.0, at - 4.0, y + 35.0);
-    }
-    write(share >= 0.0 ? zero - 5.0 : zero + 5.0, y + 30.0, percent(run.cpu.median()),
-          share >= 0.0 ? "font-size=\"11\" text-anchor=\"end\"" : "font-size=\"11\"");
+    if (drawn != share) break_bar(zero_ + 0.88 * drawn * unit_ - 4.0, y + 35.0);
+    write(share >= 0.0 ? zero_ - 5.0 : zero_ + 5.0, y + 30.0, percent(run.cpu.median()),
+          share >= 0.0 ? "font-size=\"11\" text-anchor=\"end\"" : small);
   }
-  std::string note;
-  if (changes) note = "Dashed: the tolerance; white bars are within it. ";
-  if (columns == Columns::both)
-    note = "Dashed: the tolerance; white bars on the left are within it. ";
-  if (columns == Columns::both)
-    note += "On the right what is left of zero costs time to leave out.";
-  if (columns == Columns::times) note = "Left of zero: to leave it out costs time.";
-  if (is_cut) note += " Broken: longer.";
-  write(left, height - 10.0, note, "font-size=\"11\"");
-  return text + "</svg>\n";
+
+  // Near its end.
+  void break_bar(double x, double y) {
+    is_cut_ = true;
+    text_ += fmt::format(
+        "<path d=\"M{0:.1f} {1:.1f}l4 -20l5 0l-4 20z\" fill=\"#fff\"/>\n"
+        "<path d=\"M{0:.1f} {1:.1f}l4 -20m5 0l-4 20\" stroke=\"#111\" fill=\"none\"/>\n",
+        x, y);
+  }
+
+  std::string note() const {
+    std::string note;
+    if (changes_) note = "Dashed: the tolerance; white bars are within it. ";
+    if (columns_ == Columns::both)
+      note = "Dashed: the tolerance; white bars on the left are within it. ";
+    if (columns_ == Columns::both)
+      note += "On the right what is left of zero costs time to leave out.";
+    if (columns_ == Columns::times) note = "Left of zero: to leave it out costs time.";
+    if (is_cut_) note += " Broken: longer.";
+    return note;
+  }
+  const EffectsStudy& study_;
+  Columns columns_;
+  bool changes_ = columns_ != Columns::times, times_ = columns_ != Columns::changes;
+  double second_, top_, height_;  // of the second column, of the first bar; of all
+  Axis axis_ = axis_of(study_);
+  double most_share_ = largest_share(study_), zero_ = second_ + 0.5 * bars,
+         unit_ = 0.5 * bars / most_share_;
+  bool is_cut_ = false;  // one of the bars
+  std::string text_;
+};
+
+std::string svg_of(const EffectsStudy& study, bool with_title, Columns columns = Columns::both) {
+  return Picture(study, with_title, columns).draw();
 }
 
 std::string page_of(const EffectsStudy& study) {
@@ -483,6 +520,7 @@ std::string to_text(const EffectsStudy& study) { return effects_report::text_of(
 std::string sentence(const EffectsStudy& study, const EffectRun& run) {
   return effects_report::sentence_of(study, run);
 }
+
 std::string to_csv(const EffectsStudy& study) { return effects_report::csv_of(study); }
 std::string to_json(const EffectsStudy& study) { return effects_report::json_of(study); }
 std::string to_markdown(const EffectsStudy& study) { return effects_report::markdown_of(study); }

@@ -20,10 +20,10 @@
 namespace mbd {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+constexpr double turn = 2.0 * std::numbers::pi;
 constexpr std::array<int, 4> tried{8, 16, 32, 64};  // harmonics
 constexpr double resolved = 1e-8;                   // tail of the motion
-constexpr double seen = 1e-6;                       // tail of a small motion that is shown
+constexpr double shown = 1e-6;                      // tail of a small motion that is shown
 constexpr int most_exponents = 256;
 constexpr Index most_unknowns =
     10000;  // for which more harmonics are tried: all instants are coupled
@@ -41,8 +41,7 @@ void check_period(const Scene& scene, const System& system, const State& state, 
     for (std::size_t k = 0; k < a.signals.size(); ++k) {
       const SignalValue &x = a.signals[k], &y = b.signals[k];
       double change = y.f - x.f;
-      if (system.signal_use(k) == SignalUse::drive)
-        change -= 2.0 * pi * std::round(change / (2.0 * pi));
+      if (system.signal_use(k) == SignalUse::drive) change -= turn * std::round(change / turn);
       const double size = std::max({1.0, std::abs(x.f), std::abs(y.f)}),
                    rate = std::max(std::abs(x.fdot), std::abs(y.fdot)) * period;
       if (!(std::abs(change) <= same * std::max(size, rate)) ||
@@ -71,6 +70,127 @@ std::string node_that_moves_most(const System& system, const PeriodicMotion& mot
   return system.node_name(most + 1);
 }
 
+// A run, at two ends of a period and at the instants of all numbers of harmonics that may be tried.
+struct RunOfPeriod {
+  std::vector<int> harmonics;
+  std::vector<double> times;
+  std::vector<State> states;
+
+  std::vector<State> at_instants_of(const PeriodicMotion& motion) const {
+    std::vector<State> all;
+    for (Index i = 0; i < motion.instants(); ++i) {
+      const auto nearest = std::min_element(times.begin(), times.end(), [&](double a, double b) {
+        return std::abs(a - motion.time(i)) < std::abs(b - motion.time(i));
+      });
+      all.push_back(states[static_cast<std::size_t>(nearest - times.begin())]);
+    }
+    return all;
+  }
+};
+
+RunOfPeriod run_period(const Scene& scene, const Model& model, const State& start, double begin,
+                       const FloquetOptions& options) {
+  RunOfPeriod run;
+  run.harmonics.assign(tried.begin(), tried.end());
+  if (options.harmonics > 0) run.harmonics = {options.harmonics};
+  std::vector<double>& times = run.times;
+  times = {begin, begin + options.period};
+  for (const int h : run.harmonics)
+    for (int i = 0; i < 2 * h + 1; ++i) times.push_back(begin + options.period * i / (2 * h + 1));
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  run.states = states_of_run(scene, model, start, times, "floquet", options.interrupted);
+  return run;
+}
+
+bool is_seen(const FloquetMode& mode) { return mode.tail < shown; }
+
+struct FoundMotion {
+  std::unique_ptr<PeriodicMotion> motion;
+  FloquetFound small;  // motions about it
+};
+
+// With as many harmonics as resolve the motion and the small ones that are asked for.
+FoundMotion find_motion(const Scene& scene, const System& system, const RunOfPeriod& run,
+                        const FloquetOptions& options, FloquetStudy& study) {
+  std::unique_ptr<PeriodicMotion> motion;
+  FloquetFound found;
+  for (const int h : run.harmonics) {
+    if (motion != nullptr && (2 * h + 1) * system.unknowns() > most_unknowns) break;
+    auto next = std::make_unique<PeriodicMotion>(system, study.begin, options.period, h);
+    std::vector<State> states = run.at_instants_of(*next);
+    NewtonOptions newton;
+    newton.max_iterations = 50;
+    const PeriodicReport report = next->solve(newton, states);
+    if (!report.converged && motion != nullptr) break;
+    study.report = report;
+    if (!report.converged) continue;
+    study.harmonics = h;
+    motion = std::move(next);
+    found = {};
+    if (report.tail > resolved && h != run.harmonics.back()) continue;
+    found = find_floquet_modes(*motion, most_exponents);
+    if (!found.failure.empty()) throw Error(scene.source, "floquet: " + found.failure);
+    const auto many = std::count_if(found.modes.begin(), found.modes.end(), is_seen);
+    if (many == static_cast<std::ptrdiff_t>(found.modes.size()) || many >= options.count) break;
+  }
+  if (motion == nullptr)
+    throw Error(scene.source,
+                fmt::format("floquet: no periodic motion was found: {} (over the period that was "
+                            "integrated the motion closes to {:.3g} of the scene's size or rad; "
+                            "--settle gives it more periods before)",
+                            study.report.failure,
+                            motion_between(system, run.states.front(), run.states.back())));
+  if (study.report.tail >= resolved)
+    study.notes.push_back(
+        fmt::format("the motion is not smooth: of its velocities {:.2g} is in the fastest of {} "
+                    "harmonics, and so large are the errors",
+                    study.report.tail, study.harmonics));
+
+  if (found.modes.empty()) found = find_floquet_modes(*motion, most_exponents);
+  if (!found.failure.empty()) throw Error(scene.source, "floquet: " + found.failure);
+  return {std::move(motion), std::move(found)};
+}
+
+void name_modes(const Scene& scene, const System& system, FoundMotion& found, int count,
+                FloquetStudy& study) {
+  std::vector<FloquetMode>& modes = found.small.modes;
+  study.all = found.small.all;
+  for (FloquetMode& mode : modes) {
+    if (!is_seen(mode)) continue;
+    ++study.resolved;
+    if (study.modes.size() >= static_cast<std::size_t>(count)) continue;
+    NamedFloquetMode named;
+    named.most = node_that_moves_most(system, *found.motion, mode.shape);
+    static_cast<FloquetMode&>(named) = std::move(mode);
+    study.modes.push_back(std::move(named));
+  }
+  if (study.modes.empty())
+    throw Error(scene.source, "floquet: no small motion is resolved; give more --harmonics");
+  if (study.resolved < modes.size())
+    study.notes.push_back(
+        fmt::format("{} small motions are too fast, or change too much in a period, for {} "
+                    "harmonics: they are not judged",
+                    modes.size() - study.resolved, study.harmonics));
+  if (!study.all)
+    study.notes.push_back(
+        fmt::format("only the {} exponents nearest to 0 were looked at; faster decay or growth may "
+                    "be among the others",
+                    modes.size()));
+}
+
+void write_motion(const std::filesystem::path& file, const Scene& scene, const Model& model,
+                  const PeriodicMotion& motion) {
+  const MotionBlocks blocks = motion_blocks(model);
+  MotionWriter writer(file, drawing(scene, model), blocks);
+  std::vector<double> row(blocks.size());
+  for (const State& state : motion.states()) {
+    motion_row(model, state, row);
+    writer.write(row);
+  }
+  writer.close();
+}
+
 // `apart`: how far the run is from the motion that was found, where that begins, of the scene's size or rad.
 FloquetStudy study_from_run(const Scene& given, const FloquetOptions& options,
                             const std::filesystem::path& motion_file, double& apart) {
@@ -90,94 +210,11 @@ FloquetStudy study_from_run(const Scene& given, const FloquetOptions& options,
   const State start = start_of_run(scene, model);
   check_period(scene, system, start, study.begin, options.period);
 
-  // The instants of all numbers of harmonics that may be tried.
-  std::vector<int> harmonics(tried.begin(), tried.end());
-  if (options.harmonics > 0) harmonics = {options.harmonics};
-  std::vector<double> times{study.begin, study.begin + options.period};
-  for (const int h : harmonics)
-    for (int i = 0; i < 2 * h + 1; ++i)
-      times.push_back(study.begin + options.period * i / (2 * h + 1));
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-  const std::vector<State> run =
-      states_of_run(scene, model, start, times, "floquet", options.interrupted);
-
-  std::unique_ptr<PeriodicMotion> motion;
-  FloquetFound found;
-  const auto is_seen = [](const FloquetMode& mode) { return mode.tail < seen; };
-  for (const int h : harmonics) {
-    if (motion != nullptr && (2 * h + 1) * system.unknowns() > most_unknowns) break;
-    auto next = std::make_unique<PeriodicMotion>(system, study.begin, options.period, h);
-    std::vector<State> states;
-    for (Index i = 0; i < next->instants(); ++i) {
-      const auto nearest = std::min_element(times.begin(), times.end(), [&](double a, double b) {
-        return std::abs(a - next->time(i)) < std::abs(b - next->time(i));
-      });
-      states.push_back(run[static_cast<std::size_t>(nearest - times.begin())]);
-    }
-    NewtonOptions newton;
-    newton.max_iterations = 50;
-    const PeriodicReport report = next->solve(newton, states);
-    if (!report.converged && motion != nullptr) break;
-    study.report = report;
-    if (!report.converged) continue;
-    study.harmonics = h;
-    motion = std::move(next);
-    found = {};
-    if (report.tail > resolved && h != harmonics.back()) continue;
-    found = find_floquet_modes(*motion, most_exponents);
-    if (!found.failure.empty()) throw Error(scene.source, "floquet: " + found.failure);
-    const auto many = std::count_if(found.modes.begin(), found.modes.end(), is_seen);
-    if (many == static_cast<std::ptrdiff_t>(found.modes.size()) || many >= options.count) break;
-  }
-  if (motion == nullptr)
-    throw Error(scene.source,
-                fmt::format("floquet: no periodic motion was found: {} (over the period that was "
-                            "integrated the motion closes to {:.3g} of the scene's size or rad; "
-                            "--settle gives it more periods before)",
-                            study.report.failure, motion_between(system, run.front(), run.back())));
-  if (study.report.tail >= resolved)
-    study.notes.push_back(
-        fmt::format("the motion is not smooth: of its velocities {:.2g} is in the fastest of {} "
-                    "harmonics, and so large are the errors",
-                    study.report.tail, study.harmonics));
-
-  if (found.modes.empty()) found = find_floquet_modes(*motion, most_exponents);
-  if (!found.failure.empty()) throw Error(scene.source, "floquet: " + found.failure);
-  study.all = found.all;
-  for (FloquetMode& mode : found.modes) {
-    if (!is_seen(mode)) continue;
-    ++study.resolved;
-    if (study.modes.size() >= static_cast<std::size_t>(options.count)) continue;
-    NamedFloquetMode named;
-    named.most = node_that_moves_most(system, *motion, mode.shape);
-    static_cast<FloquetMode&>(named) = std::move(mode);
-    study.modes.push_back(std::move(named));
-  }
-  if (study.modes.empty())
-    throw Error(scene.source, "floquet: no small motion is resolved; give more --harmonics");
-  if (study.resolved < found.modes.size())
-    study.notes.push_back(
-        fmt::format("{} small motions are too fast, or change too much in a period, for {} "
-                    "harmonics: they are not judged",
-                    found.modes.size() - study.resolved, study.harmonics));
-  if (!study.all)
-    study.notes.push_back(
-        fmt::format("only the {} exponents nearest to 0 were looked at; faster decay or growth may "
-                    "be among the others",
-                    found.modes.size()));
-
-  apart = motion_between(system, run.front(), motion->states().front());
-  if (!motion_file.empty()) {
-    const MotionBlocks blocks = motion_blocks(model);
-    MotionWriter writer(motion_file, drawing(scene, model), blocks);
-    std::vector<double> row(blocks.size());
-    for (const State& state : motion->states()) {
-      motion_row(model, state, row);
-      writer.write(row);
-    }
-    writer.close();
-  }
+  const RunOfPeriod run = run_period(scene, model, start, study.begin, options);
+  FoundMotion found = find_motion(scene, system, run, options, study);
+  name_modes(scene, system, found, options.count, study);
+  apart = motion_between(system, run.states.front(), found.motion->states().front());
+  if (!motion_file.empty()) write_motion(motion_file, scene, model, *found.motion);
   return study;
 }
 
@@ -244,7 +281,7 @@ std::string to_text(const FloquetStudy& study) {
     rows.push_back({std::to_string(i + 1), fmt::format("{:.9g}", std::abs(mode.multiplier)),
                     fmt::format("{:.6g} {:+.6g}i", mode.multiplier.real(), mode.multiplier.imag()),
                     fmt::format("{:.6g}", mode.exponent.real()),
-                    fmt::format("{:.8g}", mode.frequency / (2.0 * pi)), mode.most});
+                    fmt::format("{:.8g}", mode.frequency / turn), mode.most});
   }
   study::table(text, rows);
   for (const std::string& note : study.notes) text += "\nnote: " + note + "\n";
@@ -260,8 +297,8 @@ std::string to_csv(const FloquetStudy& study) {
     const NamedFloquetMode& mode = study.modes[i];
     text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{:.3g},{}\n", i + 1,
                         mode.exponent.real(), mode.exponent.imag(), mode.multiplier.real(),
-                        mode.multiplier.imag(), mode.frequency / (2.0 * pi), mode.tail,
-                        mode.residual, study::csv_cell(mode.most));
+                        mode.multiplier.imag(), mode.frequency / turn, mode.tail, mode.residual,
+                        study::csv_cell(mode.most));
   }
   return text;
 }

@@ -24,7 +24,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double pi = std::numbers::pi;
 constexpr double most_of_it = 0.9;   // of the kinetic energy: a mode is named after it
 constexpr double part_of_it = 0.05;  // and what else is named
 constexpr double across = 0.1;       // of the kinetic energy, across the axis: orbits are looked at
@@ -222,36 +221,14 @@ std::pair<double, Index> MotionsOfScene::largest_displacement() const {
   return most;
 }
 
-void MotionsOfScene::name(NamedMode& mode) const {
-  const Index n = motions_->motions();
-  const VecXc p = motions_->mass_times(mode.shape);
-
-  std::map<int, Energy> energies;  // by part; of nodes in none by -1 - node
-  double whole = 0.0, crossing = 0.0, area = 0.0;
-  Vec3 e1 = Vec3::Zero(), e2 = e1, e3 = e1;
-  if (rotation_) {
-    e1 = rotation_->axis;
-    const Eigen::Vector3d some = Eigen::Vector3d(e1).unitOrthogonal();
-    e2 = some;
-    e3 = e1.cross(e2);
-  }
-  for (Index i = 0; i < n; i += 6) {
+std::optional<double> MotionsOfScene::orbit_of(const Mode& mode, const VecXc& p,
+                                               double whole) const {
+  double crossing = 0.0, area = 0.0;
+  const Vec3 e1 = rotation_->axis;
+  const Eigen::Vector3d some = Eigen::Vector3d(e1).unitOrthogonal();
+  const Vec3 e2 = some, e3 = e1.cross(e2);
+  for (Index i = 0; i < motions_->motions(); i += 6) {
     const auto node = static_cast<std::size_t>(i / 6 + 1);
-    const Eigen::Matrix3d to_section = axes_of_node_[node].conjugate().toRotationMatrix();
-    Eigen::Matrix<Complex, 6, 1> u, f;
-    for (Index k = 0; k < 6; k += 3) {
-      u.segment<3>(k) = to_section * mode.shape.segment<3>(i + k);
-      f.segment<3>(k) = to_section * p.segment<3>(i + k);
-    }
-    const int part = part_of_node_[node] >= 0 ? part_of_node_[node] : -1 - static_cast<int>(node);
-    Energy& energy = energies[part];
-    for (Index k = 0; k < 6; ++k) {
-      const double share = 0.5 * std::real(std::conj(u(k)) * f(k));
-      energy.of[static_cast<std::size_t>(k)] += share;
-      energy.total += share;
-      whole += share;
-    }
-    if (!rotation_) continue;
     const Eigen::Matrix3d to_inertial = state_.pose[node].p.toRotationMatrix();
     for (Index k = 0; k < 6; k += 3) {  // displacements, and tilts
       const Eigen::Vector3cd d = to_inertial * mode.shape.segment<3>(i + k),
@@ -268,7 +245,34 @@ void MotionsOfScene::name(NamedMode& mode) const {
       area += -2.0 * energy_across / moved * std::imag(std::conj(y) * z);
     }
   }
-  if (rotation_ && crossing > across * whole) mode.orbit = 0.5 * area / crossing;
+  if (!(crossing > across * whole)) return std::nullopt;
+  return 0.5 * area / crossing;
+}
+
+void MotionsOfScene::name(NamedMode& mode) const {
+  const Index n = motions_->motions();
+  const VecXc p = motions_->mass_times(mode.shape);
+
+  std::map<int, Energy> energies;  // by part; of nodes in none by -1 - node
+  double whole = 0.0;
+  for (Index i = 0; i < n; i += 6) {
+    const auto node = static_cast<std::size_t>(i / 6 + 1);
+    const Eigen::Matrix3d to_section = axes_of_node_[node].conjugate().toRotationMatrix();
+    Eigen::Matrix<Complex, 6, 1> u, f;
+    for (Index k = 0; k < 6; k += 3) {
+      u.segment<3>(k) = to_section * mode.shape.segment<3>(i + k);
+      f.segment<3>(k) = to_section * p.segment<3>(i + k);
+    }
+    const int part = part_of_node_[node] >= 0 ? part_of_node_[node] : -1 - static_cast<int>(node);
+    Energy& energy = energies[part];
+    for (Index k = 0; k < 6; ++k) {
+      const double share = 0.5 * std::real(std::conj(u(k)) * f(k));
+      energy.of[static_cast<std::size_t>(k)] += share;
+      energy.total += share;
+      whole += share;
+    }
+  }
+  if (rotation_) mode.orbit = orbit_of(mode, p, whole);
 
   const auto name_of_part = [&](int part) {
     return part >= 0 ? part_names_[static_cast<std::size_t>(part)]
@@ -303,11 +307,13 @@ void MotionsOfScene::write_motion(const Mode& mode, const std::filesystem::path&
   const MotionBlocks blocks = motion_blocks(model_);
   MotionWriter writer(file, drawing(scene_, model_), blocks);
   std::vector<double> row(blocks.size());
-  const double omega = mode.eigenvalue.imag(), period = omega > 0.0 ? 2.0 * pi / omega : 1.0;
+  const double omega = mode.eigenvalue.imag(),
+               period = omega > 0.0 ? 2.0 * std::numbers::pi / omega : 1.0;
   for (int k = 0; k <= frames; ++k) {
     const double share = static_cast<double>(k) / frames;
     const Complex factor =
-        amplitude * (omega > 0.0 ? std::polar(1.0, 2.0 * pi * share) : Complex(share));
+        amplitude *
+        (omega > 0.0 ? std::polar(1.0, 2.0 * std::numbers::pi * share) : Complex(share));
     State state = state_;
     state.t = share * period;
     for (std::size_t n = 1; n < state.pose.size(); ++n) {

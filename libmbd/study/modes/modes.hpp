@@ -93,6 +93,9 @@ class MotionsOfScene {
   void rest();
   void run_to(double time);
   void name(NamedMode& mode) const;
+  // How nodes go round the axis of rotation (Mode::orbit); none where too little of the energy, of which there is `whole`,
+  // goes across it. p: M times the shape.
+  std::optional<double> orbit_of(const Mode& mode, const VecXc& p, double whole) const;
 
   Scene scene_;
   Model model_;

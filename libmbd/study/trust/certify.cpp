@@ -60,6 +60,43 @@ Check check_of_run(const std::string& name, const Scene& scene, const Trial& run
   return check;
 }
 
+constexpr const char* bound_of_sameness =
+    "largest difference beside its bound, over the size of the quantity; bound: 10 times what "
+    "another tolerance and a change in the twelfth digit make, and 10 tolerances of the run";
+
+Check check_moved(const Scene& scene, const Twins& twins, const TrialOptions& limits) {
+  const double size = compile(scene).system->length_scale();
+  const RigidMotion motion = random_motion(certify_seed, size);
+  std::vector<std::string> not_compared;
+  const Trial run = run_trial(moved(twins.scene(), motion).scene, limits);
+  Sameness same;
+  if (run.complete)
+    same = twins.compare(moved_back(run.findings, twins.scene(), motion, not_compared));
+  return check_of_run("invariance, moved rigidly", scene, run, same,
+                      certify_fail_factor * same.bound, bound_of_sameness);
+}
+
+Check check_reordered(const Scene& scene, const Twins& twins, const TrialOptions& limits) {
+  const Trial run = run_trial(reordered(twins.scene(), certify_seed), limits);
+  const Sameness same = run.complete ? twins.compare(run.findings) : Sameness{};
+  return check_of_run("invariance, another order", scene, run, same,
+                      certify_fail_factor * same.bound, bound_of_sameness);
+}
+
+// `finer`: steps so.
+Check check_finer(const Scene& scene, const Twins& twins, const TrialOptions& limits,
+                  const TransientScene& finer) {
+  Scene again = twins.scene();
+  again.transient = finer;
+  const Trial run = run_trial(again, limits);
+  const Sameness same =
+      run.complete ? twins.compare_finer(run.findings, tolerable_error) : Sameness{};
+  return check_of_run(
+      finer.step ? "half the step" : "a tenth of the tolerance", scene, run, same, spoiling_error,
+      "largest difference of displacements and rotations, over the size of the quantity: about the "
+      "error of the method");
+}
+
 }  // namespace
 
 void certify(const Scene& given, const CertifyOptions& options, RunReport& report) {
@@ -87,32 +124,16 @@ void certify(const Scene& given, const CertifyOptions& options, RunReport& repor
                       .verdict = twins.base().stopped ? Verdict::warn : Verdict::fail});
     return;
   }
-  const std::string bound =
-      "largest difference beside its bound, over the size of the quantity; bound: 10 times what "
-      "another tolerance and a change in the twelfth digit make, and 10 tolerances of the run";
-
-  Trial run;
-  Sameness same;
   if (const std::string feedback = first_feedback(scene); !feedback.empty()) {
     report.notes.push_back("the model was not run moved rigidly: " + feedback +
                            " looks at the motion along axes that would have to be moved with it");
   } else {
     tell("moved rigidly");
-    const double size = compile(scene).system->length_scale();
-    const RigidMotion motion = random_motion(certify_seed, size);
-    std::vector<std::string> not_compared;
-    run = run_trial(moved(twins.scene(), motion).scene, limits);
-    if (run.complete)
-      same = twins.compare(moved_back(run.findings, twins.scene(), motion, not_compared));
-    checks.push_back(check_of_run("invariance, moved rigidly", scene, run, same,
-                                  certify_fail_factor * same.bound, bound));
+    checks.push_back(check_moved(scene, twins, limits));
   }
 
   tell("its parts in another order");
-  run = run_trial(reordered(twins.scene(), certify_seed), limits);
-  same = run.complete ? twins.compare(run.findings) : Sameness{};
-  checks.push_back(check_of_run("invariance, another order", scene, run, same,
-                                certify_fail_factor * same.bound, bound));
+  checks.push_back(check_reordered(scene, twins, limits));
 
   if (!scene.transient) return;
   TransientScene finer = *scene.transient;
@@ -122,14 +143,7 @@ void certify(const Scene& given, const CertifyOptions& options, RunReport& repor
   else
     finer.tolerance = std::max(1e-13, 0.1 * *finer.tolerance);
   tell(fixed ? "half the steps" : "a tenth of the tolerance");
-  Scene again = twins.scene();
-  again.transient = finer;
-  run = run_trial(again, limits);
-  same = run.complete ? twins.compare_finer(run.findings, tolerable_error) : Sameness{};
-  checks.push_back(check_of_run(
-      fixed ? "half the step" : "a tenth of the tolerance", scene, run, same, spoiling_error,
-      "largest difference of displacements and rotations, over the size of the quantity: about the "
-      "error of the method"));
+  checks.push_back(check_finer(scene, twins, limits, finer));
 }
 
 }  // namespace mbd

@@ -77,7 +77,7 @@ double shortest_lever(const Scene& scene) {
   const System& system = *model.system;
   const double length = system.length_scale();
   double shortest = length;
-  constexpr std::size_t most_points = 300;
+  constexpr std::size_t most_compared = 300;
   std::vector<Vec3> points;
   for (Index n = 1; n < system.nodes(); ++n) points.push_back(system.reference_pose(n).r);
   for (const JointScene& j : scene.joints) {
@@ -86,7 +86,7 @@ double shortest_lever(const Scene& scene) {
     if (j.kind == "screw" && j.parameter)
       shortest = std::min(shortest, std::abs(*j.parameter) / (2.0 * std::numbers::pi));
   }
-  if (points.size() > most_points) points.resize(most_points);
+  if (points.size() > most_compared) points.resize(most_compared);
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
       if (const double d = (points[i] - points[k]).norm(); d > 1e-9 * length)

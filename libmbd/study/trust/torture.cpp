@@ -365,27 +365,44 @@ class TortureSession {
     }
   }
 
+  Trial run_with(double tolerance, TortureTrial& trial) {
+    Setting setting;
+    setting.method = TimeMethod::radau;
+    setting.tolerance = tolerance;
+    tell(trial.name);
+    TrialOptions limits = this->limits();
+    limits.limit = std::max(limits.limit, 5.0);
+    const Trial run = run_trial(with(with_probes(scene_), setting), limits);
+    trial.cpu = run.cpu;
+    result_.cpu += run.cpu;
+    if (run.lost) {
+      trial.verdict = Verdict::fail;
+      trial.reason = run.failure;
+    } else if (!run.complete) {
+      trial.verdict = Verdict::warn;
+      trial.reason = (run.stopped ? "" : "ends: ") + run.failure;
+    }
+    return run;
+  }
+
+  // The largest difference of a run to the best one, over the size of what differs, which `trial` names.
+  static double difference(const Findings& run, const Findings& truth,
+                           const std::vector<Components>& positions, TortureTrial& trial) {
+    double error = 0.0;
+    for (const Components& c : positions) {
+      const double scale = scale_of(c, truth, truth.at.size(), 1e-6, Measure::value).value;
+      for (std::size_t i = 0; i < std::min(truth.at.size(), run.at.size()); ++i) {
+        const double e = distance(c, truth, i, run, i) / scale;
+        if (e <= error) continue;
+        error = e;
+        trial.quantity = c.name;
+      }
+    }
+    return error;
+  }
+
   void tolerances() {
     if (!wants("tolerances") || !scene_.transient) return;
-    const auto run_with = [&](double tolerance, TortureTrial& trial) {
-      Setting setting;
-      setting.method = TimeMethod::radau;
-      setting.tolerance = tolerance;
-      tell(trial.name);
-      TrialOptions limits = this->limits();
-      limits.limit = std::max(limits.limit, 5.0);
-      const Trial run = run_trial(with(with_probes(scene_), setting), limits);
-      trial.cpu = run.cpu;
-      result_.cpu += run.cpu;
-      if (run.lost) {
-        trial.verdict = Verdict::fail;
-        trial.reason = run.failure;
-      } else if (!run.complete) {
-        trial.verdict = Verdict::warn;
-        trial.reason = (run.stopped ? "" : "ends: ") + run.failure;
-      }
-      return run;
-    };
     std::vector<double> values;
     for (int k = -3; k >= -9; --k) values.push_back(std::pow(10.0, k));
     std::vector<TortureTrial> trials;
@@ -408,33 +425,24 @@ class TortureSession {
       double before = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < finest; ++k) {
         if (!runs[k].complete) continue;
-        double error = 0.0;
-        for (const Components& c : positions) {
-          const double scale = scale_of(c, truth, truth.at.size(), 1e-6, Measure::value).value;
-          for (std::size_t i = 0; i < std::min(truth.at.size(), runs[k].findings.at.size()); ++i) {
-            const double e = distance(c, truth, i, runs[k].findings, i) / scale;
-            if (!(e <= error)) {
-              error = e;
-              trials[k].quantity = c.name;
-            }
-          }
-        }
-        trials[k].compared = true;
-        trials[k].difference = error;
-        trials[k].bound = 3.0 * before;  // steps change in jumps
-        trials[k].until = truth.at.back();
+        TortureTrial& trial = trials[k];
+        const double error = difference(runs[k].findings, truth, positions, trial);
+        trial.compared = true;
+        trial.difference = error;
+        trial.bound = 3.0 * before;  // steps change in jumps
+        trial.until = truth.at.back();
         const double floor = 1e-6;  // where nothing is gained that a user would see
         if (!(error <= std::max(3.0 * before, floor))) {
-          trials[k].verdict = Verdict::warn;
-          trials[k].reason = fmt::format(
+          trial.verdict = Verdict::warn;
+          trial.reason = fmt::format(
               "its difference to tolerance {:g} is larger than that of the tolerance before: "
               "chaos, or "
               "an oscillation that no run resolves",
               values[finest]);
         } else {
-          trials[k].reason = fmt::format("difference to tolerance {:g}", values[finest]);
+          trial.reason = fmt::format("difference to tolerance {:g}", values[finest]);
         }
-        if (!std::isfinite(trials[k].bound)) trials[k].bound = 0.0;
+        if (!std::isfinite(trial.bound)) trial.bound = 0.0;
         before = std::isfinite(before) ? std::min(before, error) : error;
       }
       trials[finest].reason = "the finest, with which the others are compared";

@@ -255,6 +255,24 @@ Scene reordered(const Scene& scene, std::uint64_t seed) {
   return s;
 }
 
+namespace {
+
+// One factor for all stations of each.
+void perturb(std::vector<Section>& sections, const auto& factor) {
+  for (Section& section : sections) {
+    const double D = factor(), M = factor();
+    section.stiffness *= D;
+    if (section.damping) section.damping->viscous *= D;
+    if (section.mass) *section.mass *= M;
+    for (Station& station : section.stations) {
+      station.stiffness *= D;
+      if (station.mass) *station.mass *= M;
+    }
+  }
+}
+
+}  // namespace
+
 Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
   Scene s = bare_scene(scene);
   TransformRandom random(seed);
@@ -272,7 +290,7 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
     if (varies(about)) law = scaled_law(law, factor(), 1.0);
   };
   std::vector<Section> sections;
-  sections.swap(s.sections);  // which have one factor for all their stations, below
+  sections.swap(s.sections);
   change_values(
       s, [&](double& x, const About& about) { scale(x, about); },
       [&](Vec3& x, const About& about) {
@@ -291,16 +309,7 @@ Scene perturbed(const Scene& scene, double relative, std::uint64_t seed) {
       [&](LawVector& laws, const About& about) { scale_law(laws, about); },
       [&](FieldVector& fields, const About& about) { scale_law(fields, about); },
       [&](LawScene& law, const About& about) { scale_law(law, about); });
-  for (Section& section : sections) {
-    const double D = factor(), M = factor();
-    section.stiffness *= D;
-    if (section.damping) section.damping->viscous *= D;
-    if (section.mass) *section.mass *= M;
-    for (Station& station : section.stations) {
-      station.stiffness *= D;
-      if (station.mass) *station.mass *= M;
-    }
-  }
+  perturb(sections, factor);
   s.sections.swap(sections);
   Vec3 first = Vec3::Zero();
   double size = 0.0;  // of the distances between bodies
@@ -326,6 +335,24 @@ RigidMotion random_motion(std::uint64_t seed, double distance) {
   return motion;
 }
 
+namespace {
+
+double potential_of(const Scene& scene) {
+  const Model model = compile(scene);
+  return model.system->energies(model.initial).potential;
+}
+
+void drop(Findings& findings, const std::vector<std::size_t>& columns) {
+  for (std::size_t n = columns.size(); n > 0; --n) {
+    const auto at = static_cast<std::ptrdiff_t>(columns[n - 1]);
+    findings.columns.erase(findings.columns.begin() + at);
+    findings.units.erase(findings.units.begin() + at);
+    for (std::vector<double>& row : findings.rows) row.erase(row.begin() + at);
+  }
+}
+
+}  // namespace
+
 Findings moved_back(Findings findings, const Scene& scene, const RigidMotion& motion,
                     std::vector<std::string>& not_compared) {
   std::vector<std::size_t> dropped;
@@ -337,13 +364,7 @@ Findings moved_back(Findings findings, const Scene& scene, const RigidMotion& mo
   // What the place adds to potential energies: the zero of gravity's lies at the inertial origin.
   std::optional<double> raised;
   const auto potential_raised = [&]() -> double {
-    if (!raised) {
-      const auto potential = [](const Scene& s) {
-        const Model model = compile(s);
-        return model.system->energies(model.initial).potential;
-      };
-      raised = potential(moved(scene, motion).scene) - potential(scene);
-    }
+    if (!raised) raised = potential_of(moved(scene, motion).scene) - potential_of(scene);
     return *raised;
   };
   for (std::size_t c = 0; c < findings.columns.size(); ++c) {
@@ -384,12 +405,7 @@ Findings moved_back(Findings findings, const Scene& scene, const RigidMotion& mo
       for (std::size_t i = 0; i < 3; ++i) row[c + i] = x(static_cast<Index>(i));
     }
   }
-  for (std::size_t n = dropped.size(); n > 0; --n) {
-    const auto at = static_cast<std::ptrdiff_t>(dropped[n - 1]);
-    findings.columns.erase(findings.columns.begin() + at);
-    findings.units.erase(findings.units.begin() + at);
-    for (std::vector<double>& row : findings.rows) row.erase(row.begin() + at);
-  }
+  drop(findings, dropped);
   return findings;
 }
 

@@ -124,6 +124,7 @@
   sun.position.set(0.6, 1, 1);
   scene.add(camera);
 
+  const codeOf = text => text ? parseInt(text.slice(1), 16) || 1 : undefined;  // of #rrggbb; black is nearly so
   const palette = {beam: 0x4f7fb5, body: 0xc98a2b, joint: 0x3d8f5f, spring: 0x8a5fb0, load: 0xc0392b, moment: 0xa0398c,
     mass: 0x7a5230, motion: 0x1f8fa3, record: 0xd1478c, gap: 0xff2a1a, ghost: 0x8c96a3, chosen: 0xff9d00,
     reaction: 0x7d1fd1, second: 0xd6336c};
@@ -131,7 +132,8 @@
   const e1 = new THREE.Vector3(1, 0, 0), e2 = new THREE.Vector3(0, 1, 0), e3 = new THREE.Vector3(0, 0, 1);
 
   const parts = D.parts.map((part, index) =>
-    ({...part, index, objects: [], update: [], visible: true, anchor: null, colour: part.run ? palette.second : palette[part.kind] || palette.joint}));
+    ({...part, index, objects: [], update: [], visible: true, anchor: null, paint: part.run ? undefined : codeOf(part.colour),
+      colour: part.run ? palette.second : codeOf(part.colour) || palette[part.kind] || palette.joint}));
   const partOfName = name => parts.find(p => p.name === name && p.kind !== 'record') || parts.find(p => p.name === name);
   const lineOf = name => parts.find(p => p.kind === 'beam' && p.name === name);
 
@@ -217,6 +219,24 @@
     return line;
   }
 
+  const pairs = flat => flat.filter((x, i) => i % 2 === 0).map((x, i) => [x, flat[2 * i + 1]]);
+  // Two points an edge of an outline, with normals: one for both where it is smooth.
+  function rimOf(outline, h2, h3) {
+    const rim = pairs(outline.rim), smooth = Math.cos(0.6), before = [];
+    outline.next.forEach((j, i) => before[j] = i);
+    const normals = rim.map((a, i) => {
+      const b = rim[outline.next[i]], y = h3 * (b[1] - a[1]), z = -h2 * (b[0] - a[0]), l = Math.hypot(y, z) || 1;
+      return [y / l, z / l];
+    });
+    const between = (i, j) => {
+      const a = normals[i], b = normals[j];
+      if (a[0] * b[0] + a[1] * b[1] < smooth) return a;
+      const l = Math.hypot(a[0] + b[0], a[1] + b[1]);
+      return [(a[0] + b[0]) / l, (a[1] + b[1]) / l];
+    };
+    return rim.flatMap((a, i) => [[...a, ...between(i, before[i])], [...rim[outline.next[i]], ...between(i, outline.next[i])]]);
+  }
+
   function makeBeam(part) {
     const first = part.points.map(at => placeIn(refP, refQ, at));
     part.spans = first.slice(1).map((h, i) => norm(minus(h.r, first[i].r)));
@@ -241,25 +261,35 @@
     });
     part.thickness = k => sides[k].slice(0, 2);
     // Points of a section and their normals, for half sides of 1.
-    const ring = [];
-    if (sides[0][2])
+    const ring = [], outline = part.outline ? D.outlines[part.outline] : null;
+    if (outline)
+      ring.push(...rimOf(outline, 0.5 * sides[0][0], 0.5 * sides[0][1]));
+    else if (sides[0][2])
       for (let i = 0; i < round; ++i) {
         const c = Math.cos(2 * i * Math.PI / round), s = Math.sin(2 * i * Math.PI / round);
         ring.push([c, s, c, s]);
       }
     else
       for (const [y, z] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) ring.push([y + z, z - y, y, z], [y - z, z + y, y, z]);
-    const m = ring.length, total = count * m + 2 * m;
+    // What closes the ends: polygons, each of points of `lid`.
+    const lid = outline ? outline.caps.flatMap(pairs) : ring;
+    const polygons = outline ? outline.caps.map(cap => cap.length / 2) : [ring.length];
+    const m = ring.length, total = count * m + 2 * lid.length;
     const position = new Float32Array(3 * total), normal = new Float32Array(3 * total), colour = new Float32Array(3 * total);
     const index = [];
-    const wraps = sides[0][2] ? 1 : 2;  // corners of a rectangle are two points each
+    const wraps = sides[0][2] && !outline ? 1 : 2;  // corners of a rectangle are two points each
     for (let k = 0; k + 1 < count; ++k)
       for (let i = 0; i < m; i += wraps) {
         const j = wraps === 1 ? (i + 1) % m : i + 1, a = k * m + i, b = k * m + j;
         index.push(a, b, a + m, b, b + m, a + m);
       }
-    for (const [base, flip] of [[count * m, true], [count * m + m, false]])
-      for (let i = 1; i + 1 < m; ++i) index.push(base, base + (flip ? i + 1 : i), base + (flip ? i : i + 1));
+    for (const [start, flip] of [[count * m, true], [count * m + lid.length, false]]) {
+      let base = start;
+      for (const corners of polygons) {
+        for (let i = 1; i + 1 < corners; ++i) index.push(base, base + (flip ? i + 1 : i), base + (flip ? i : i + 1));
+        base += corners;
+      }
+    }
     const geometry = new THREE.BufferGeometry();
     geometry.setIndex(total > 65535 ? new THREE.Uint32BufferAttribute(index, 1) : new THREE.Uint16BufferAttribute(index, 1));
     const dynamic = array => new THREE.BufferAttribute(array, 3).setUsage(THREE.DynamicDrawUsage);
@@ -275,7 +305,7 @@
       const colours = part.values !== part.painted || chosen === part || part.was || values;  // else they stay
       part.painted = part.values;
       part.was = chosen === part;
-      const plain = new THREE.Color(chosen === part ? palette.chosen : part.run ? palette.second : part.rigid ? palette.body : palette.beam);
+      const plain = new THREE.Color(chosen === part ? palette.chosen : part.run ? palette.second : part.paint || (part.rigid ? palette.body : palette.beam));
       for (let k = 0, o = 0; k < count + 2; ++k) {
         const at = k < count ? k : k === count ? 0 : count - 1;
         const r = line.r[at], side = sides[at], h2 = 0.5 * side[0], h3 = 0.5 * side[1];
@@ -284,9 +314,9 @@
         const b20 = 2 * (x * y - w * z), b21 = 1 - 2 * (x * x + z * z), b22 = 2 * (y * z + w * x);
         const b30 = 2 * (x * z + w * y), b31 = 2 * (y * z - w * x), b32 = 1 - 2 * (x * x + y * y);
         const c = !colours ? null : values && chosen !== part ? shade(values[at]) : [plain.r, plain.g, plain.b];
-        const cap = k < count ? 0 : k === count ? -1 : 1;
-        for (let i = 0; i < m; ++i, o += 3) {
-          const g = ring[i], u = h2 * g[0], v = h3 * g[1];
+        const cap = k < count ? 0 : k === count ? -1 : 1, points = cap ? lid : ring;
+        for (let i = 0; i < points.length; ++i, o += 3) {
+          const g = points[i], u = h2 * g[0], v = h3 * g[1];
           position[o] = r[0] + u * b20 + v * b30;
           position[o + 1] = r[1] + u * b21 + v * b31;
           position[o + 2] = r[2] + u * b22 + v * b32;
@@ -347,6 +377,26 @@
   }
   const unitOf = part => unitAt(placeIn(refP, refQ, part.b || part.at || [0, 0, 0, 0, 0, 0, 0, 1]).r);
 
+  function formOf(form, part) {
+    let geometry;
+    if (form.kind === 'box') geometry = box(...form.sides);
+    else if (form.kind === 'sphere') geometry = new THREE.SphereBufferGeometry(form.sides[0] / 2, 40, 28);
+    else if (form.kind === 'cylinder')
+      geometry = along(new THREE.CylinderBufferGeometry(form.sides[0] / 2, form.sides[0] / 2, form.sides[2], 48), 'z');
+    else {
+      const indexed = new THREE.BufferGeometry();
+      indexed.setAttribute('position', new THREE.BufferAttribute(new Float32Array(form.points), 3));
+      indexed.setIndex(form.triangles);
+      geometry = indexed.toNonIndexed();  // its faces are flat
+      geometry.computeVertexNormals();
+    }
+    const colour = part.run ? part.colour : codeOf(form.colour) || part.colour;
+    const mesh = new THREE.Mesh(geometry, material(colour, form.kind === 'mesh' ? {side: THREE.DoubleSide} : {}));
+    mesh.position.set(form.pose[0], form.pose[1], form.pose[2]);
+    mesh.quaternion.set(form.pose[3], form.pose[4], form.pose[5], form.pose[6]);
+    return mesh;
+  }
+
   function makeBody(part) {
     const group = new THREE.Group(), arms = part.at && part.at[0] !== 0 ? armsOf(part) : [];
     let most = Math.max(...part.box);
@@ -358,9 +408,12 @@
       part.facts.push(['not to scale', 'drawn smaller, for all else to be seen']);
     }
     const solid = arms.length > 0 ? {transparent: true, opacity: 0.7} : {};
-    group.add(new THREE.Mesh(ball(0.6 * unit), material(part.colour)));
     const c = part.centre;
-    if (most > 0.02 * unit) {
+    for (const form of part.forms || []) group.add(formOf(form, part));
+    if (!part.forms) group.add(new THREE.Mesh(ball(0.6 * unit), material(part.colour)));
+    if (part.forms) {
+      // What is stated is seen as it is.
+    } else if (most > 0.02 * unit) {
       const side = part.box.map(s => Math.min(Math.max(s, 0.04 * most, 0.4 * unit), 1.5 * size));
       const mesh = new THREE.Mesh(part.shape === 'box' ? box(...side) : part.shape === 'sphere' ? ball(side[0] / 2)
         : along(new THREE.CylinderBufferGeometry(side[0] / 2, side[0] / 2, side[2], 40), 'z'), material(part.colour, solid));
@@ -372,7 +425,7 @@
       mesh.position.set(c[0], c[1], c[2]);
       group.add(mesh);
     }
-    for (const end of [[0, 0, 0], ...arms]) {
+    for (const end of part.forms ? [] : [[0, 0, 0], ...arms]) {
       const d = minus(end, c.slice(0, 3)), arm = norm(d);
       if (arm < unit) continue;
       const rod = new THREE.Mesh(cylinder(0.42 * unit, arm, 'y'), material(part.colour));
@@ -592,6 +645,18 @@
     quantities.T = {label: 'torque M1', unit: 'N.m', ...ofBeams(r => r[3])};
     quantities.M = {label: 'bending moment |M|', unit: 'N.m', ...ofBeams(r => Math.hypot(r[4], r[5]))};
   }
+  // Half of S C S at a station, of compliances that are upper halves by rows.
+  const energyOf = (half, r) => {
+    let sum = 0;
+    for (let i = 0, k = 0; i < 6; ++i) for (let j = i; j < 6; ++j) sum += (i === j ? 0.5 : 1) * half[k++] * r[i] * r[j];
+    return sum;
+  };
+  if (motion && motion.resultant && parts.some(p => p.compliance && !p.run))
+    quantities.energy = {label: 'strain energy per length', unit: 'J/m', beams: true, of: (part, f) => {
+      if (!part.compliance || !part.stations || !part.stations.length) return null;
+      let i = 0;
+      return spread(part.stations, resultant(f, part, r => energyOf(part.compliance[part.compliance.length > 1 ? i++ : 0], r)), part.fine);
+    }};
   const scratchP = refP.slice(), scratchQ = refQ.slice();
   // The range of a quantity over some frames.
   function range(quantity, some) {
@@ -710,7 +775,7 @@
       if (p.points) p.points.forEach(at => include(placeIn(scratchP, scratchQ, at).r));
       for (const at of [p.at, p.a, p.b])
         if (at) {
-          const r = placeIn(scratchP, scratchQ, at).r, half = p.kind === 'body' ? 0.5 * Math.max(...p.box) : 0;
+          const r = placeIn(scratchP, scratchQ, at).r, half = p.kind === 'body' ? Math.max(0.5 * Math.max(...p.box), p.reach || 0) : 0;
           include(r.map(c => c - half));
           include(r.map(c => c + half));
         }

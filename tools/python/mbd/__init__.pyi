@@ -256,7 +256,7 @@ class Scene(Element):
           elements of that kind have when they do not say otherwise.
           Stands in <mbd>. Holds <material>, <layup>, <ply>, <section>, <station>,
           <stiffness>, <mass>, <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>,
-          <beam>, <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>,
+          <beam>, <arc>, <curve>, <point>, <body>, <shape>, <drive>, <motion>, <load>,
           <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
           <joint_torque>, <drag>, <added_mass>, <base_motion>, <gravity>, <static>,
           <path>, <mark>, <stop>, <transient>, <record>, <motion_output>, <plot>,
@@ -454,7 +454,7 @@ class Scene(Element):
     def beam(self, *, name: Value = None, section: Value = None, from_: Value = None, to: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> BeamElement:
         """<beam>
           A straight beam.
-          Stands in <mbd>, <repeat>, <defaults>.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <shape>.
 
         Attributes:
           name               name, required
@@ -516,7 +516,7 @@ class Scene(Element):
     def arc(self, *, name: Value = None, section: Value = None, from_: Value = None, center: Value = None, axis: Value = None, angle: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> ArcElement:
         """<arc>
           A beam along a circular arc: `from`, turned about the centre.
-          Stands in <mbd>, <repeat>, <defaults>.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <shape>.
 
         Attributes:
           name               name, required
@@ -582,7 +582,7 @@ class Scene(Element):
     def curve(self, *, name: Value = None, section: Value = None, degree: Value = None, normal: Value = None, elements: Value = None, mesh: Value = None, order: Value = None, kinematics: Value = None, metric: Value = None, rule: Value = None, form: Value = None) -> CurveElement:
         """<curve>
           A beam along a smooth curve through points.
-          Stands in <mbd>, <repeat>, <defaults>. Holds <point>, <repeat>.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <point>, <shape>, <repeat>.
 
         Attributes:
           name               name, required
@@ -643,7 +643,7 @@ class Scene(Element):
     def body(self, *, name: Value = None, attached_to: Value = None, at: Value = None, orientation: Value = None, mass: Value = None, center: Value = None, inertia: Value = None, velocity: Value = None, angular_velocity: Value = None) -> BodyElement:
         """<body>
           A rigid body, free or fixed to a place.
-          Stands in <mbd>, <repeat>, <defaults>.
+          Stands in <mbd>, <repeat>, <defaults>. Holds <shape>.
 
         Attributes:
           name               name, required
@@ -655,12 +655,14 @@ class Scene(Element):
           orientation        3 or 9 numbers [rad], optional
                              of a free body: rotation vector, or (without unit) matrix
                              row by row
-          mass               number >= 0 [kg], required
-                             mass
+          mass               number >= 0 [kg], optional
+                             mass; only a body whose <shape> has a density, or on the
+                             ground, may leave it out
           center             3 numbers [m], default 0 0 0
                              mass centre from the reference point, body axes
-          inertia            3 or 6 numbers [kg.m2], required
-                             matrix xx yy zz [xy xz yz] about the mass centre, body axes
+          inertia            3 or 6 numbers [kg.m2], optional
+                             matrix xx yy zz [xy xz yz] about the mass centre, body
+                             axes; left out with the mass
           velocity           3 numbers [m/s], optional
                              of the reference point of a free body at the start,
                              inertial axes (default 0 0 0)
@@ -683,6 +685,12 @@ class Scene(Element):
             <rigid name="boom" of="arm fist"/>
             <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
                   velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
             <transient duration="0.1" step="1e-3"/>
             <record name="rock" at="rock" quantities="position angular_velocity"/>
             <record name="disk" at="disk" quantities="displacement"/>
@@ -882,6 +890,12 @@ class Scene(Element):
             <rigid name="boom" of="arm fist"/>
             <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
                   velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
             <transient duration="0.1" step="1e-3"/>
             <record name="rock" at="rock" quantities="position angular_velocity"/>
             <record name="disk" at="disk" quantities="displacement"/>
@@ -921,6 +935,12 @@ class Scene(Element):
             <rigid name="boom" of="arm fist"/>
             <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
                   velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
             <transient duration="0.1" step="1e-3"/>
             <record name="rock" at="rock" quantities="position angular_velocity"/>
             <record name="disk" at="disk" quantities="displacement"/>
@@ -3207,6 +3227,79 @@ class DefaultsElement(Element):
     def body(self, *, name: Value = None, attached_to: Value = None, at: Value = None, orientation: Value = None, mass: Value = None, center: Value = None, inertia: Value = None, velocity: Value = None, angular_velocity: Value = None) -> BodyElement:
         """A rigid body, free or fixed to a place."""
         ...
+    def shape(self, *, box: Value = None, cylinder: Value = None, sphere: Value = None, mesh: Value = None, unit: Value = None, at: Value = None, orientation: Value = None, density: Value = None, rectangle: Value = None, ellipse: Value = None, to: Value = None, colour: Value = None) -> ShapeElement:
+        """<shape>
+          What a body or a beam looks like, for the eye: pages, pictures and files for
+          ParaView. Of a body with a density it is also its mass.
+          Stands in <body>, <beam>, <arc>, <curve>, <defaults>.
+
+        Attributes:
+          box                3 numbers, each > 0 [m], optional
+                             of a body: its sides along the axes of the shape
+          cylinder           2 numbers, each > 0 [m], optional
+                             of a body: diameter and length, which lies along the third
+                             axis
+          sphere             number > 0 [m], optional
+                             of a body: diameter
+          mesh               text, optional
+                             of a body: a file of triangles, .stl, .obj, .gltf or .glb;
+                             a relative path is from the model's directory. The file's
+                             origin and axes are those of the shape
+          unit               number > 0 [m], default 1
+                             length of one unit of the mesh's file, such as 1 mm
+          at                 3 numbers [m], optional
+                             middle of the form (of a mesh: its origin) from the
+                             reference point, body axes (default 0 0 0)
+          orientation        3 or 9 numbers [rad], optional
+                             axes of the shape in the body's: rotation vector, or
+                             (without unit) matrix row by row
+          density            number > 0 [kg/m3], optional
+                             of a body: the form is solid and adds its mass and inertia
+                             to those stated
+          rectangle          2 numbers, each > 0 [m], optional
+                             of a beam: sides along b2 and b3, in place of those that
+                             its stiffness suggests
+          ellipse            2 numbers, each > 0 [m], optional
+                             of a beam: diameters along b2 and b3
+          to                 2 numbers, each > 0 [m], optional
+                             of a beam: sides or diameters at its end (default: as at
+                             the start)
+          colour             text, optional
+                             #rrggbb, or one of the 17 names of CSS: black silver gray
+                             white maroon red purple fuchsia green lime olive yellow
+                             navy blue teal aqua orange. A shape that states nothing
+                             else colours what is drawn without it
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
     def drive(self, *, joint: Value = None, rate: Value = None, angle: Value = None, speed: Value = None, displacement: Value = None) -> DriveElement:
         """Prescribes the angle or the displacement of a joint."""
         ...
@@ -4813,10 +4906,154 @@ class CElement(Element):
     ...
 
 class BeamElement(Element):
-    ...
+    def shape(self, *, box: Value = None, cylinder: Value = None, sphere: Value = None, mesh: Value = None, unit: Value = None, at: Value = None, orientation: Value = None, density: Value = None, rectangle: Value = None, ellipse: Value = None, to: Value = None, colour: Value = None) -> ShapeElement:
+        """<shape>
+          What a body or a beam looks like, for the eye: pages, pictures and files for
+          ParaView. Of a body with a density it is also its mass.
+          Stands in <body>, <beam>, <arc>, <curve>, <defaults>.
+
+        Attributes:
+          box                3 numbers, each > 0 [m], optional
+                             of a body: its sides along the axes of the shape
+          cylinder           2 numbers, each > 0 [m], optional
+                             of a body: diameter and length, which lies along the third
+                             axis
+          sphere             number > 0 [m], optional
+                             of a body: diameter
+          mesh               text, optional
+                             of a body: a file of triangles, .stl, .obj, .gltf or .glb;
+                             a relative path is from the model's directory. The file's
+                             origin and axes are those of the shape
+          unit               number > 0 [m], default 1
+                             length of one unit of the mesh's file, such as 1 mm
+          at                 3 numbers [m], optional
+                             middle of the form (of a mesh: its origin) from the
+                             reference point, body axes (default 0 0 0)
+          orientation        3 or 9 numbers [rad], optional
+                             axes of the shape in the body's: rotation vector, or
+                             (without unit) matrix row by row
+          density            number > 0 [kg/m3], optional
+                             of a body: the form is solid and adds its mass and inertia
+                             to those stated
+          rectangle          2 numbers, each > 0 [m], optional
+                             of a beam: sides along b2 and b3, in place of those that
+                             its stiffness suggests
+          ellipse            2 numbers, each > 0 [m], optional
+                             of a beam: diameters along b2 and b3
+          to                 2 numbers, each > 0 [m], optional
+                             of a beam: sides or diameters at its end (default: as at
+                             the start)
+          colour             text, optional
+                             #rrggbb, or one of the 17 names of CSS: black silver gray
+                             white maroon red purple fuchsia green lime olive yellow
+                             navy blue teal aqua orange. A shape that states nothing
+                             else colours what is drawn without it
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
 
 class ArcElement(Element):
-    ...
+    def shape(self, *, box: Value = None, cylinder: Value = None, sphere: Value = None, mesh: Value = None, unit: Value = None, at: Value = None, orientation: Value = None, density: Value = None, rectangle: Value = None, ellipse: Value = None, to: Value = None, colour: Value = None) -> ShapeElement:
+        """<shape>
+          What a body or a beam looks like, for the eye: pages, pictures and files for
+          ParaView. Of a body with a density it is also its mass.
+          Stands in <body>, <beam>, <arc>, <curve>, <defaults>.
+
+        Attributes:
+          box                3 numbers, each > 0 [m], optional
+                             of a body: its sides along the axes of the shape
+          cylinder           2 numbers, each > 0 [m], optional
+                             of a body: diameter and length, which lies along the third
+                             axis
+          sphere             number > 0 [m], optional
+                             of a body: diameter
+          mesh               text, optional
+                             of a body: a file of triangles, .stl, .obj, .gltf or .glb;
+                             a relative path is from the model's directory. The file's
+                             origin and axes are those of the shape
+          unit               number > 0 [m], default 1
+                             length of one unit of the mesh's file, such as 1 mm
+          at                 3 numbers [m], optional
+                             middle of the form (of a mesh: its origin) from the
+                             reference point, body axes (default 0 0 0)
+          orientation        3 or 9 numbers [rad], optional
+                             axes of the shape in the body's: rotation vector, or
+                             (without unit) matrix row by row
+          density            number > 0 [kg/m3], optional
+                             of a body: the form is solid and adds its mass and inertia
+                             to those stated
+          rectangle          2 numbers, each > 0 [m], optional
+                             of a beam: sides along b2 and b3, in place of those that
+                             its stiffness suggests
+          ellipse            2 numbers, each > 0 [m], optional
+                             of a beam: diameters along b2 and b3
+          to                 2 numbers, each > 0 [m], optional
+                             of a beam: sides or diameters at its end (default: as at
+                             the start)
+          colour             text, optional
+                             #rrggbb, or one of the 17 names of CSS: black silver gray
+                             white maroon red purple fuchsia green lime olive yellow
+                             navy blue teal aqua orange. A shape that states nothing
+                             else colours what is drawn without it
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
 
 class CurveElement(Element):
     def point(self, *, at: Value = None, normal: Value = None, twist: Value = None) -> PointElement:
@@ -4857,6 +5094,79 @@ class CurveElement(Element):
           </mbd>
         """
         ...
+    def shape(self, *, box: Value = None, cylinder: Value = None, sphere: Value = None, mesh: Value = None, unit: Value = None, at: Value = None, orientation: Value = None, density: Value = None, rectangle: Value = None, ellipse: Value = None, to: Value = None, colour: Value = None) -> ShapeElement:
+        """<shape>
+          What a body or a beam looks like, for the eye: pages, pictures and files for
+          ParaView. Of a body with a density it is also its mass.
+          Stands in <body>, <beam>, <arc>, <curve>, <defaults>.
+
+        Attributes:
+          box                3 numbers, each > 0 [m], optional
+                             of a body: its sides along the axes of the shape
+          cylinder           2 numbers, each > 0 [m], optional
+                             of a body: diameter and length, which lies along the third
+                             axis
+          sphere             number > 0 [m], optional
+                             of a body: diameter
+          mesh               text, optional
+                             of a body: a file of triangles, .stl, .obj, .gltf or .glb;
+                             a relative path is from the model's directory. The file's
+                             origin and axes are those of the shape
+          unit               number > 0 [m], default 1
+                             length of one unit of the mesh's file, such as 1 mm
+          at                 3 numbers [m], optional
+                             middle of the form (of a mesh: its origin) from the
+                             reference point, body axes (default 0 0 0)
+          orientation        3 or 9 numbers [rad], optional
+                             axes of the shape in the body's: rotation vector, or
+                             (without unit) matrix row by row
+          density            number > 0 [kg/m3], optional
+                             of a body: the form is solid and adds its mass and inertia
+                             to those stated
+          rectangle          2 numbers, each > 0 [m], optional
+                             of a beam: sides along b2 and b3, in place of those that
+                             its stiffness suggests
+          ellipse            2 numbers, each > 0 [m], optional
+                             of a beam: diameters along b2 and b3
+          to                 2 numbers, each > 0 [m], optional
+                             of a beam: sides or diameters at its end (default: as at
+                             the start)
+          colour             text, optional
+                             #rrggbb, or one of the 17 names of CSS: black silver gray
+                             white maroon red purple fuchsia green lime olive yellow
+                             navy blue teal aqua orange. A shape that states nothing
+                             else colours what is drawn without it
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
     def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
         """Reads its contents several times."""
         ...
@@ -4865,6 +5175,81 @@ class PointElement(Element):
     ...
 
 class BodyElement(Element):
+    def shape(self, *, box: Value = None, cylinder: Value = None, sphere: Value = None, mesh: Value = None, unit: Value = None, at: Value = None, orientation: Value = None, density: Value = None, rectangle: Value = None, ellipse: Value = None, to: Value = None, colour: Value = None) -> ShapeElement:
+        """<shape>
+          What a body or a beam looks like, for the eye: pages, pictures and files for
+          ParaView. Of a body with a density it is also its mass.
+          Stands in <body>, <beam>, <arc>, <curve>, <defaults>.
+
+        Attributes:
+          box                3 numbers, each > 0 [m], optional
+                             of a body: its sides along the axes of the shape
+          cylinder           2 numbers, each > 0 [m], optional
+                             of a body: diameter and length, which lies along the third
+                             axis
+          sphere             number > 0 [m], optional
+                             of a body: diameter
+          mesh               text, optional
+                             of a body: a file of triangles, .stl, .obj, .gltf or .glb;
+                             a relative path is from the model's directory. The file's
+                             origin and axes are those of the shape
+          unit               number > 0 [m], default 1
+                             length of one unit of the mesh's file, such as 1 mm
+          at                 3 numbers [m], optional
+                             middle of the form (of a mesh: its origin) from the
+                             reference point, body axes (default 0 0 0)
+          orientation        3 or 9 numbers [rad], optional
+                             axes of the shape in the body's: rotation vector, or
+                             (without unit) matrix row by row
+          density            number > 0 [kg/m3], optional
+                             of a body: the form is solid and adds its mass and inertia
+                             to those stated
+          rectangle          2 numbers, each > 0 [m], optional
+                             of a beam: sides along b2 and b3, in place of those that
+                             its stiffness suggests
+          ellipse            2 numbers, each > 0 [m], optional
+                             of a beam: diameters along b2 and b3
+          to                 2 numbers, each > 0 [m], optional
+                             of a beam: sides or diameters at its end (default: as at
+                             the start)
+          colour             text, optional
+                             #rrggbb, or one of the 17 names of CSS: black silver gray
+                             white maroon red purple fuchsia green lime olive yellow
+                             navy blue teal aqua orange. A shape that states nothing
+                             else colours what is drawn without it
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
+        """
+        ...
+
+class ShapeElement(Element):
     ...
 
 class DriveElement(Element):

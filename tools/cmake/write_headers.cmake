@@ -1,0 +1,43 @@
+# Writes the headers of libmbd as programs include them, below one directory: libmbd/core/se3.hpp is <mbd/core/se3.hpp>,
+# elements/element.hpp is <mbd/elements/element.hpp>.
+# Usage: cmake -DSOURCE=… -DABI=<abi.hpp> -DINCLUDE=<directory of mbd/> [-DFORWARD=ON] -P write_headers.cmake
+#   FORWARD: in place of copies, headers that include those of the source tree
+cmake_minimum_required(VERSION 3.25)
+foreach(name SOURCE ABI INCLUDE)
+  if(NOT ${name})
+    message(FATAL_ERROR "write_headers.cmake needs -D${name}=…")
+  endif()
+endforeach()
+
+set(rooms elements joints solvers)
+list(JOIN rooms "|" any_room)
+set(headers "")
+foreach(room IN ITEMS libmbd LISTS rooms)
+  file(GLOB_RECURSE found RELATIVE "${SOURCE}" "${SOURCE}/${room}/*.hpp" "${SOURCE}/${room}/*.h")
+  list(APPEND headers ${found})
+endforeach()
+list(REMOVE_ITEM headers solvers/newton/sundials.hpp)  # of two sources
+
+file(REMOVE_RECURSE "${INCLUDE}/mbd")
+file(COPY "${ABI}" DESTINATION "${INCLUDE}/mbd")
+foreach(header IN LISTS headers)
+  string(REGEX REPLACE "^libmbd/" "" name "${header}")
+  if(FORWARD)
+    set(text "#pragma once\n#include \"${header}\"\n")
+  else()
+    file(READ "${SOURCE}/${header}" text)
+    string(REGEX REPLACE "\n#include \"libmbd/([^\"]+)\"" "\n#include <mbd/\\1>" text "${text}")
+    string(REGEX REPLACE "\n#include \"((${any_room})/[^\"]+)\"" "\n#include <mbd/\\1>" text "${text}")
+    if(text MATCHES "\n#include \"([^\"]*)\"")
+      message(FATAL_ERROR "${header} includes \"${CMAKE_MATCH_1}\", which is in no directory of headers that are installed")
+    endif()
+  endif()
+  if(header MATCHES "[.]hpp$")
+    string(REPLACE "#pragma once\n" "#pragma once\n#include <mbd/abi.hpp>\n" with_abi "${text}")
+    if(with_abi STREQUAL text)
+      message(FATAL_ERROR "${header} has no line #pragma once")
+    endif()
+    set(text "${with_abi}")
+  endif()
+  file(WRITE "${INCLUDE}/mbd/${name}" "${text}")
+endforeach()
