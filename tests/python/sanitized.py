@@ -3,7 +3,7 @@ made, used and dropped many times. A leak counts where the module or the library
 
 Usage: sanitized.py RUNTIME     the sanitizers' shared library; PYTHONPATH has the module with instruments
 
-Tried in it, and killed: a state that is never freed; a read beyond the end of an array; an overflow of an int in the module.
+Tried in it, and killed, in the module: memory that is never freed; a read beyond the end of an array; an overflow of an int.
 """
 
 import ctypes.util

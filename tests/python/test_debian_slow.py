@@ -54,7 +54,7 @@ def files_of(package):
 def test_what_they_hold_and_need(packages):
     listed = {name: files_of(file) for name, file in packages.items()}
     assert "/usr/bin/mbd" in listed["mbd"]
-    assert "/usr/include/mbd/libmbd/mbd.hpp" in listed["libmbd-multibody-dev"]
+    assert "/usr/include/mbd/mbd.hpp" in listed["libmbd-multibody-dev"]
     assert any(file.endswith("/cmake/mbd/mbdConfig.cmake") for file in listed["libmbd-multibody-dev"])
     assert "/usr/lib/python3/dist-packages/mbd/__init__.py" in listed["python3-mbd"]
     for one in NAMES:

@@ -1,6 +1,6 @@
 """A sweep of 200 runs of the shaft over its speed uses every processor, is interrupted, and goes on.
 
-Tried in it, and killed: one job by default; rows that are kept only at the end; a sweep that begins anew; points in another order.
+Tried in it, and killed: one job by default; rows that are kept only at the end; a sweep that begins anew.
 """
 
 import csv
