@@ -3277,8 +3277,9 @@ class DefaultsElement(Element):
                              of a body: a file of triangles, .stl, .obj, .gltf or .glb;
                              a relative path is from the model's directory. The file's
                              origin and axes are those of the shape
-          unit               number > 0 [m], default 1
+          unit               number > 0 [m], optional
                              length of one unit of the mesh's file, such as 1 mm
+                             (default 1 m)
           at                 3 numbers [m], optional
                              middle of the form (of a mesh: its origin) from the
                              reference point, body axes (default 0 0 0)
@@ -4959,8 +4960,9 @@ class BeamElement(Element):
                              of a body: a file of triangles, .stl, .obj, .gltf or .glb;
                              a relative path is from the model's directory. The file's
                              origin and axes are those of the shape
-          unit               number > 0 [m], default 1
+          unit               number > 0 [m], optional
                              length of one unit of the mesh's file, such as 1 mm
+                             (default 1 m)
           at                 3 numbers [m], optional
                              middle of the form (of a mesh: its origin) from the
                              reference point, body axes (default 0 0 0)
@@ -5034,8 +5036,9 @@ class ArcElement(Element):
                              of a body: a file of triangles, .stl, .obj, .gltf or .glb;
                              a relative path is from the model's directory. The file's
                              origin and axes are those of the shape
-          unit               number > 0 [m], default 1
+          unit               number > 0 [m], optional
                              length of one unit of the mesh's file, such as 1 mm
+                             (default 1 m)
           at                 3 numbers [m], optional
                              middle of the form (of a mesh: its origin) from the
                              reference point, body axes (default 0 0 0)
@@ -5147,8 +5150,9 @@ class CurveElement(Element):
                              of a body: a file of triangles, .stl, .obj, .gltf or .glb;
                              a relative path is from the model's directory. The file's
                              origin and axes are those of the shape
-          unit               number > 0 [m], default 1
+          unit               number > 0 [m], optional
                              length of one unit of the mesh's file, such as 1 mm
+                             (default 1 m)
           at                 3 numbers [m], optional
                              middle of the form (of a mesh: its origin) from the
                              reference point, body axes (default 0 0 0)
@@ -5228,8 +5232,9 @@ class BodyElement(Element):
                              of a body: a file of triangles, .stl, .obj, .gltf or .glb;
                              a relative path is from the model's directory. The file's
                              origin and axes are those of the shape
-          unit               number > 0 [m], default 1
+          unit               number > 0 [m], optional
                              length of one unit of the mesh's file, such as 1 mm
+                             (default 1 m)
           at                 3 numbers [m], optional
                              middle of the form (of a mesh: its origin) from the
                              reference point, body axes (default 0 0 0)
