@@ -73,7 +73,7 @@ std::string fault_of(const mbd_plugin* plugin) {
   return {};
 }
 
-std::shared_ptr<const mbd_plugin> load(const std::filesystem::path& file) {
+std::shared_ptr<const mbd_plugin> opened(const std::filesystem::path& file) {
   const std::string who = fmt::format("plug-in {}: ", file.string());
   std::error_code code;
   if (!std::filesystem::is_regular_file(file, code))
@@ -211,7 +211,7 @@ class PluginForce final : public Force {
 }  // namespace
 
 void use_plugin(Scene& scene, const std::filesystem::path& file) {
-  const std::shared_ptr<const mbd_plugin> plugin = load(file);
+  const std::shared_ptr<const mbd_plugin> plugin = opened(file);
   bool is_used = false;
   for (ExtensionScene& extension : scene.extensions) {
     if (find_force(*plugin, extension.force) == nullptr) continue;

@@ -107,6 +107,12 @@ bool run_on_slurm(SweepTable& table, const SweepArguments& arguments,
   return table.study().whole() || InterruptHandler::flag();
 }
 
+// In what mpirun or srun has started; a share that is stated is none.
+std::optional<Rank> rank_here(const SweepArguments& arguments) {
+  if (!arguments.share.empty()) return std::nullopt;
+  return rank_of([](const char* name) { return std::getenv(name); });
+}
+
 SweepOptions options_of(const SweepArguments& arguments, const std::optional<Rank>& rank) {
   SweepOptions options;
   options.quantities = arguments.quantities;
@@ -125,9 +131,7 @@ SweepOptions options_of(const SweepArguments& arguments, const std::optional<Ran
 
 int sweep_model(const SweepArguments& arguments) {
   const bool on_slurm = arguments.on == "slurm";
-  const std::optional<Rank> rank = arguments.share.empty()
-                                       ? rank_of([](const char* name) { return std::getenv(name); })
-                                       : std::nullopt;
+  const std::optional<Rank> rank = rank_here(arguments);
   if (on_slurm && (rank || !arguments.share.empty()))
     throw Error("--on slurm: makes shares itself; leave out --share, mpirun and srun");
   if (!on_slurm && (arguments.tasks > 0 || arguments.no_wait || !arguments.sbatch.empty()))
