@@ -199,7 +199,7 @@ Vec3 end_of(const Scene& scene) {
   GeneralizedAlpha stepper(*made.system, make_klu_solver(),
                            {.step = *scene.transient->step, .rho_infinity = 0.0, .newton = {}});
   State state = made.initial;
-  stepper.start(state);
+  expect(stepper.start(state).converged, "it starts");
   for (int i = 0; i < 100; ++i) expect(stepper.step(state).converged, "steps converge");
   return state.pose[1].r;
 }
