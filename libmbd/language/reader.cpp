@@ -765,11 +765,10 @@ class Reader {
     // Its shapes may be all that there is of it; without any, what is left out was forgotten.
     const bool is_scenery =
         body.attached_to && body.attached_to->kind == Place::Kind::ground && !body.shapes.empty();
-    for (const std::string_view name : {"mass", "inertia"}) {
-      const bool both_missing = !item.has("mass") && !item.has("inertia");
-      if (!item.has(name) && !((has_mass || is_scenery) && both_missing))
+    if ((has_mass || is_scenery) && !item.has("mass") && !item.has("inertia")) return true;
+    for (const std::string_view name : {"mass", "inertia"})
+      if (!item.has(name))
         item.fail(schema::missing(*schema::find_attribute(item.element(), name)));
-    }
     return true;
   }
 

@@ -448,8 +448,8 @@ class Run {
       return is.mass > 0.0 && is.inertia.determinant() > 0.0;
     };
     for (const BodyScene& body : scene_.bodies)
-      if (!has_both(mass_properties(body)) &&
-          failure.find(fmt::format("body '{}',", body.name)) != std::string::npos)
+      if (failure.find(fmt::format("body '{}',", body.name)) != std::string::npos &&
+          !has_both(mass_properties(body)))
         throw Error(body.source, label(body) +
                                      ": its acceleration at the start is not determined: it lacks "
                                      "mass or inertia that no joint replaces; give it both");

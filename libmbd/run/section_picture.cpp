@@ -82,11 +82,6 @@ class Cells {
   std::vector<Cell> all_;
 };
 
-std::string code_of(const Colour& colour) {
-  const auto level = [](double x) { return std::lround(255.0 * std::clamp(x, 0.0, 1.0)); };
-  return fmt::format("#{:02x}{:02x}{:02x}", level(colour.r), level(colour.g), level(colour.b));
-}
-
 // The shades and what they stand for, at a height in the picture; closes it.
 std::string legend(double bar, double least, double most) {
   std::string svg;

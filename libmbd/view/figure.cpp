@@ -11,6 +11,7 @@
 #include <span>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/scene/shapes.hpp"
 #include "libmbd/view/outline.hpp"
 
 namespace mbd {
@@ -35,9 +36,8 @@ constexpr Colour beam_colour = hex(0x4f7fb5), body_colour = hex(0xc98a2b),
                  mass_colour = hex(0x7a5230), motion_colour = hex(0x1f8fa3),
                  record_colour = hex(0xd1478c), gap_colour = hex(0xff2a1a);
 
-Colour colour_from(const Json& code) {  // #rrggbb
-  const auto text = code.get<std::string>();
-  return hex(static_cast<unsigned>(std::stoul(text.substr(1), nullptr, 16)));
+Colour colour_from(const Json& code) {
+  return hex(colour_code(code.get<std::string>()).value_or(0));
 }
 
 struct At {
@@ -361,6 +361,13 @@ Part::Form form_of(const Json& of) {
 }
 
 }  // namespace
+
+std::string code_of(const Colour& c) {
+  const auto byte = [](double x) {
+    return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", byte(c.r), byte(c.g), byte(c.b));
+}
 
 std::vector<std::string> picture_quantities() {
   std::vector<std::string> names;

@@ -18,6 +18,7 @@ namespace mbd {
 struct Colour {
   double r = 0.0, g = 0.0, b = 0.0;  // 0 to 1
 };
+std::string code_of(const Colour& colour);  // #rrggbb
 
 // Positions [m] are from the drawing's centre, along inertial axes.
 struct Figure {

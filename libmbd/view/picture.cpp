@@ -280,13 +280,6 @@ std::optional<FlatArrow> flat(const Figure::Arrow& arrow, const Camera& camera, 
 
 // ---- SVG ----------------------------------------------------------------------------------------
 
-std::string hex(const Colour& c) {
-  const auto byte = [](double x) {
-    return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
-  };
-  return fmt::format("#{:02x}{:02x}{:02x}", byte(c.r), byte(c.g), byte(c.b));
-}
-
 nlohmann::ordered_json json(const Vec3& v) { return {v(0), v(1), v(2)}; }
 
 // Consecutive elements of one part stand in one group with its name.
@@ -487,7 +480,7 @@ std::string picture_svg(const Stage& stage, double instant, const Camera& camera
   const auto line = [&](const Figure::Line& l, const std::array<Projected, 2>& p) {
     svg += fmt::format(
         "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.2g}\"/>\n",
-        p[0].at[0], p[0].at[1], p[1].at[0], p[1].at[1], hex(l.colour),
+        p[0].at[0], p[0].at[1], p[1].at[0], p[1].at[1], code_of(l.colour),
         l.width * (l.behind ? 1.0 : k));
   };
   for (const Figure::Line& l : figure.lines)
@@ -525,7 +518,7 @@ std::string picture_svg(const Stage& stage, double instant, const Camera& camera
         const Point p = project(camera, figure.points[face.first + static_cast<std::size_t>(i)]).at;
         svg += fmt::format("{}{:.2f} {:.2f}", i == 0 ? "M" : "L", p[0], p[1]);
       }
-      const std::string colour = hex(item.face->colour);
+      const std::string colour = code_of(item.face->colour);
       if (face.opacity < 1.0)
         svg += fmt::format("z\" fill=\"{}\" fill-opacity=\"{:.2g}\"/>\n", colour, face.opacity);
       else
@@ -543,28 +536,29 @@ std::string picture_svg(const Stage& stage, double instant, const Camera& camera
       svg += fmt::format(
           "\" stroke=\"{0}\" stroke-width=\"{1:.2g}\" stroke-opacity=\"0.7\"/>\n"
           "<circle cx=\"{2:.3f}\" cy=\"{3:.3f}\" r=\"{4:.2g}\" fill=\"{0}\"/>\n",
-          hex(trail.colour), 1.4 * k, now[0], now[1], 3.5 * k);
+          code_of(trail.colour), 1.4 * k, now[0], now[1], 3.5 * k);
     }
     for (const Figure::Arrow& arrow : figure.arrows)
       if (const auto made = flat(arrow, camera, k)) {
         groups.of(arrow.part);
         svg += fmt::format(
             "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.2g}\"/>\n",
-            made->tail[0], made->tail[1], made->neck[0], made->neck[1], hex(arrow.colour), 2.4 * k);
+            made->tail[0], made->tail[1], made->neck[0], made->neck[1], code_of(arrow.colour),
+            2.4 * k);
         for (const auto& head : made->heads)
           svg += fmt::format(
               "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}L{:.2f} {:.2f}z\" fill=\"{}\"/>\n", head[0][0],
-              head[0][1], head[1][0], head[1][1], head[2][0], head[2][1], hex(arrow.colour));
+              head[0][1], head[1][0], head[1][1], head[2][0], head[2][1], code_of(arrow.colour));
       }
   }
   for (const Patch& patch : labels.patches)
     svg += fmt::format(
         "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n",
-        patch.x, patch.y, patch.width, patch.height, hex(patch.colour));
+        patch.x, patch.y, patch.width, patch.height, code_of(patch.colour));
   for (const Words& words : labels.words)
     svg += fmt::format(
         "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.3g}\" fill=\"{}\">{}</text>\n", words.at[0],
-        words.at[1], 1.38 * words.height, hex(words.colour), xml_escaped(words.text));
+        words.at[1], 1.38 * words.height, code_of(words.colour), xml_escaped(words.text));
   return svg + "</svg>\n";
 }
 

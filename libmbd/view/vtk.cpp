@@ -204,12 +204,9 @@ struct Body {
   Pose<double> centre;
   std::string shape;
   Vec3 box;
-  struct Mesh {
-    Pose<double> pose;  // body axes
-    std::vector<Vec3> points;
-    std::vector<std::int64_t> triangles;
-  };
-  std::vector<Mesh> meshes = {};
+  // Of a mesh, in the axes of `centre`.
+  std::vector<Vec3> points = {};
+  std::vector<std::int64_t> triangles = {};
 };
 struct Joint {
   std::int64_t part;
@@ -255,10 +252,9 @@ Body form_of(std::int64_t number, const At& at, const Json& form) {
   if (!form.contains("points"))
     return {number, at, pose, form.at("kind").get<std::string>(), vector_of(form.at("sides"))};
   Body body{number, at, pose, "mesh", Vec3::Zero()};
-  Body::Mesh mesh{pose, {}, form.at("triangles").get<std::vector<std::int64_t>>()};
+  body.triangles = form.at("triangles").get<std::vector<std::int64_t>>();
   for (std::size_t i = 0; i + 2 < form.at("points").size(); i += 3)
-    mesh.points.push_back(vector_of(form.at("points"), i));
-  body.meshes.push_back(std::move(mesh));
+    body.points.push_back(vector_of(form.at("points"), i));
   return body;
 }
 
@@ -507,17 +503,19 @@ class Scenery {
     piece.polygon_ends.push_back(static_cast<std::int64_t>(piece.polygons.size()));
   }
 
+  void add_mesh(Piece& piece, const Body& body) const {
+    piece.is_coarse = true;
+    const auto first = static_cast<std::int64_t>(piece.size());
+    const Pose<double> H = now(body.at) * body.centre, H0 = reference(body.at) * body.centre;
+    for (const Vec3& x : body.points) piece.add_point(body.part, H * x, H0 * x);
+    for (std::size_t i = 0; i + 2 < body.triangles.size(); i += 3)
+      add_polygon(piece, {first + body.triangles[i], first + body.triangles[i + 1],
+                          first + body.triangles[i + 2]});
+  }
+
   // A surface of revolution about the third axis, or the box: rings of corners, closed at both ends.
   void add_body(Piece& piece, const Body& body) const {
-    for (const Body::Mesh& mesh : body.meshes) {
-      piece.is_coarse = true;
-      const auto first = static_cast<std::int64_t>(piece.size());
-      const Pose<double> H = now(body.at) * mesh.pose, H0 = reference(body.at) * mesh.pose;
-      for (const Vec3& x : mesh.points) piece.add_point(body.part, H * x, H0 * x);
-      for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3)
-        add_polygon(piece, {first + mesh.triangles[i], first + mesh.triangles[i + 1],
-                            first + mesh.triangles[i + 2]});
-    }
+    if (!body.triangles.empty()) add_mesh(piece, body);
     if (!(body.box.maxCoeff() > 0.0)) return;
     piece.is_coarse = true;
     struct Ring {

@@ -259,10 +259,7 @@ TEST_F(DrawnShapes, FiguresHaveThem) {
 }
 
 TEST_F(DrawnShapes, FilesOfVtkHaveThem) {
-  std::string python;
-  for (const char* one : {"python3", "/usr/bin/python3"})
-    if (python.empty() && shell(std::string(one) + " -c " + quote("import vtk, numpy")).status == 0)
-      python = one;
+  const std::string python = python_with("vtk, numpy");
   if (python.empty())
     GTEST_SKIP() << "there is no Python with vtk; install python3-vtk9 (tools/install-dependencies "
                     "--with-python does)";

@@ -11,6 +11,13 @@
 
 namespace mbd::test {
 
+// A Python that has these modules; "" if there is none.
+inline std::string python_with(const std::string& modules) {
+  for (const char* python : {"python3", "/usr/bin/python3"})
+    if (shell(std::string(python) + " -c " + quote("import " + modules)).status == 0) return python;
+  return {};
+}
+
 class ProgramTest : public testing::Test {
  protected:
   std::filesystem::path file(const std::string& name) const { return directory_.path() / name; }
