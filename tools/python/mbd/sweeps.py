@@ -195,30 +195,40 @@ def _run_on(client, table, handle, plan, show):
     # A few more than run at once: rows come soon, and a million points are no burden to the scheduler.
     ahead = 4 * max(1, sum(worker["nthreads"] for worker in client.scheduler_info()["workers"].values()))
     point_of = {}
+    aside = []  # a worker that dies is held against all points that were there, also those that waited
 
-    def submit():
-        for point in itertools.islice(todo, 1):
+    def submit(points):
+        for point in itertools.islice(points, 1):
             future = client.submit(_run_there, model, list(zip(plan.parameters, plan.points[point])), columns, pure=False)
             point_of[future] = point
             return future
 
+    def take(future, alone=False):
+        nonlocal done
+        point = point_of.pop(future)
+        try:
+            row = future.result()
+        except KilledWorker as error:
+            if not alone:
+                aside.append(point)
+                return
+            row = ("lost", 0.0, 0.0, [], f"workers that ran it died: {error}")
+        except ModuleNotFoundError as error:
+            raise UseError(f"client: a worker has no mbd ({error}); install it where workers run") from error
+        table.add(point, row)
+        done += 1
+        if show is not None:
+            show(done, all)
+
     try:
-        running = as_completed([future for future in (submit() for _ in range(ahead)) if future is not None])
+        running = as_completed([future for future in (submit(todo) for _ in range(ahead)) if future is not None])
         for future in running:
-            point = point_of.pop(future)
-            try:
-                row = future.result()
-            except KilledWorker as error:
-                row = ("lost", 0.0, 0.0, [], f"workers that ran it died: {error}")
-            except ModuleNotFoundError as error:
-                raise UseError(f"client: a worker has no mbd ({error}); install it where workers run") from error
-            table.add(point, row)
-            done += 1
-            if show is not None:
-                show(done, all)
-            another = submit()
+            take(future)
+            another = submit(todo)
             if another is not None:
                 running.add(another)
+        for point in aside:  # one after the other: now it is theirs alone
+            take(submit(iter([point])), alone=True)
     except KeyboardInterrupt as error:
         return error
     finally:
