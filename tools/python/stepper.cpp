@@ -269,6 +269,10 @@ class StepperHandle {
           fmt::format("input \"{}\": over = {:g}; give seconds, more than 0", name, *over));
     input.ramp(value, state_.t, state_.t + *over);
   }
+  double input(const std::string& name) {
+    const Lock lock(*this);
+    return state_.inputs[find_input(name)].at(state_.t).v;
+  }
   py::dict inputs() {
     const Lock lock(*this);
     py::dict all;
@@ -477,6 +481,33 @@ void set_block(const py::object& self, const py::object& values) {
   to[py::ellipsis()] = given;
 }
 
+// What Stepper.input is: it and its stepper live as long as either is held.
+struct InputsHandle {
+  std::shared_ptr<StepperHandle> of;
+};
+
+py::object checkpoints() { return py::module_::import("mbd.checkpoints"); }
+
+py::bytes save(const py::object& self, const py::object& file) {
+  const py::bytes bytes = py::cast<StepperHandle&>(self).keep(false);
+  if (!file.is_none()) checkpoints().attr("write")(file, bytes, self);
+  return bytes;
+}
+
+py::bytes checkpoint_of(const py::object& from) {
+  if (py::isinstance<py::bytes>(from)) return py::reinterpret_borrow<py::bytes>(from);
+  return checkpoints().attr("read")(from);
+}
+
+py::dict linearized(StepperHandle& s) {
+  const StateHandle about = s.copy();
+  std::optional<Linearization> linear;
+  raise_if(
+      in_background([&](const std::atomic<bool>&) { linear = linearize(s.model(), about.state); }),
+      py::none());
+  return dict_of(*linear);
+}
+
 py::array three(const Vec3& x) { return py::array_t<double>(3, x.data()); }
 
 }  // namespace
@@ -509,6 +540,30 @@ void bind_stepper(py::module_& module) {
       .def(
           "copy", [](const StateHandle& s) { return s; }, "Another copy.");
 
+  py::class_<InputsHandle>(module, "Inputs",
+                           "Inputs of a Stepper, by name: s.input[\"torque\"] is what it is now, "
+                           "in its unit, and what is assigned is held from now on.")
+      .def(
+          "__getitem__",
+          [](const InputsHandle& h, const std::string& name) { return h.of->input(name); },
+          py::arg("name"))
+      .def(
+          "__setitem__",
+          [](const InputsHandle& h, const std::string& name, double value) {
+            h.of->set_input(name, value, std::nullopt);
+          },
+          py::arg("name"), py::arg("value"))
+      .def("__len__", [](const InputsHandle& h) { return h.of->input_names().size(); })
+      .def("__iter__", [](const InputsHandle& h) { return py::iter(h.of->inputs()); })
+      .def("__contains__", [](const InputsHandle& h,
+                              const py::object& name) { return h.of->inputs().contains(name); })
+      .def(
+          "keys", [](const InputsHandle& h) { return py::list(h.of->inputs()); },
+          "Names of the inputs.")
+      .def("__repr__", [](const InputsHandle& h) {
+        return "<mbd.Inputs " + std::string(py::str(h.of->inputs())) + ">";
+      });
+
   py::class_<StepperHandle, std::shared_ptr<StepperHandle>>(
       module, "Stepper",
       "Carries a model through time. Made by Model.stepper(). Arrays have a row for each node, "
@@ -533,22 +588,26 @@ void bind_stepper(py::module_& module) {
           "dict: inputs of the model as they are now, in their units (`input_names`).")
       .def_property_readonly("input_names", &StepperHandle::input_names,
                              "Names and units of the model's inputs.")
+      .def_property_readonly(
+          "input", [](std::shared_ptr<StepperHandle> s) { return InputsHandle{std::move(s)}; },
+          "Inputs by name: s.input[\"torque\"] = 3 is set_input(\"torque\", 3).")
       .def("set_input", &StepperHandle::set_input, py::arg("name"), py::arg("value"),
            py::arg("over") = py::none(),
            "Sets an input from now on, in its unit: held, or in a straight line that is at `value` "
            "after `over` "
            "seconds. Raises mbd.UnknownName and mbd.UseError.")
       .def(
-          "save", [](StepperHandle& s) { return s.keep(false); },
-          "The whole of the stepper as bytes. It and who restores them go on alike to the last "
-          "bit. Raises mbd.Error "
-          "for ida.")
+          "save", &save, py::arg("file") = py::none(),
+          "The whole of the stepper as bytes, also written to `file` if there is one; to x.h5 with "
+          "h5py, and the poses and velocities of the nodes beside it. It and who restores that go "
+          "on alike to the last bit. Raises mbd.Error for ida, and mbd.UseError where the file "
+          "cannot be written.")
       .def(
-          "restore", [](StepperHandle& s, const py::bytes& bytes) { s.resume(bytes, false); },
+          "restore",
+          [](StepperHandle& s, const py::object& from) { s.resume(checkpoint_of(from), false); },
           py::arg("checkpoint"),
-          "Goes on from what save() gave, of the same model with the same method and settings. "
-          "Raises mbd.UseError for "
-          "others.")
+          "Goes on from what save() gave, bytes or a file, of the same model with the same method "
+          "and settings. Raises mbd.UseError for others.")
       .def(
           "remember", [](StepperHandle& s) { return s.keep(true); },
           "As save(), for go_back(), which takes steps again with other inputs: the tangent is "
@@ -556,18 +615,8 @@ void bind_stepper(py::module_& module) {
       .def(
           "go_back", [](StepperHandle& s, const py::bytes& bytes) { s.resume(bytes, true); },
           py::arg("checkpoint"), "To where remember() was called.")
-      .def(
-          "linearize",
-          [](StepperHandle& s) {
-            const StateHandle about = s.copy();
-            std::optional<Linearization> linear;
-            raise_if(in_background([&](const std::atomic<bool>&) {
-                       linear = linearize(s.model(), about.state);
-                     }),
-                     py::none());
-            return dict_of(*linear);
-          },
-          "As mbd.linearize(), about the present state.")
+      .def("linearize", &linearized, "As mbd.linearize(), about the present state.")
+      .def("linearise", &linearized, "The same as linearize().")
       .def("state", &StepperHandle::copy, "A copy of the present state.")
       .def_property_readonly("t", &StepperHandle::t, "Time [s].")
       .def_property_readonly("duration", &StepperHandle::duration, "Of the transient [s].")

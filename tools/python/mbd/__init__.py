@@ -10,7 +10,7 @@ Numbers are in SI units and radians; strings may carry another unit ("30 rpm"). 
 (ModelError, RunError, UseError, UnknownName), Ctrl-C an mbd.Interrupted.
 """
 
-from ._mbd import State, Stepper
+from ._mbd import Inputs, State, Stepper
 from ._mbd import has_pages, version as __version__
 from .errors import Error, Interrupted, ModelError, RunError, UnknownName, UseError
 from .model import Model, Page, Results, read
@@ -18,12 +18,12 @@ from .scene import Element, Scene
 from .studies import accuracy, campbell, effects, linearize, modes
 from .sweeps import Sweep, sweep
 
-for _class in (State, Stepper):
+for _class in (Inputs, State, Stepper):
     _class.__module__ = "mbd"
 del _class
 
 __all__ = [
-    "Element", "Error", "Interrupted", "Model", "ModelError", "Page", "Results", "RunError", "Scene", "State",
+    "Element", "Error", "Inputs", "Interrupted", "Model", "ModelError", "Page", "Results", "RunError", "Scene", "State",
     "Stepper", "Sweep", "UnknownName", "UseError", "accuracy", "campbell", "effects", "has_pages", "linearize", "modes", "read",
     "sweep", "__version__",
 ]
