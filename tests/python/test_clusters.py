@@ -160,6 +160,29 @@ def test_wrong_use(rod, tmp_path, program):
     assert done.returncode == 1 and "sbatch refused: invalid partition specified: fast" in done.stderr
 
 
+def test_wrong_use_of_slurm_from_python(rod, tmp_path, monkeypatch):
+    out = tmp_path / "o"
+    for given, kind in (({"on": "sluurm"}, mbd.UseError), ({"on": 3}, mbd.UseError), ({"on": "slurm", "out": None}, TypeError),
+                        ({"on": "slurm", "share": "1/2"}, TypeError), ({"on": "slurm", "client": object()}, TypeError),
+                        ({"on": "slurm", "tasks": 0}, mbd.UseError), ({"on": "slurm", "tasks": float("nan")}, ValueError),
+                        ({"on": "slurm", "tasks": "many"}, ValueError), ({"on": "slurm", "jobs": 0}, mbd.UseError),
+                        ({"tasks": 3}, TypeError), ({"wait": False}, TypeError),
+                        ({"sbatch": ["--time=9"]}, TypeError), ({"on": "slurm", "sbatch": 3}, TypeError)):
+        with pytest.raises(kind):
+            mbd.sweep(rod, {"W": [1]}, **{"out": out, **given})
+    nowhere = tmp_path / "bin"
+    nowhere.mkdir()
+    monkeypatch.setenv("PATH", str(nowhere))
+    with pytest.raises(mbd.UseError, match="there is no sbatch on PATH"):
+        mbd.sweep(rod, {"W": [1]}, on="slurm", out=out)
+    (nowhere / "sbatch").write_text("#!/bin/sh\necho 'invalid partition specified: fast' >&2; exit 1\n")
+    (nowhere / "sbatch").chmod(0o755)
+    with pytest.raises(mbd.UseError, match="sbatch refused: invalid partition specified: fast"):
+        mbd.sweep(rod, {"W": [1]}, on="slurm", out=out)
+    with pytest.raises(mbd.Error, match="tup"):
+        mbd.sweep(rod, {"W": [1]}, quantity="tup", on="slurm", out=tmp_path / "p")
+
+
 def test_what_launchers_say(rod, tmp_path):
     """Ranks of launchers that may not be here, and variables that make none."""
     def run(**variables):
@@ -297,6 +320,90 @@ def test_ctrl_c_ends_the_job(rod, tmp_path, slurm):
     running.send_signal(signal.SIGINT)
     assert running.wait() == 130
     wait_until(lambda: slurm.ask("squeue", "-h", "-j", job, "-o", "%T") == "" and not sweep_of("[12]/2"))
+
+
+@pytest.fixture
+def slurm_here(slurm, monkeypatch):
+    """For sbatch and its like that this process starts."""
+    monkeypatch.setenv("SLURM_CONF", slurm.environment["SLURM_CONF"])
+    return slurm
+
+
+def on_slurm(model, out, **more):
+    return mbd.sweep(model, {"W": "1:30:1"}, quantity=["tip.displacement.3", "hinge.angle@rms"], on="slurm", out=out, **more)
+
+
+def jobs_of(slurm):
+    return set(slurm.ask("squeue", "-h", "-o", "%A").split())
+
+
+@needs_slurm
+def test_slurm_from_python(rod, tmp_path, serial, slurm_here, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # tasks begin wherever they do: names are those of here
+    seen = []
+    s = on_slurm(rod.name, "o", tasks=3, progress=lambda done, all: seen.append((done, all)))
+    out = tmp_path / "o"
+    assert table(out)[1] == serial[1] and s.found == 0
+    assert {file.name for file in out.glob("*.rows")} == {"sweep.rows", *(f"sweep.{i}-of-3.rows" for i in (1, 2, 3))}
+    assert seen[-1] == (30, 30) and seen == sorted(seen)
+    # All is there: nothing is submitted, in any cut.
+    before = jobs_of(slurm_here)
+    again = on_slurm(rod, out, tasks=4)
+    assert again.found == 30 and again.values.tobytes() == s.values.tobytes() and jobs_of(slurm_here) == before
+    # Models that are no files, and values of parameters, are sent along; options are sbatch's.
+    text = mbd.Model(text=PENDULUM, set={"L": "500 mm"})
+    there = mbd.sweep(text, points=[{"W": 1}, {"W": "2"}], quantity="tip", on="slurm", out=tmp_path / "text", jobs=2,
+                      sbatch=["--comment=here is one", "--time=9"])
+    assert there.values.tobytes() == mbd.sweep(text, {"W": [1, 2]}, quantity="tip", jobs=1).values.tobytes()
+
+
+@needs_slurm
+def test_python_does_not_wait_for_slurm(rod, tmp_path, serial, slurm_here):
+    s = on_slurm(rod, tmp_path / "o", tasks=2, wait=False)
+    assert "open" in s.status
+    wait_until(lambda: (tmp_path / "o" / "sweep.csv").exists())
+    assert table(tmp_path / "o")[1] == serial[1]
+
+
+@needs_slurm
+def test_a_task_of_python_on_slurm_is_killed(rod, tmp_path, serial, slurm_here):
+    out = tmp_path / "o"
+    first = out / "sweep.1-of-2.rows"
+
+    def kill(done, all):
+        if not killed and first.exists() and first.read_bytes().count(b"\n") >= 4:
+            killed.append(task_of_python(out, "1/2"))
+            os.kill(killed[0], signal.SIGKILL)
+
+    killed = []
+    rod.write_text(rod.read_text().replace('duration="40"', 'duration="120"'))  # it is there when it is looked for
+    with pytest.raises(mbd.RunError, match="their tasks of Slurm ended early") as caught:
+        on_slurm(rod, out, tasks=2, progress=kill)
+    assert killed and 0 < caught.value.results.status.count("open") < 15
+    s = on_slurm(rod, out, tasks=2)
+    assert s.found == 30 - caught.value.results.status.count("open")
+    assert s.status == mbd.sweep(rod, {"W": "1:30:1"}, quantity="tip", jobs=2).status
+
+
+def task_of_python(out, share):
+    """The oldest process of a share of a sweep of Python, or None."""
+    found = subprocess.run(["pgrep", "-o", "-f", f"_task.*{out}/.* --share {share}"], text=True, capture_output=True, check=False)
+    return int(found.stdout) if found.stdout else None
+
+
+@needs_slurm
+def test_ctrl_c_in_python_ends_the_job(rod, tmp_path, slurm_here):
+    rod.write_text(rod.read_text().replace('duration="40"', 'duration="4000"'))
+    out, before = tmp_path / "o", jobs_of(slurm_here)
+
+    def interrupt(done, all):
+        if task_of_python(out, "1/2"):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(mbd.Interrupted) as caught:
+        on_slurm(rod, out, tasks=2, progress=interrupt)
+    assert caught.value.results.status.count("open") > 20 and (out / "sweep.csv").exists()
+    wait_until(lambda: jobs_of(slurm_here) == before and not task_of_python(out, "[12]/2"))
 
 
 @needs_slurm

@@ -107,9 +107,9 @@ std::string submit(const SlurmJob& job) {
   const Said said = ask(words);
   if (said.status == not_found)
     throw Error(
-        "--on slurm: there is no sbatch on PATH; go to a machine that submits to Slurm, or leave "
-        "out --on to run here");
-  if (said.status != 0) throw Error("--on slurm: sbatch refused: " + said.text);
+        "Slurm: there is no sbatch on PATH; go to a machine that submits to Slurm, or run here, "
+        "without it");
+  if (said.status != 0) throw Error("Slurm: sbatch refused: " + said.text);
   // "12" or "12;cluster", after warnings.
   const std::size_t line = said.text.rfind('\n') + 1;
   return said.text.substr(line, said.text.find(';', line) - line);

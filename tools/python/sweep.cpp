@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "libmbd/study/sweep/sweep.hpp"
+#include "tools/mbd/shares.hpp"
 #include "tools/python/background.hpp"
 #include "tools/python/errors.hpp"
 #include "tools/python/model.hpp"
@@ -126,6 +127,28 @@ Row run_one(const ModelHandle& model, const Overrides& values,
   return {std::string(word_of(row.status)), row.t, row.cpu, row.values, row.message};
 }
 
+// What goes wrong with Slurm is wrong use of the machine, not of the model.
+std::string submit_to_slurm(const std::vector<std::string>& command,
+                            const std::vector<std::size_t>& numbers, std::size_t tasks, int jobs,
+                            const std::string& logs, const std::vector<std::string>& options) {
+  const py::gil_scoped_release release;
+  try {
+    return submit({command, numbers, tasks, jobs, logs, options});
+  } catch (const Error& error) {
+    throw UseError(error.what());
+  }
+}
+
+// `done` is asked once a second, and may raise: that ends it, too.
+void wait_for_slurm(const std::string& id, const py::function& done) {
+  const py::gil_scoped_release release;
+  wait_for(id, [&] {
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return py::cast<bool>(done());
+  });
+}
+
 void add(SweptModel& t, std::size_t point, const Row& given) {
   const auto& [status, time, cpu, values, message] = given;
   const SweepStudy& study = t.table.study();
@@ -156,9 +179,15 @@ void bind_sweep(py::module_& module) {
       .def("run", &run_here, py::arg("jobs"), py::arg("progress"))
       .def("add", &add)
       .def("open", [](const SweptModel& t) { return t.table.open(); })
+      .def("look_again", [](SweptModel& t) { t.table.look_again(); })
       .def("leave", [](SweptModel& t) { t.table.leave(); })
       .def("columns", &column_names)
       .def("found", &found);
+  module.def("submit_to_slurm", &submit_to_slurm, py::arg("command"), py::arg("numbers"),
+             py::arg("tasks"), py::arg("jobs"), py::arg("logs"), py::arg("options"));
+  module.def("wait_for_slurm", &wait_for_slurm, py::arg("id"), py::arg("done"));
+  module.def(
+      "cancel_in_slurm", [](const std::string& id) { cancel(id); }, py::arg("id"));
   module.def("run_point", &run_one, py::arg("model"), py::arg("values"), py::arg("columns"));
 }
 

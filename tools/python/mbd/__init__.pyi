@@ -181,6 +181,20 @@ class Sweep:
         """All numbers, (points, columns)."""
         ...
 
+class Inputs:
+    """Inputs of a Stepper, by name: s.input["torque"] is what it is now, in its unit, and what is assigned is held from now on."""
+    def __contains__(self, arg0: Any) -> bool:
+        ...
+    def __getitem__(self, name: str) -> float:
+        ...
+    def __iter__(self) -> Iterator:
+        ...
+    def __len__(self) -> int:
+        ...
+    def keys(self) -> list:
+        """Names of the inputs."""
+        ...
+
 class Scene(Element):
     """A model built in Python, with the names of model files: scene.beam(name="b", from_=(0, 0, 0), …). Values are
     numbers, sequences or arrays of them, or texts as in files (expressions, numbers with units). Attributes `from`
@@ -2401,6 +2415,10 @@ class Stepper:
         """To where remember() was called."""
         ...
     @property
+    def input(self) -> Inputs:
+        """Inputs by name: s.input["torque"] = 3 is set_input("torque", 3)."""
+        ...
+    @property
     def input_names(self) -> List[Tuple[str, str]]:
         """Names and units of the model's inputs."""
         ...
@@ -2415,6 +2433,9 @@ class Stepper:
     @property
     def joints(self) -> List[str]:
         """Names of joints that have multipliers."""
+        ...
+    def linearise(self) -> Dict[str, Any]:
+        """The same as linearize()."""
         ...
     def linearize(self) -> Dict[str, Any]:
         """As mbd.linearize(), about the present state."""
@@ -2461,11 +2482,11 @@ class Stepper:
     def remember(self) -> bytes:
         """As save(), for go_back(), which takes steps again with other inputs: the tangent is kept."""
         ...
-    def restore(self, checkpoint: bytes) -> None:
-        """Goes on from what save() gave, of the same model with the same method and settings. Raises mbd.UseError for others."""
+    def restore(self, checkpoint: Any) -> None:
+        """Goes on from what save() gave, bytes or a file, of the same model with the same method and settings. Raises mbd.UseError for others."""
         ...
-    def save(self) -> bytes:
-        """The whole of the stepper as bytes. It and who restores them go on alike to the last bit. Raises mbd.Error for ida."""
+    def save(self, file: Any = None) -> bytes:
+        """The whole of the stepper as bytes, also written to `file` if there is one; to x.h5 with h5py, and the poses and velocities of the nodes beside it. It and who restores that go on alike to the last bit. Raises mbd.Error for ida, and mbd.UseError where the file cannot be written."""
         ...
     def set_input(self, name: str, value: float, over: Optional[float] = None) -> None:
         """Sets an input from now on, in its unit: held, or in a straight line that is at `value` after `over` seconds. Raises mbd.UnknownName and mbd.UseError."""
@@ -2516,10 +2537,10 @@ class ModelError(Error):
         ...
 
 class RunError(Error):
-    """A run or a step in time that ended before its end.
+    """A run or a step in time that ended before its end, or a sweep whose tasks did.
 
     t: float, the time reached [s] (without a transient 0)
-    results: mbd.Results up to there; None of a step
+    results: mbd.Results up to there, of a sweep on Slurm the mbd.Sweep; None of a step
     """
     def __init__(self, message: Any, t: Any = 0.0, results: Any = None) -> None:
         ...
@@ -6274,7 +6295,7 @@ def read(directory: Any) -> Results:
     """Results that `mbd run` has written: a directory, or a CSV file with a line of names."""
     ...
 
-def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None, seed: Any = 1, quantity: Any = (), set: Any = None, jobs: Any = None, share: Any = None, client: Any = None, out: Any = None, progress: Any = False) -> Sweep:
+def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None, seed: Any = 1, quantity: Any = (), set: Any = None, jobs: Any = None, share: Any = None, client: Any = None, on: Any = None, tasks: Any = None, sbatch: Any = (), wait: Any = True, out: Any = None, progress: Any = False) -> Sweep:
     """Runs a model for many values of parameters, several at once, each in a process of its own, and returns a Sweep.
 
     model: file, Scene or Model
@@ -6283,17 +6304,22 @@ def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None
     points: a CSV file with a line of names, or a list of dicts, instead
     quantity: columns, quantities or records, with "@minimum", "@maximum", "@largest", "@mean" or "@rms" of the rows of
       results in place of the end; none: all that is recorded
-    jobs: processes at once; none: as many as there are processors
+    jobs: processes at once; none: as many as there are processors, of a task of Slurm one
     share: "2/8", only every eighth point from the second on, as one of eight processes with the same `out`: the last to
       end writes the table; the others' points that are not there yet are "open"
     client: a dask.distributed.Client, whose workers run the points, each in a thread of its own, in place of processes
       here. They need this mbd, and the model's files under the same names. What a worker that dies was running runs on
       another; a point with which several have died is "lost"
+    on: "slurm", to submit a job array to Slurm, a share in each of its `tasks` (none: one for each point, 100 at most), and
+      wait for it; Ctrl-C ends the job. `sbatch` has options for that command, ["--partition=long"]; those of all jobs are
+      better set in SBATCH_PARTITION … wait=False: submit and return; the last task writes the table in `out`, which all
+      machines must see, as this mbd and the model's files
     out: directory that gets sweep.csv and keeps rows as they come: the same sweep goes on from there after Ctrl-C or a
       kill, with more or other points too
     progress: True, or a function f(done, all)
 
-    Failures are rows. Raises ModelError where the model is wrong at any value, UseError, and Interrupted with the Sweep so
-    far. Its processes are forked: meanwhile no other thread may be inside mbd.
+    Failures are rows. Raises ModelError where the model is wrong at any value, UseError (also for what Slurm refuses),
+    RunError where tasks of Slurm ended early, and Interrupted; the last two have the Sweep so far in .results. Its processes
+    are forked: meanwhile no other thread may be inside mbd.
     """
     ...

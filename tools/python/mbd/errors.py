@@ -23,10 +23,10 @@ class ModelError(Error):
 
 
 class RunError(Error):
-    """A run or a step in time that ended before its end.
+    """A run or a step in time that ended before its end, or a sweep whose tasks did.
 
     t: float, the time reached [s] (without a transient 0)
-    results: mbd.Results up to there; None of a step
+    results: mbd.Results up to there, of a sweep on Slurm the mbd.Sweep; None of a step
     """
 
     def __init__(self, message, t=0.0, results=None):

@@ -3,11 +3,13 @@
 import functools
 import hashlib
 import itertools
+import json
 import os
+import pathlib
 import sys
 
 from . import _mbd
-from .errors import Interrupted, UseError
+from .errors import Interrupted, RunError, UseError
 from .model import Model
 from .values import names_of, text_of
 
@@ -87,7 +89,7 @@ class Sweep:
 
 
 def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set=None, jobs=None, share=None,
-          client=None, out=None, progress=False) -> "Sweep":
+          client=None, on=None, tasks=None, sbatch=(), wait=True, out=None, progress=False) -> "Sweep":
     """Runs a model for many values of parameters, several at once, each in a process of its own, and returns a Sweep.
 
     model: file, Scene or Model
@@ -96,29 +98,35 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
     points: a CSV file with a line of names, or a list of dicts, instead
     quantity: columns, quantities or records, with "@minimum", "@maximum", "@largest", "@mean" or "@rms" of the rows of
       results in place of the end; none: all that is recorded
-    jobs: processes at once; none: as many as there are processors
+    jobs: processes at once; none: as many as there are processors, of a task of Slurm one
     share: "2/8", only every eighth point from the second on, as one of eight processes with the same `out`: the last to
       end writes the table; the others' points that are not there yet are "open"
     client: a dask.distributed.Client, whose workers run the points, each in a thread of its own, in place of processes
       here. They need this mbd, and the model's files under the same names. What a worker that dies was running runs on
       another; a point with which several have died is "lost"
+    on: "slurm", to submit a job array to Slurm, a share in each of its `tasks` (none: one for each point, 100 at most), and
+      wait for it; Ctrl-C ends the job. `sbatch` has options for that command, ["--partition=long"]; those of all jobs are
+      better set in SBATCH_PARTITION … wait=False: submit and return; the last task writes the table in `out`, which all
+      machines must see, as this mbd and the model's files
     out: directory that gets sweep.csv and keeps rows as they come: the same sweep goes on from there after Ctrl-C or a
       kill, with more or other points too
     progress: True, or a function f(done, all)
 
-    Failures are rows. Raises ModelError where the model is wrong at any value, UseError, and Interrupted with the Sweep so
-    far. Its processes are forked: meanwhile no other thread may be inside mbd.
+    Failures are rows. Raises ModelError where the model is wrong at any value, UseError (also for what Slurm refuses),
+    RunError where tasks of Slurm ended early, and Interrupted; the last two have the Sweep so far in .results. Its processes
+    are forked: meanwhile no other thread may be inside mbd.
     """
     handle = model if isinstance(model, Model) else Model(model, set=set)
     if handle is model and set:
         raise TypeError("set: give it to the Model, or give the file in place of the Model")
+    _look_at_engine(on, client, share, tasks, sbatch, wait, out)
     plan = _plan_of(vary, points, latin, seed)
     if client is not None:
         if jobs is not None or share is not None:
             raise TypeError("client: its workers say how many run at once; leave out jobs and share")
         _look_at_client(client)
     elif jobs is None:
-        jobs = len(os.sched_getaffinity(0))
+        jobs = len(os.sched_getaffinity(0)) if on is None else 1
     else:
         jobs = int(jobs)
         if not 1 <= jobs <= 4096:
@@ -133,23 +141,110 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
     table = _mbd.SweepTable(handle._model, plan, names_of(quantity), None if out is None else os.fspath(out),
                             _fingerprint(handle), "", "" if share is None else str(share))
     try:
-        if client is None:
-            raised = table.run(jobs, show)
-        else:
+        if on == "slurm":
+            raised = _run_on_slurm(table, handle, plan, names_of(quantity), jobs, tasks, names_of(sbatch), wait, out, show)
+        elif client is not None:
             raised = _run_on(client, table, handle, plan, show)
+        else:
+            raised = table.run(jobs, show)
     finally:
         table.leave()  # however long a traceback may hold it
         if progress is True:
             sys.stderr.write("\r\033[K")
     result = Sweep(table.found())
-    if out is not None and (share is None or result._found["whole"]):
+    _write_table(result, out, share is not None or not wait)
+    if raised is not None:
+        raise Interrupted(result) if isinstance(raised, KeyboardInterrupt) else raised
+    if on == "slurm" and wait and not result._found["whole"]:
+        open = result.status.count("open")
+        raise RunError(f"{handle.name}: {open} points have no row: their tasks of Slurm ended early, "
+                       f"{os.path.join(out, 'slurm-*.log')} may say why; the same call goes on from here", results=result)
+    return result
+
+
+def _write_table(result, out, only_whole):
+    if out is not None and (result._found["whole"] or not only_whole):
         part = os.path.join(out, f".sweep.csv.{os.getpid()}.part")
         with open(part, "w", encoding="utf-8") as stream:
             stream.write(result.csv)
         os.replace(part, os.path.join(out, "sweep.csv"))
+
+
+def _look_at_engine(on, client, share, tasks, sbatch, wait, out):
+    if on is None:
+        if tasks is not None or len(sbatch) > 0 or not wait:
+            raise TypeError('tasks, sbatch and wait are of on="slurm"')
+        return
+    if on != "slurm":
+        raise UseError(f'on = {on!r}: give "slurm", or leave it out to run here')
+    if client is not None or share is not None:
+        raise TypeError('on="slurm" makes shares itself; leave out client and share')
+    if out is None:
+        raise TypeError('on="slurm": give out, the directory that all machines see')
+    if tasks is not None and not 1 <= int(tasks) <= 1000000:
+        raise UseError(f"tasks = {tasks}: give a number from 1 to 1000000")
+
+
+# ---- tasks of Slurm --------------------------------------------------------------------------------------
+
+# More would wait for the scheduler rather than for results.
+_MOST_TASKS = 100
+
+
+def _run_on_slurm(table, handle, plan, quantities, jobs, tasks, options, wait, out, show):
+    """Submits what is open, and waits. Returns what was raised meanwhile, or None."""
+    points = len(plan.points)
+    tasks = min(int(tasks or _MOST_TASKS), points)
+    numbers = sorted({point % tasks + 1 for point in table.open()})
+    if not numbers:
+        return None
+    out = os.path.abspath(out)
+    task = json.dumps({"model": _model_of(handle), "parameters": plan.parameters, "points": plan.points,
+                       "quantities": quantities, "jobs": jobs, "out": out})
+    # Named after what it says: an earlier job, which may still wait, keeps its own.
+    file = pathlib.Path(out, f"slurm-{hashlib.sha256(task.encode()).hexdigest()[:16]}.json")
+    part = file.with_name(f".{file.name}.{os.getpid()}.part")
+    part.write_text(task, encoding="utf-8")
+    part.replace(file)
+    package = str(pathlib.Path(__file__).resolve().parents[1])  # wherever this one came from
+    command = [sys.executable, "-c", "import sys; sys.path.insert(0, sys.argv.pop(1)); from mbd.sweeps import _task; _task()",
+               package, str(file)]
+    job = _mbd.submit_to_slurm(command, numbers, tasks, jobs, out, options)
+    if not wait:
+        return None
+
+    def done():
+        table.look_again()
+        open = len(table.open())
+        if show is not None:
+            show(points - open, points)
+        return open == 0
+
+    try:
+        _mbd.wait_for_slurm(job, done)
+        done()  # what came after the last look
+    except BaseException as error:
+        _mbd.cancel_in_slurm(job)
+        return error
+    return None
+
+
+def _task():
+    """A share of a sweep, as a task of Slurm: file of the sweep, --share, I/N."""
+    file, _, share = sys.argv[1:]
+    with open(file, encoding="utf-8") as stream:
+        task = json.load(stream)
+    name, text, overrides, digest = task["model"]
+    handle = _read_there(name, text, tuple(map(tuple, overrides)), digest)
+    table = _mbd.SweepTable(handle._model, _mbd.SweepPlan.list(task["parameters"], task["points"]), task["quantities"],
+                            task["out"], _fingerprint(handle), "", share)
+    try:
+        raised = table.run(task["jobs"], None)
+    finally:
+        table.leave()
+    _write_table(Sweep(table.found()), task["out"], True)
     if raised is not None:
-        raise Interrupted(result) if isinstance(raised, KeyboardInterrupt) else raised
-    return result
+        raise raised
 
 
 # ---- workers of Dask -------------------------------------------------------------------------------------
