@@ -701,6 +701,27 @@ TEST(Layering, FunctionsAreShort) {
   for (const LongFunction& one : long_functions) EXPECT_FALSE(one.reason.empty()) << one.name;
 }
 
+// Files of the library and the program that hold a text.
+std::string holders_of(const std::vector<SourceFile>& files, std::string_view text) {
+  std::vector<std::string> paths;
+  for (const SourceFile& file : files)
+    if (begins_with_any(file.path, of_short_functions) && is_source(file.path) &&
+        file.text.find(text) != std::string::npos)
+      paths.push_back(file.path);
+  std::sort(paths.begin(), paths.end());
+  return joined(paths);
+}
+
+TEST(Layering, OneWriterOfSvg) {
+  const std::string svg = "f(\"<svg xmlns=\\\"\")";
+  EXPECT_EQ(holders_of({{"libmbd/run/b.cpp", svg}, {"tools/mbd/a.hpp", svg}, {"tests/c.cpp", svg}},
+                       "<svg"),
+            "libmbd/run/b.cpp\ntools/mbd/a.hpp\n");
+  const std::vector<SourceFile> files = read_repository(MBD_SOURCE_DIR);
+  for (const std::string_view written : {"<svg ", "<text ", "<line ", "<circle "})
+    EXPECT_EQ(holders_of(files, written), "libmbd/text/svg.cpp\n") << written;
+}
+
 TEST(Layering, NothingElseAtTheTopLevel) {
   for (const auto& entry : fs::directory_iterator(MBD_SOURCE_DIR)) {
     const std::string name = entry.path().filename().string();

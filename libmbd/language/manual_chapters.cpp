@@ -853,7 +853,15 @@ frames unless `--frames` asks for more; `mbd export MODEL --vtk TO` the referenc
 are Lagrange curves of the order of the beams, through their nodes; quadrature points have resultants and,
 but for viscous sections, strains; outlines of sections and solids of bodies are those of the page;
 nodes, joints and recorded places have their axes as vectors, for glyphs, and joints their reactions (inertial
-axes). Stresses are not known: stiffness does not say where material is.
+axes).
+
+With `--stresses`, beams of one section that is stated by material and shape have them: `stresses` is a solid, the elements of
+the section swept from node to node, with `stress` in Pa along section axes (components 11 22 33 12 23 13), `von_mises` in
+Pa, and, where a material is not isotropic, `ply_stress` in Pa along the axes of its ply (LL TT NN TN LN LT), all from the
+resultants as centre lines have them. The model is read again for them, from where the
+run read it or from `--model FILE`, with the `--set` of the run. They leave out what stresses of records leave out; warping is not drawn. Sections by
+matrices say nothing of stresses, and one that varies is known at its stations only: such beams have none. A frame has
+20000 points at most (some 2 MB), unless elements of a mesh alone are more (then 400000).
 )md",
      R"xml(<mbd name="tip_deflection">
   <parameter name="P" value="1"/>

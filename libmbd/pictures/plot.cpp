@@ -11,6 +11,8 @@
 #include "libmbd/results/expect.hpp"
 #include "libmbd/results/report.hpp"
 #include "libmbd/scene/label.hpp"
+#include "libmbd/text/svg.hpp"
+#include "libmbd/text/text.hpp"
 
 namespace mbd::plot {
 namespace {
@@ -297,12 +299,9 @@ std::string marker_at(const Point& p, const Style& style) {
       fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"2\"", style.colour);
   switch (style.marker) {
     case Marker::circle:
-      return fmt::format("<circle class=\"m\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>\n",
-                         x, y, r, style.colour);
+      return svg::circle(x, y, r, fmt::format("class=\"m\" fill=\"{}\"", style.colour));
     case Marker::square:
-      return fmt::format(
-          "<rect class=\"m\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" {}/>\n", x - r,
-          y - r, 2 * r, 2 * r, open);
+      return svg::rectangle(x - r, y - r, 2 * r, 2 * r, "class=\"m\" " + open);
     case Marker::triangle:
       return fmt::format(
           "<path class=\"m\" d=\"M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}Z\" {}/>\n", x - 6.0,
@@ -319,8 +318,7 @@ std::string marker_at(const Point& p, const Style& style) {
     case Marker::ring:
       break;
   }
-  return fmt::format("<circle class=\"m\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {}/>\n", x, y, r,
-                     open);
+  return svg::circle(x, y, r, "class=\"m\" " + open);
 }
 
 // As marker_at, but each filled or each hollow; shapes that cannot be either have another.
@@ -422,7 +420,7 @@ struct Area {
   bool shows(const Point& p) const { return x.shows(p[0]) && y.shows(p[1]); }
 };
 
-void draw_curve(std::string& svg, std::size_t number, const Style& style, bool marked,
+void draw_curve(std::string& body, std::size_t number, const Style& style, bool marked,
                 const Panel& panel, const Area& area) {
   const Curve& curve = panel.curves[number];
   const auto to_picture = [&](const Point& p) -> Point {
@@ -446,12 +444,12 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
     drawing = inside;
   }
   if (points.size() > 1 && !curve.points_only)
-    svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n", path.take(),
-                       stroke(curve, style));
+    body += fmt::format("<path d=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n",
+                        path.take(), stroke(curve, style));
   if (!marked && !curve.points_only) return;
   if (points.size() <= few_points || curve.points_only || !curve.hollow.empty()) {
     for (std::size_t i = 0; i < points.size(); ++i)
-      if (area.shows(points[i])) svg += marker_of(curve, style, to_picture(points[i]), i);
+      if (area.shows(points[i])) body += marker_of(curve, style, to_picture(points[i]), i);
     return;
   }
   // Each curve has its own phase, so that markers of curves that coincide stand side by side.
@@ -460,7 +458,7 @@ void draw_curve(std::string& svg, std::size_t number, const Style& style, bool m
   for (std::size_t n = 0; n < sparse_markers; ++n) {
     const double at = (static_cast<double>(n) + phase) / static_cast<double>(sparse_markers);
     const auto i = static_cast<std::size_t>(at * static_cast<double>(points.size() - 1));
-    if (area.shows(points[i])) svg += marker_at(to_picture(points[i]), style);
+    if (area.shows(points[i])) body += marker_at(to_picture(points[i]), style);
   }
 }
 
@@ -587,13 +585,13 @@ Head head_of(const Panel& panel, const std::string& y_label, bool y_label_above)
 
 std::string text_at(double x, double y, std::string_view anchor, std::string_view text,
                     std::string_view more = "") {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}>{}</text>\n", x, y,
-                     anchor, more, xml_escaped(text));
+  return svg::text(x, y, text, fmt::format("{}text-anchor=\"{}\"", more, anchor));
 }
 
+constexpr std::string_view bold = "font-weight=\"bold\" ";
 // White round its letters: what it is written on does not matter.
 constexpr std::string_view halo =
-    " stroke=\"#ffffff\" stroke-width=\"5\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
+    "stroke=\"#ffffff\" stroke-width=\"5\" stroke-linejoin=\"round\" paint-order=\"stroke\" ";
 
 // Of a level, and of its sample.
 std::string level_line(double x0, double x1, double y) {
@@ -603,21 +601,21 @@ std::string level_line(double x0, double x1, double y) {
       x0, x1, y);
 }
 
-void draw_slope(std::string& svg, const Slope& slope, const Area& area) {
+void draw_slope(std::string& body, const Slope& slope, const Area& area) {
   for (const Point& p : {slope.from, slope.to})
     if (!area.shows(p)) return;
   const Point from = {area.place_x(slope.from[0]), area.place_y(slope.from[1])};
   const Point to = {area.place_x(slope.to[0]), area.place_y(slope.to[1])};
   const double low = std::max(from[1], to[1]);  // y points down
   const double corner = to[1] < from[1] ? to[0] : from[0];
-  svg += fmt::format(
+  body += fmt::format(
       "<path class=\"slope\" d=\"M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}Z\" fill=\"none\" "
       "stroke=\"#000000\" stroke-width=\"1.5\"/>\n",
       from[0], from[1], to[0], to[1], corner, low);
   const double half = width_of(slope.text) / 2 + 4.0;
   const double middle =
       std::clamp((from[0] + to[0]) / 2, area.x0 + half, std::max(area.x0 + half, area.x1 - half));
-  svg += text_at(middle, std::min(low + font, area.y0 - 8.0), "middle", slope.text, halo);
+  body += text_at(middle, std::min(low + font, area.y0 - 8.0), "middle", slope.text, halo);
 }
 
 // The left end of all rows of the legend: above the axes, or as far left as the widest needs.
@@ -631,13 +629,12 @@ double legend_left(const Panel& panel, const Head& head, double at_x, double x0)
   return left;
 }
 
-void draw_legend_entry(std::string& svg, const Panel& panel, std::size_t i, bool marked,
+void draw_legend_entry(std::string& body, const Panel& panel, std::size_t i, bool marked,
                        double left, double y) {
   const Curve& curve = panel.curves[i];
   const Style& style = style_of(panel, i);
   const auto sample = [&](const Curve& drawn) {
-    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", left,
-                       y - 4.0, left + legend_line - 8.0, y - 4.0, stroke(drawn, style));
+    body += svg::line(left, y - 4.0, left + legend_line - 8.0, y - 4.0, stroke(drawn, style));
   };
   for (std::size_t other = 0; other < panel.curves.size(); ++other)  // the broad one below it
     if (other != i && panel.curves[other].wide && panel.curves[other].label.empty() &&
@@ -645,15 +642,15 @@ void draw_legend_entry(std::string& svg, const Panel& panel, std::size_t i, bool
       sample(panel.curves[other]);
   if (!curve.points_only) sample(curve);
   if (marked || curve.points_only)
-    svg += marker_of(curve, style, {left + (legend_line - 8.0) / 2, y - 4.0}, no_number);
-  svg += text_at(left + legend_line, y + 4.0, "start", legend_text(curve));
+    body += marker_of(curve, style, {left + (legend_line - 8.0) / 2, y - 4.0}, no_number);
+  body += text_at(left + legend_line, y + 4.0, "start", legend_text(curve));
 }
 
 // What stands above the axes. Returns where that ends.
-double draw_head(std::string& svg, const Panel& panel, const Head& head,
+double draw_head(std::string& body, const Panel& panel, const Head& head,
                  const std::vector<bool>& marked, double at_x, double top, double x0) {
   for (const std::string& line : head.title) {
-    svg += text_at(at_x + panel_width / 2, top + 10.0, "middle", line, " font-weight=\"bold\"");
+    body += text_at(at_x + panel_width / 2, top + 10.0, "middle", line, bold);
     top += line_height;
   }
   if (!head.title.empty()) top += 10.0;
@@ -661,81 +658,78 @@ double draw_head(std::string& svg, const Panel& panel, const Head& head,
   for (const std::vector<std::size_t>& row : head.legend) {
     double item = legend_x;
     for (const std::size_t i : row) {
-      draw_legend_entry(svg, panel, i, marked[i], item, top);
+      draw_legend_entry(body, panel, i, marked[i], item, top);
       item += legend_width(panel.curves[i]);
     }
     top += line_height;
   }
   for (const Level& level : panel.levels) {
-    svg += level_line(legend_x, legend_x + legend_line - 8.0, top - 4.0);
-    svg += text_at(legend_x + legend_line, top + 4.0, "start",
-                   shortened(level.text, text_width - legend_line));
+    body += level_line(legend_x, legend_x + legend_line - 8.0, top - 4.0);
+    body += text_at(legend_x + legend_line, top + 4.0, "start",
+                    shortened(level.text, text_width - legend_line));
     top += line_height;
   }
   for (const std::string& line : head.y_label) {
-    svg += text_at(at_x + 24.0, top + 4.0, "start", line);
+    body += text_at(at_x + 24.0, top + 4.0, "start", line);
     top += line_height;
   }
   return top;
 }
 
 // Marks and ticks of the axes, and lines across at these.
-void draw_grid(std::string& svg, const Area& area, double at_x) {
+void draw_grid(std::string& body, const Area& area, double at_x) {
   const auto& [x, y, x0, x1, y0, top] = area;
   for (const double mark : x.between) {
     const double at = area.place_x(mark);
-    svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#000000\"/>\n", at,
-                       y0, y0 - 6.0);
+    body += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#000000\"/>\n", at,
+                        y0, y0 - 6.0);
   }
   for (const double mark : y.between) {
     const double at = area.place_y(mark);
-    svg += fmt::format("<path d=\"M{1:.1f},{0:.1f} {2:.1f},{0:.1f}\" stroke=\"#000000\"/>\n", at,
-                       x0, x0 + 6.0);
+    body += fmt::format("<path d=\"M{1:.1f},{0:.1f} {2:.1f},{0:.1f}\" stroke=\"#000000\"/>\n", at,
+                        x0, x0 + 6.0);
   }
   for (std::size_t i = 0; i < x.ticks.size(); ++i) {
     const double at = area.place_x(x.ticks[i]);
-    svg += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#dddddd\"/>\n", at,
-                       y0, top);
+    body += fmt::format("<path d=\"M{0:.1f},{1:.1f} {0:.1f},{2:.1f}\" stroke=\"#dddddd\"/>\n", at,
+                        y0, top);
     const double last =
         at_x + panel_width - 4.0 - tick_width(x.labels[i]) / 2;  // inside the picture
-    svg += text_at(std::min(at, last), y0 + 26.0, "middle", x.labels[i]);
+    body += text_at(std::min(at, last), y0 + 26.0, "middle", x.labels[i]);
   }
   for (std::size_t i = 0; i < y.ticks.size(); ++i) {
     const double at = area.place_y(y.ticks[i]);
     const bool zero = y.ticks[i] == 0.0;
-    svg += fmt::format("<path d=\"M{:.1f},{:.1f} {:.1f},{:.1f}\" stroke=\"{}\"/>\n", x0, at, x1, at,
-                       zero ? "#888888" : "#dddddd");
-    svg += text_at(x0 - tick_gap, at + 7.0, "end", y.labels[i]);
+    body += fmt::format("<path d=\"M{:.1f},{:.1f} {:.1f},{:.1f}\" stroke=\"{}\"/>\n", x0, at, x1,
+                        at, zero ? "#888888" : "#dddddd");
+    body += text_at(x0 - tick_gap, at + 7.0, "end", y.labels[i]);
   }
 }
 
 // What is drawn in the axes. `id` is that of its clip path.
-void draw_contents(std::string& svg, const Panel& panel, const Area& area,
+void draw_contents(std::string& body, const Panel& panel, const Area& area,
                    const std::vector<bool>& marked, const std::string& id) {
   const auto& [x, y, x0, x1, y0, top] = area;
-  svg += fmt::format(
+  body += fmt::format(
       "<clipPath id=\"{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
       "height=\"{:.1f}\"/></clipPath>\n",
       id, x0, top, x1 - x0, y0 - top);
-  svg += fmt::format("<g clip-path=\"url(#{})\">\n", id);
+  body += fmt::format("<g clip-path=\"url(#{})\">\n", id);
   // Under the curves: no point is hidden.
-  for (const Slope& slope : panel.slopes) draw_slope(svg, slope, area);
+  for (const Slope& slope : panel.slopes) draw_slope(body, slope, area);
   for (const Level& level : panel.levels)
-    if (y.shows(level.y)) svg += level_line(x0, x1, area.place_y(level.y));
+    if (y.shows(level.y)) body += level_line(x0, x1, area.place_y(level.y));
   const auto layer = [](const Curve& curve) { return curve.pale ? 0 : curve.wide ? 1 : 2; };
   for (const int at : {0, 1, 2})
     for (std::size_t i = 0; i < panel.curves.size(); ++i)
       if (layer(panel.curves[i]) == at)
-        draw_curve(svg, i, style_of(panel, i), marked[i], panel, area);
-  svg += "</g>\n";
-  svg += fmt::format(
-      "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
-      "stroke=\"#000000\"/>\n",
-      x0, top, x1 - x0, y0 - top);
+        draw_curve(body, i, style_of(panel, i), marked[i], panel, area);
+  body += "</g>\n";
+  body += svg::rectangle(x0, top, x1 - x0, y0 - top, "fill=\"none\" stroke=\"#000000\"");
 }
 
 // Draws it and returns its height. `id` is that of its clip path.
-double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const Frame& frame,
+double draw_panel(std::string& body, const Panel& panel, const Axes& axes, const Frame& frame,
                   const std::string& id, double at_x, double at_y) {
   const Head head = head_of(panel, axes.y_label, frame.y_label_above);
   const std::vector<bool> marked = marked_curves(panel);
@@ -745,22 +739,22 @@ double draw_panel(std::string& svg, const Panel& panel, const Axes& axes, const 
   const double height = panel_height + head.height + more_below;
   const double x0 = at_x + frame.left, x1 = at_x + panel_width - right;
   const double y0 = at_y + height - bottom - more_below;  // bottom of the axes; y points down
-  const double top = draw_head(svg, panel, head, marked, at_x, at_y + 22.0, x0);
+  const double top = draw_head(body, panel, head, marked, at_x, at_y + 22.0, x0);
   const Area area{axes.x, axes.y, x0, x1, y0, top};
-  draw_grid(svg, area, at_x);
-  draw_contents(svg, panel, area, marked, id);
+  draw_grid(body, area, at_x);
+  draw_contents(body, panel, area, marked, id);
 
   double below = y0 + 58.0;
   for (const std::string& line : x_label) {
     const double half = width_of(line) / 2;  // under the axis if it fits there
     const double middle = std::min((x0 + x1) / 2, at_x + panel_width - 24.0 - half);
-    svg += text_at(std::max(middle, at_x + panel_width / 2), below, "middle", line);
+    body += text_at(std::max(middle, at_x + panel_width / 2), below, "middle", line);
     below += line_height;
   }
   if (head.y_label.empty()) {
     const double middle = (y0 + top) / 2;
-    svg += text_at(at_x + beside, middle, "middle", axes.y_label,
-                   fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at_x + beside, middle));
+    body += text_at(at_x + beside, middle, "middle", axes.y_label,
+                    fmt::format("transform=\"rotate(-90 {:.1f} {:.1f})\" ", at_x + beside, middle));
   }
   return height;
 }
@@ -839,7 +833,7 @@ std::string to_svg(std::span<const Panel> panels, const Layout& layout) {
   double y = 0.0;
   for (const std::string& line : wrapped(layout.title, (width - 48.0) / 1.1)) {
     y += line_height;
-    body += text_at(width / 2, y, "middle", line, " font-weight=\"bold\"");
+    body += text_at(width / 2, y, "middle", line, bold);
   }
   if (y > 0.0) y += 12.0;
   std::vector<Axes> axes;
@@ -860,13 +854,18 @@ std::string to_svg(std::span<const Panel> panels, const Layout& layout) {
   }
   if (!note.empty()) y += 8.0;
   y = std::max(y, 40.0);
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
-             "width=\"{0:.0f}\" height=\"{1:.0f}\" style=\"max-width:100%;height:auto\" "
-             "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{2:.0f}\">\n"
-             "<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"#ffffff\"/>\n",
-             width, y, font) +
-         body + "</svg>\n";
+  const std::string label = layout.label.empty() ? ""
+                                                 : fmt::format("role=\"img\" aria-label=\"{}\" ",
+                                                               xml_escaped(layout.label));
+  y = std::round(y);
+  return svg::document(
+      {.width = width,
+       .height = y,
+       .font = "Helvetica, Arial, sans-serif",
+       .letters = font,
+       .more = fmt::format("{}width=\"{}\" height=\"{}\" style=\"max-width:100%;height:auto\"",
+                           label, width, y)},
+      body);
 }
 
 namespace {

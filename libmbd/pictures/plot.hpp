@@ -76,7 +76,8 @@ struct Layout {
   int columns = 1;        // of panels
   std::string note = {};  // below the last panel
   std::string title = {};
-  std::string ids = "c";  // beginning of all ids: pictures in one page need different ones
+  std::string ids = "c";   // beginning of all ids: pictures in one page need different ones
+  std::string label = {};  // what it is, for those who do not see it
 };
 
 // Long titles and notes are broken into lines, long entries of a legend lose their middle. The axes of all

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "libmbd/results/report.hpp"
-#include "libmbd/text/text.hpp"
+#include "libmbd/text/svg.hpp"
 
 namespace mbd {
 namespace {
@@ -112,37 +112,32 @@ void ShapesPlot::finished(const RunReport& /*report*/) {
   };
   const auto y = [&, u = up](const Vec3& p) { return bottom - scale * (p(u) - low(u)); };
 
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" "
-      "style=\"max-width:{:.0f}px\" font-family=\"sans-serif\" font-size=\"{:.0f}\">\n"
-      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-      "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n"
-      "<text x=\"{:.0f}\" y=\"{:.0f}\">i{} to the right, i{} up; {:.4g} m wide</text>\n",
-      picture_width, height, 2.0 * picture_width, letter_size, border, line_height,
-      xml_escaped(title_), border, 2.0 * line_height, across + 1, up + 1, wide);
+  std::string body =
+      svg::text(border, line_height, title_) +
+      svg::text(border, 2.0 * line_height,
+                fmt::format("i{} to the right, i{} up; {:.4g} m wide", across + 1, up + 1, wide));
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     const Style& style = styles[i < std::size(styles) ? i : 1 + (i - 1) % (std::size(styles) - 1)];
+    const std::string stroke =
+        fmt::format("stroke=\"{}\" stroke-width=\"{}\" stroke-dasharray=\"{}\"", style.colour,
+                    i == 0 ? 2.5 : 1.2, style.dashes);
     for (const auto& line : shapes_[i].lines) {
-      svg += fmt::format(
-          "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-dasharray=\"{}\" "
-          "points=\"",
-          style.colour, i == 0 ? 2.5 : 1.2, style.dashes);
-      for (const Vec3& p : line) svg += fmt::format("{:.2f},{:.2f} ", x(p), y(p));
-      svg += "\"/>\n";
+      std::vector<std::array<double, 2>> points;
+      for (const Vec3& p : line) points.push_back({x(p), y(p)});
+      body += svg::polyline(points, "fill=\"none\" " + stroke);
     }
     for (const Vec3& p : shapes_[i].bodies)
-      svg += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"3\" fill=\"{}\"/>\n", x(p), y(p),
-                         style.colour);
+      body += svg::circle(x(p), y(p), 3.0, fmt::format("fill=\"{}\"", style.colour));
     const double at = bottom + border + line_height * static_cast<double>(i + 1);
-    svg += fmt::format(
-        "<line x1=\"{0:.0f}\" x2=\"{1:.0f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"{3}\" "
-        "stroke-width=\"{4}\" stroke-dasharray=\"{5}\"/><text x=\"{6:.0f}\" "
-        "y=\"{7:.1f}\">{8}</text>\n",
-        border, border + 28.0, at - 4.0, style.colour, i == 0 ? 2.5 : 1.2, style.dashes,
-        border + 34.0, at, xml_escaped(shapes_[i].label));
+    body += svg::line(border, at - 4.0, border + 28.0, at - 4.0, stroke) +
+            svg::text(border + 34.0, at, shapes_[i].label);
   }
-  svg += "</svg>\n";
-  write_file(file_, svg);
+  write_file(file_, svg::document(
+                        {.width = picture_width,
+                         .height = height,
+                         .letters = letter_size,
+                         .more = fmt::format("style=\"max-width:{:.0f}px\"", 2.0 * picture_width)},
+                        body));
 }
 
 }  // namespace mbd

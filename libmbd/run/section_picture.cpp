@@ -10,6 +10,7 @@
 #include "libmbd/material/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/text/spelling.hpp"
+#include "libmbd/text/svg.hpp"
 #include "libmbd/text/text.hpp"
 #include "libmbd/view/figure.hpp"
 
@@ -82,22 +83,33 @@ class Cells {
   std::vector<Cell> all_;
 };
 
-// The shades and what they stand for, at a height in the picture; closes it.
+// The shades and what they stand for, at a height in the picture.
 std::string legend(double bar, double least, double most) {
-  std::string svg;
+  std::string body;
   constexpr int shades = 48;
   const double width = (picture_width - 2.0 * border) / shades;
   for (int i = 0; i < shades; ++i)
-    svg += fmt::format(
-        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.0f}\" fill=\"{}\"/>\n",
-        border + i * width, bar, width + 0.2, bar_height,
-        code_of(Stage::shade((i + 0.5) / shades)));
-  svg += fmt::format(
-      "<text x=\"{:.0f}\" y=\"{:.1f}\">{:.4g}</text>\n<text x=\"{:.0f}\" y=\"{:.1f}\" "
-      "text-anchor=\"end\">{:.4g}</text>\n</svg>\n",
-      border, bar + bar_height + letter_size, least, picture_width - border,
-      bar + bar_height + letter_size, most);
-  return svg;
+    body += svg::rectangle(border + i * width, bar, width + 0.2, bar_height,
+                           fmt::format("fill=\"{}\"", code_of(Stage::shade((i + 0.5) / shades))));
+  const double below = bar + bar_height + letter_size;
+  return body + svg::text(border, below, fmt::format("{:.4g}", least)) +
+         svg::text(picture_width - border, below, fmt::format("{:.4g}", most),
+                   "text-anchor=\"end\"");
+}
+
+// What is shown, of which resultants S, and its size [m].
+std::string words(const std::string& what, const std::string& quantity, const Vec6& S,
+                  double width) {
+  const bool is_length = quantity == "warping",
+             has_unit = is_length || stress_quantity_unit(quantity) == "Pa";
+  const std::string unit = !has_unit ? "" : is_length ? " [m]" : " [Pa]";
+  return svg::text(border, line_height, what + unit) +
+         svg::text(
+             border, 2.0 * line_height,
+             fmt::format("N1 {:.4g}, Q2 {:.4g}, Q3 {:.4g} N; M1 {:.4g}, M2 {:.4g}, M3 {:.4g} N.m",
+                         S(0), S(1), S(2), S(3), S(4), S(5))) +
+         svg::text(border, 3.0 * line_height,
+                   fmt::format("b2 to the right, b3 up; {:.4g} m wide", width));
 }
 
 }  // namespace
@@ -135,34 +147,25 @@ std::string section_picture(const Scene& scene, const std::string& section,
                top = 3.0 * line_height + border, bottom = top + scale * size(1),
                left = 0.5 * (picture_width - scale * size(0)), bar = bottom + border,
                height = bar + bar_height + line_height + border;
-  const bool is_length = quantity == "warping",
-             has_unit = is_length || stress_quantity_unit(quantity) == "Pa";
-  const std::string unit = !has_unit ? "" : is_length ? " [m]" : " [Pa]";
-  const Vec6& S = load.resultants;
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
-      "style=\"max-width:{2:.0f}px\" font-family=\"sans-serif\" font-size=\"{3:.0f}\">\n"
-      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-      "<text x=\"{4:.0f}\" y=\"{5:.0f}\">{6}: {7}{8}</text>\n"
-      "<text x=\"{4:.0f}\" y=\"{9:.0f}\">N1 {10:.4g}, Q2 {11:.4g}, Q3 {12:.4g} N; M1 {13:.4g}, M2 "
-      "{14:.4g}, M3 {15:.4g} N.m</text>\n"
-      "<text x=\"{4:.0f}\" y=\"{16:.0f}\">b2 to the right, b3 up; {17:.4g} m wide</text>\n",
-      picture_width, height, 2.0 * picture_width, letter_size, border, line_height,
-      xml_escaped(label("section", name)), xml_escaped(quantity), unit, 2.0 * line_height, S(0),
-      S(1), S(2), S(3), S(4), S(5), 3.0 * line_height, size(0));
+  std::string body =
+      words(label("section", name) + ": " + quantity, quantity, load.resultants, size(0));
   const auto shade = [&](double value) {
     return code_of(Stage::shade(most > least ? (value - least) / (most - least) : 0.0));
   };
   for (const Cell& cell : cells.all()) {
     // Its own colour as line, too: nothing of the ground is seen between cells.
     const std::string fill = cell.value ? shade(*cell.value) : "#cccccc";
-    svg += fmt::format("<polygon fill=\"{0}\" stroke=\"{0}\" stroke-width=\"0.4\" points=\"", fill);
+    std::vector<std::array<double, 2>> corners;
     for (const section::Point& x : cell.corners)
-      svg += fmt::format("{:.2f},{:.2f} ", left + scale * (x(0) - low(0)),
-                         bottom - scale * (x(1) - low(1)));
-    svg += "\"/>\n";
+      corners.push_back({left + scale * (x(0) - low(0)), bottom - scale * (x(1) - low(1))});
+    body += svg::polygon(corners,
+                         fmt::format("fill=\"{0}\" stroke=\"{0}\" stroke-width=\"0.4\"", fill));
   }
-  return svg + legend(bar, least, most);
+  return svg::document({.width = picture_width,
+                        .height = height,
+                        .letters = letter_size,
+                        .more = fmt::format("style=\"max-width:{:.0f}px\"", 2.0 * picture_width)},
+                       body + legend(bar, least, most));
 }
 
 }  // namespace mbd

@@ -407,6 +407,8 @@ class Drawing {
           shape["compliance"] = compliance;
         }
         const Mat6 D = table.stiffness(0.0);
+        // By it files for ParaView know, later, that a model has the section that was run.
+        if (line != nullptr && section->shape) shape["stiffness"] = upper_half(D);
         const std::string where = table.is_uniform() ? "" : " at the start";
         facts("EA" + where, number(D(0, 0), "N"))(
             "GA2, GA3" + where, number(D(1, 1), "N") + ", " + number(D(2, 2), "N"));

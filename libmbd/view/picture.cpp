@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/text/svg.hpp"
 #include "libmbd/text/text.hpp"
 #include "libmbd/view/letters.hpp"
 
@@ -19,6 +20,7 @@ namespace {
 
 using Point = std::array<double, 2>;
 
+constexpr int trail_decimals = 3;       // of a pixel: paths are looked at closely
 constexpr double field_of_view = 35.0;  // [degrees] from bottom to top, as in the page
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double seam =
@@ -470,15 +472,9 @@ std::string picture_svg(const Stage& stage, double instant, const Camera& camera
                                {"above", json(camera.above)},    {"ahead", json(camera.ahead)},
                                {"focal", camera.focal},          {"middle", camera.middle},
                                {"centre", json(stage.centre())}, {"key", stage.key(instant)}};
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-      "height=\"{1}\" "
-      "font-family=\"sans-serif\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n"
-      "<title>{2}</title>\n<metadata>{3}</metadata>\n"
-      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      options.width, options.height, xml_escaped(stage.name()), xml_escaped(about.dump()));
+  std::string body;
   const auto line = [&](const Figure::Line& l, const std::array<Projected, 2>& p) {
-    svg += fmt::format(
+    body += fmt::format(
         "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.2g}\"/>\n",
         p[0].at[0], p[0].at[1], p[1].at[0], p[1].at[1], code_of(l.colour),
         l.width * (l.behind ? 1.0 : k));
@@ -502,7 +498,7 @@ std::string picture_svg(const Stage& stage, double instant, const Camera& camera
   std::stable_sort(items.begin(), items.end(),
                    [](const Item& a, const Item& b) { return a.depth > b.depth; });
   {
-    Groups groups(svg, stage);
+    Groups groups(body, stage);
     for (const Item& item : items) {
       if (item.line != nullptr) {
         const auto p = project_line(camera, item.line->a, item.line->b);
@@ -513,53 +509,61 @@ std::string picture_svg(const Stage& stage, double instant, const Camera& camera
       }
       const Figure::Face& face = *item.face->face;
       groups.of(face.part);
-      svg += "<path d=\"";
+      body += "<path d=\"";
       for (int i = 0; i < face.count; ++i) {
         const Point p = project(camera, figure.points[face.first + static_cast<std::size_t>(i)]).at;
-        svg += fmt::format("{}{:.2f} {:.2f}", i == 0 ? "M" : "L", p[0], p[1]);
+        body += fmt::format("{}{:.2f} {:.2f}", i == 0 ? "M" : "L", p[0], p[1]);
       }
       const std::string colour = code_of(item.face->colour);
       if (face.opacity < 1.0)
-        svg += fmt::format("z\" fill=\"{}\" fill-opacity=\"{:.2g}\"/>\n", colour, face.opacity);
+        body += fmt::format("z\" fill=\"{}\" fill-opacity=\"{:.2g}\"/>\n", colour, face.opacity);
       else
-        svg +=
+        body +=
             fmt::format("z\" fill=\"{0}\" stroke=\"{0}\" stroke-width=\"{1}\"/>\n", colour, seam);
     }
     for (const Figure::Trail& trail : figure.trails) {
       groups.of(trail.part);
-      svg += "<polyline fill=\"none\" points=\"";
-      for (const Vec3& x : trail.points) {
-        const Point p = project(camera, x).at;
-        svg += fmt::format("{:.3f},{:.3f} ", p[0], p[1]);
-      }
+      std::vector<Point> points;
+      for (const Vec3& x : trail.points) points.push_back(project(camera, x).at);
       const Point now = project(camera, trail.now).at;
-      svg += fmt::format(
-          "\" stroke=\"{0}\" stroke-width=\"{1:.2g}\" stroke-opacity=\"0.7\"/>\n"
-          "<circle cx=\"{2:.3f}\" cy=\"{3:.3f}\" r=\"{4:.2g}\" fill=\"{0}\"/>\n",
-          code_of(trail.colour), 1.4 * k, now[0], now[1], 3.5 * k);
+      const std::string colour = code_of(trail.colour);
+      body += svg::polyline(
+          points,
+          fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{:.2g}\" stroke-opacity=\"0.7\"",
+                      colour, 1.4 * k),
+          trail_decimals);
+      body +=
+          svg::circle(now[0], now[1], 3.5 * k, fmt::format("fill=\"{}\"", colour), trail_decimals);
     }
     for (const Figure::Arrow& arrow : figure.arrows)
       if (const auto made = flat(arrow, camera, k)) {
         groups.of(arrow.part);
-        svg += fmt::format(
+        body += fmt::format(
             "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.2g}\"/>\n",
             made->tail[0], made->tail[1], made->neck[0], made->neck[1], code_of(arrow.colour),
             2.4 * k);
         for (const auto& head : made->heads)
-          svg += fmt::format(
+          body += fmt::format(
               "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}L{:.2f} {:.2f}z\" fill=\"{}\"/>\n", head[0][0],
               head[0][1], head[1][0], head[1][1], head[2][0], head[2][1], code_of(arrow.colour));
       }
   }
   for (const Patch& patch : labels.patches)
-    svg += fmt::format(
-        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n",
-        patch.x, patch.y, patch.width, patch.height, code_of(patch.colour));
+    body += svg::rectangle(patch.x, patch.y, patch.width, patch.height,
+                           fmt::format("fill=\"{}\"", code_of(patch.colour)));
   for (const Words& words : labels.words)
-    svg += fmt::format(
-        "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.3g}\" fill=\"{}\">{}</text>\n", words.at[0],
-        words.at[1], 1.38 * words.height, code_of(words.colour), xml_escaped(words.text));
-  return svg + "</svg>\n";
+    body += svg::text(words.at[0], words.at[1], words.text,
+                      fmt::format("font-size=\"{:.3g}\" fill=\"{}\"", 1.38 * words.height,
+                                  code_of(words.colour)));
+  return svg::document(
+      {.width = static_cast<double>(options.width),
+       .height = static_cast<double>(options.height),
+       .more = fmt::format(
+           "width=\"{}\" height=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\"",
+           options.width, options.height),
+       .title = stage.name(),
+       .metadata = about.dump()},
+      body);
 }
 
 Pixels picture_pixels(const Stage& stage, double instant, const Camera& camera,

@@ -4,10 +4,12 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
@@ -18,6 +20,7 @@
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/core/se3.hpp"
+#include "libmbd/section/failure.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/text/text.hpp"
 #include "libmbd/view/outline.hpp"
@@ -28,8 +31,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int round_sides = 12;                             // of a tube
-constexpr std::int64_t curve_cell = 68, polyline_cell = 4;  // VTK_LAGRANGE_CURVE, VTK_POLY_LINE
+constexpr int round_sides = 12;  // of a tube
+// VTK_LAGRANGE_CURVE, VTK_POLY_LINE, VTK_HEXAHEDRON, VTK_WEDGE
+constexpr std::int64_t curve_cell = 68, polyline_cell = 4, hexahedron_cell = 12, wedge_cell = 13;
+
+// Of six components.
+using ComponentNames = std::array<std::string_view, 6>;
+constexpr ComponentNames of_section{"11", "22", "33", "12", "23", "13"},
+    of_ply{"LL", "TT", "NN", "TN", "LN", "LT"};
 
 // --- files of VTK ---
 
@@ -43,9 +52,13 @@ class Arrays {
                              : std::is_same_v<T, float>        ? "Float32"
                              : std::is_same_v<T, std::uint8_t> ? "UInt8"
                                                                : "Int64";
+    std::string names;
+    for (std::size_t i = 0; i < 6 && components == 6; ++i)
+      names += fmt::format(R"( ComponentName{}="{}")", i,
+                           (name == "ply_stress" ? of_ply : of_section)[i]);
     std::string xml = fmt::format(
-        R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)",
-        type, name, components, appended_.size());
+        R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}"{} format="appended" offset="{}"/>)",
+        type, name, components, names, appended_.size());
     append({reinterpret_cast<const Bytef*>(numbers.data()), numbers.size() * sizeof(T)});
     return xml + "\n";
   }
@@ -75,7 +88,7 @@ class Arrays {
 struct Piece {
   std::vector<double> points, displacement;                       // by three
   std::vector<std::int64_t> part;                                 // of points
-  std::vector<std::pair<std::string, std::vector<double>>> data;  // of points: by three, or one
+  std::vector<std::pair<std::string, std::vector<double>>> data;  // of points: by three, six or one
   std::vector<std::int64_t> vertices, lines, line_ends, polygons, polygon_ends;
   std::vector<std::int64_t> element, cell_part;  // of lines, in an UnstructuredGrid
   std::vector<std::uint8_t> types;               // of lines: then it is one
@@ -92,6 +105,10 @@ struct Piece {
     to.insert(to.end(), v.data(), v.data() + 3);
   }
   void put(const std::string& name, double x) { numbers(name).push_back(x); }
+  void put_six(const std::string& name, const Vec6& v) {
+    std::vector<double>& to = numbers(name);
+    to.insert(to.end(), v.data(), v.data() + 6);
+  }
   void add_point(std::int64_t of, const Vec3& x, const Vec3& reference) {
     for (int k = 0; k < 3; ++k) {
       points.push_back(x(k));
@@ -110,7 +127,7 @@ std::string in_xml(const Piece& piece, std::optional<double> time) {
   const char* const type = is_grid ? "UnstructuredGrid" : "PolyData";
   Arrays array;
   const auto real = [&](std::string_view name, const std::vector<double>& numbers) {
-    const std::size_t width = numbers.size() == 3 * piece.size() && piece.size() > 0 ? 3 : 1;
+    const std::size_t width = piece.size() > 0 ? numbers.size() / piece.size() : 1;
     if (!piece.is_coarse) return array(name, width, numbers);
     return array(name, width, std::vector<float>(numbers.begin(), numbers.end()));
   };
@@ -194,6 +211,7 @@ struct Beam {
   std::vector<std::array<double, 3>> sides;
   std::vector<Mat6> compliance;
   SectionOutline outline = {};
+  std::shared_ptr<const SectionStresses> stresses = {};
 
   std::size_t elements() const { return order == 0 ? 1 : (points.size() - 1) / order; }
   std::size_t points_of_rule() const { return stations.size() / elements(); }
@@ -258,7 +276,7 @@ Body form_of(std::int64_t number, const At& at, const Json& form) {
   return body;
 }
 
-Parts parts_of(const Json& drawing) {
+Parts parts_of(const Json& drawing, const StressesOfBeams& stresses = {}) {
   Parts parts;
   parts.name = drawing.at("name").get<std::string>();
   parts.key = drawing.at("key").get<std::string>();
@@ -274,6 +292,8 @@ Parts parts_of(const Json& drawing) {
     if (kind == "beam") {
       Beam beam{number, {}, part.at("s").get<std::vector<double>>(), {}, 0, {}, {}};
       for (const Json& point : part.at("points")) beam.points.push_back(at_of(point));
+      if (const auto known = stresses.find(name); known != stresses.end())
+        beam.stresses = known->second;
       if (part.contains("stations")) {
         beam.stations = part.at("stations").get<std::vector<double>>();
         beam.order = part.at("order").get<std::size_t>();
@@ -335,6 +355,7 @@ class Scenery {
       add_line(pieces["lines"], beam, of);
       if (!of.empty()) add_stations(pieces["stations"], beam, of);
       add_outline(pieces["outlines"], beam);
+      if (!of.empty() && beam.stresses) add_stresses(pieces["stresses"], beam, of);
     }
     for (const Body& body : parts_.bodies) add_body(pieces["bodies"], body);
     for (const Joint& joint : parts_.joints) add_joint(pieces["joints"], joint);
@@ -456,6 +477,53 @@ class Scenery {
       piece.put("strain", Vec3(strain.head<3>()));
       piece.put("curvature", Vec3(strain.tail<3>()));
     }
+  }
+
+  // Rings of the section's points at the nodes of each element, and cells between them.
+  void add_stresses(Piece& piece, const Beam& beam, std::span<const double> resultants) const {
+    piece.is_coarse = true;
+    const SectionStresses& section = *beam.stresses;
+    const std::size_t order = beam.order, rule = beam.points_of_rule();
+    const auto corners = std::ssize(section.points);
+    for (std::size_t e = 0; e < beam.elements(); ++e) {
+      const auto stations = std::span(beam.stations).subspan(e * rule, rule);
+      for (std::size_t k = 0; k <= order; ++k) {
+        const auto first = static_cast<std::int64_t>(piece.size());
+        const std::size_t node = e * order + k;
+        add_ring(piece, beam, node,
+                 weighted(resultants, e * rule, lagrange(stations, beam.s[node])));
+        if (k == 0) continue;
+        for (const std::vector<int>& cell : section.cells)
+          add_solid(piece, beam, e, cell, first - corners, first);
+      }
+    }
+  }
+
+  void add_ring(Piece& piece, const Beam& beam, std::size_t node, const Vec6& S) const {
+    const SectionStresses& section = *beam.stresses;
+    const Pose<double> H = now(beam.points[node]), H0 = reference(beam.points[node]);
+    for (std::size_t i = 0; i < section.points.size(); ++i) {
+      const Vec3 local(0.0, section.points[i][0], section.points[i][1]);
+      piece.add_point(beam.part, H * local, H0 * local);
+      piece.put("s", beam.s[node]);
+      const Vec6 stress = section.stress[i] * S;
+      piece.put_six("stress", stress);
+      piece.put("von_mises", section::von_mises(stress));
+      if (!section.ply.empty()) piece.put_six("ply_stress", section.ply[i] * S);
+    }
+  }
+
+  // A cell of a section from ring to ring. A wedge has its first triangle the other way round: so VTK has it.
+  static void add_solid(Piece& piece, const Beam& beam, std::size_t element, std::vector<int> cell,
+                        std::int64_t from, std::int64_t to) {
+    if (cell.size() == 3) std::swap(cell[1], cell[2]);
+    for (const std::int64_t ring : {from, to})
+      for (const int corner : cell) piece.lines.push_back(ring + corner);
+    piece.line_ends.push_back(static_cast<std::int64_t>(piece.lines.size()));
+    piece.types.push_back(
+        static_cast<std::uint8_t>(cell.size() == 3 ? wedge_cell : hexahedron_cell));
+    piece.element.push_back(static_cast<std::int64_t>(element));
+    piece.cell_part.push_back(beam.part);
   }
 
   bool parts_have_compliance() const {
@@ -645,8 +713,9 @@ VtkFiles write_vtk(const fs::path& directory, std::string_view drawing) {
   return files.finish(1);
 }
 
-VtkFiles write_vtk(const fs::path& directory, const Motion& motion, std::size_t most_frames) {
-  const Parts parts = parts_of(Json::parse(motion.head).at("drawing"));
+VtkFiles write_vtk(const fs::path& directory, const Motion& motion, std::size_t most_frames,
+                   const StressesOfBeams& stresses) {
+  const Parts parts = parts_of(Json::parse(motion.head).at("drawing"), stresses);
   const MotionBlocks& blocks = motion.blocks;
   std::size_t stations = 0;
   for (const Beam& beam : parts.beams) stations += beam.stations.size();

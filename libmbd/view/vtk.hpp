@@ -10,6 +10,10 @@
 //   stations  .vtp   quadrature points: force, moment as they are, strain (axial and shear) and curvature [1/m], section axes;
 //                    those two without beams that have viscous damping, whose resultants are not elastic alone
 //   outlines  .vtp   sections swept along the nodes: round, or rectangles, with the radii of gyration of the section
+//   stresses  .vtu   of beams of one section that has a shape: their elements, swept from node to node as hexahedra and wedges.
+//                    stress [Pa], section axes [11 22 33 12 23 13]; von_mises [Pa]; where a material is not isotropic
+//                    ply_stress [Pa], axes of its ply [LL TT NN TN LN LT]. By resultants as lines have them; between
+//                    elements of the beam, and of the section, stresses jump
 //   bodies    .vtp   the sphere, cylinder or box of their mass and inertias
 //   joints    .vtp   those with multipliers, at their frame on b: axis_1 … axis_3, angle [rad], force [N] and moment [N.m] on
 //                    b, inertial axes; gap [m] between its frames
@@ -17,7 +21,7 @@
 //   places    .vtp   recorded places that have a node: displacement, axes
 //
 // Each has displacement [m] from the reference configuration and part: the number of the part in NAME/parts.csv, which says
-// its kind and name. What a model has none of is left out; stresses too: stiffness says nothing of them.
+// its kind and name. What a model has none of is left out; stresses too, of sections by matrices: they say nothing of them.
 #pragma once
 
 #include <cstddef>
@@ -26,6 +30,7 @@
 #include <string_view>
 
 #include "libmbd/view/motion.hpp"
+#include "libmbd/view/section_stresses.hpp"
 
 namespace mbd {
 
@@ -38,8 +43,8 @@ struct VtkFiles {
 // The reference configuration of a drawing (drawing.hpp). Throws Error if a file cannot be written.
 VtkFiles write_vtk(const std::filesystem::path& directory, std::string_view drawing);
 
-// A motion; of its frames at most so many, evenly chosen, with the first and the last.
+// A motion; of its frames at most so many, evenly chosen, with the first and the last. Stresses of those beams.
 VtkFiles write_vtk(const std::filesystem::path& directory, const Motion& motion,
-                   std::size_t most_frames);
+                   std::size_t most_frames, const StressesOfBeams& stresses = {});
 
 }  // namespace mbd

@@ -410,5 +410,230 @@ TEST_F(VtkFilesTest, SayWhatIsWrong) {
     EXPECT_NE(entry.path().extension(), ".part");
 }
 
+// ---- stresses over sections ---------------------------------------------------------------------
+
+// Reads the stresses of the last frame; x: places in the reference configuration, X2, X3: in the plane of the section.
+constexpr const char* stress_reader = R"py(
+import glob, numpy, vtk
+from vtk.util.numpy_support import vtk_to_numpy
+def stresses(name, axis1, axis2, axis3, part=0):
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(sorted(glob.glob("drawn/%s/stresses_*.vtu" % name))[-1]); reader.Update()
+    grid = reader.GetOutput(); data = grid.GetPointData()
+    of = {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)).astype(float) for i in range(data.GetNumberOfArrays())}
+    on = of["part"] == part
+    x = vtk_to_numpy(grid.GetPoints().GetData()).astype(float) - of["displacement"]
+    S = data.GetArray("stress")
+    assert [S.GetComponentName(i) for i in range(6)] == ["11", "22", "33", "12", "23", "13"]
+    # Cells: none is turned inside out, and together they are the bar.
+    volume, kinds = 0.0, set()
+    parts = vtk_to_numpy(grid.GetCellData().GetArray("part"))
+    for c in range(grid.GetNumberOfCells()):
+        if parts[c] != part: continue
+        cell = grid.GetCell(c); n = cell.GetNumberOfPoints() // 2; kinds.add(n)
+        assert cell.GetCellType() == {4: vtk.VTK_HEXAHEDRON, 3: vtk.VTK_WEDGE}[n]
+        p = numpy.array([cell.GetPoints().GetPoint(i) for i in range(2 * n)])
+        out = numpy.cross(p[1] - p[0], p[n - 1] - p[0]) @ (p[n] - p[0])
+        assert (out > 0) if n == 4 else (out < 0), (c, out)  # VTK: of wedges the normal of the first triangle points outward
+        area = abs(sum(0.5 * numpy.cross(p[i] - p[0], p[i + 1] - p[0]) for i in range(1, n - 1)) @ axis1)
+        volume += area * abs((p[n] - p[0]) @ axis1)
+    X = x[on]
+    return X @ axis1, X @ axis2, X @ axis3, {k: v[on] for k, v in of.items()}, volume, kinds
+def near(what, a, b, scale, bound):
+    error = abs(a - b).max() / scale
+    assert error < bound, (what, error)
+)py";
+
+class StressFilesTest : public VtkFilesTest {
+ protected:
+  // Runs a model, exports it and looks at its stresses.
+  void look(const std::string& name, const std::string& script_text) const {
+    const Output ran = mbd("run " + name + ".xml --motion -q -o " + name);
+    ASSERT_EQ(ran.status, 0) << ran.text;
+    const Output made = mbd("export " + name + " --vtk drawn --stresses");
+    ASSERT_EQ(made.status, 0) << made.text;
+    EXPECT_EQ(made.text.find("note"), std::string::npos) << made.text;
+    write_text(file("look.py"), stress_reader + script_text);
+    const Output looked = here(python_ + " look.py");
+    EXPECT_EQ(looked.status, 0) << looked.text;
+  }
+};
+
+// A round bar along y, bent by couples and pulled, twisted; and one with a force across: N/A + M2 x3/I - M3 x2/I, T r/J.
+TEST_F(StressFilesTest, OfARoundBar) {
+  require_vtk();
+  if (IsSkipped()) return;
+  write_text(file("round.xml"), R"(<mbd name="round"><parameter name="P" value="0.02 N"/>
+    <material name="steel" E="200 GPa" nu="0.3"/>
+    <section name="rod"><bar radius="10 mm" material="steel" tolerance="1e-6"/></section>
+    <beam name="twisted" section="rod" from="0 0 0" to="0 0.5 0" normal="0 0 1" elements="2" order="3"/>
+    <beam name="bent" section="rod" from="1 0 0" to="1 0.5 0" normal="0 0 1" elements="2" order="2"/>
+    <fixed name="a" between="ground twisted.start"/><fixed name="b" between="ground bent.start"/>
+    <load at="twisted.end" force="0 0.3 0" moment="0.003 0.002 -0.004"/>
+    <load at="bent.end" force="0 0 P"/><static/>
+    <record name="tip" at="bent.end" quantities="displacement"/></mbd>)");
+  look("round", R"py(
+# section axes: b1 along y, b3 along z, so b2 = b3 x b1 = -x
+y, z, x = numpy.array([0, 1, 0]), numpy.array([0, 0, 1]), numpy.array([-1, 0, 0])
+r, L = 0.01, 0.5
+A, I = numpy.pi * r**2, numpy.pi * r**4 / 4
+s, x2, x3, of, volume, kinds = stresses("round", y, x, z)
+near("s", of["s"], s / L, 1, 1e-6)
+near("volume", volume, A * L, A * L, 0.02)
+assert abs(numpy.hypot(x2, x3).max() - r) < 1e-7
+N, T, M2, M3 = 0.3, 0.002, -0.003, -0.004  # the moment (0.003, 0.002, -0.004) along b1 b2 b3
+largest = N / A + 0.005 * r / I
+S = of["stress"]
+s11 = N / A + M2 * x3 / I - M3 * x2 / I
+s12, s13 = -T * x3 / (2 * I), T * x2 / (2 * I)
+near("11", S[:, 0], s11, largest, 2e-4)
+near("12", S[:, 3], s12, largest, 2e-4)
+near("13", S[:, 5], s13, largest, 2e-4)
+near("none", S[:, [1, 2, 4]], 0, largest, 2e-4)
+near("von Mises", of["von_mises"], numpy.sqrt(s11**2 + 3 * (s12**2 + s13**2)), largest, 2e-4)
+assert "ply_stress" not in of  # steel has no plies
+# A force P across at the end: the moment about b2 is -P (L - s); on the line x2 = 0 Love's shear (3 + 2 nu)/(8 (1 + nu)) P/I (r^2 - x3^2 ...)
+P, nu = 0.02, 0.3
+s, x2, x3, of, volume, kinds = stresses("round", y, x, z, 1)
+S = of["stress"]
+near("bending", S[:, 0], -P * (L - (s - 0)) * x3 / I, P * L * r / I, 2e-4)
+s13 = P * (3 + 2 * nu) / (8 * (1 + nu) * I) * (r**2 - x3**2 - (1 - 2 * nu) / (3 + 2 * nu) * x2**2)
+s12 = -P * (1 + 2 * nu) / (4 * (1 + nu) * I) * x2 * x3
+near("shear across", S[:, 5], s13, s13.max(), 2e-3)
+near("shear beside", S[:, 3], s12, s13.max(), 2e-3)
+)py");
+}
+
+// Of three layers of two materials, in a mesh of triangles and quadrilaterals in mm, pulled at the middle: E e in each, on both
+// sides of a seam. Cells of triangles are wedges.
+TEST_F(StressFilesTest, JumpBetweenMaterials) {
+  require_vtk();
+  if (IsSkipped()) return;
+  write_text(file("layers.msh"),
+             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"skin\"\n2 2 \"core\"\n"
+             "$EndPhysicalNames\n$Nodes\n8\n1 -10 -6 0\n2 10 -6 0\n3 -10 -4 0\n4 10 -4 0\n"
+             "5 -10 4 0\n6 10 4 0\n7 -10 6 0\n8 10 6 0\n$EndNodes\n$Elements\n4\n"
+             "1 3 2 1 1 1 2 4 3\n2 2 2 2 1 3 4 6\n3 2 2 2 1 3 6 5\n4 3 2 1 1 5 6 8 7\n"
+             "$EndElements\n");
+  write_text(file("layers.xml"), R"(<mbd name="layers">
+    <material name="hard" E="70 GPa" nu="0.3"/><material name="soft" E="7 GPa" nu="0.3"/>
+    <section name="s"><mesh file="layers.msh" unit="1 mm" tolerance="1e-3">
+      <region name="skin" material="hard"/><region name="core" material="soft"/></mesh></section>
+    <beam name="b" section="s" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2" order="1"/>
+    <fixed name="f" between="ground b.start"/><load at="b.end" force="5 0 0"/><static/>
+    <record name="tip" at="b.end" quantities="displacement"/></mbd>)");
+  look("layers", R"py(
+e = numpy.eye(3)
+s, x2, x3, of, volume, kinds = stresses("layers", *e)
+assert kinds == {3, 4}, kinds
+near("volume", volume, 240e-6 * 2, 240e-6 * 2, 1e-6)
+EA = 70e9 * 80e-6 + 7e9 * 160e-6
+hard, soft = 70e9 * 5 / EA, 7e9 * 5 / EA
+s11 = of["stress"][:, 0]
+inside, outside = abs(x3) < 3.999e-3, abs(x3) > 4.001e-3
+near("core", s11[inside], soft, hard, 1e-6)
+near("skin", s11[outside], hard, hard, 1e-6)
+seam = ~inside & ~outside
+assert seam.any()
+near("seam", numpy.minimum(abs(s11[seam] - soft), abs(s11[seam] - hard)), 0, hard, 1e-6)
+assert (abs(s11[seam] - soft) < 1e-3 * hard).any() and (abs(s11[seam] - hard) < 1e-3 * hard).any()
+)py");
+}
+
+// A strip whose fibres lie at an angle, pulled: N/A along it, and the same stress along the axes of the fibres.
+TEST_F(StressFilesTest, AlongFibres) {
+  require_vtk();
+  if (IsSkipped()) return;
+  write_text(file("fibres.xml"), R"(<mbd name="fibres">
+    <material name="ud" EL="140 GPa" ET="10 GPa" GLT="5 GPa" nuLT="0.3" nuTN="0.4"/>
+    <layup name="off"><ply material="ud" thickness="4 mm" angle="30 deg"/></layup>
+    <section name="s"><rectangle width="20 mm" layup="off" tolerance="1e-4"/></section>
+    <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+    <fixed name="f" between="ground b.start"/><load at="b.end" force="1e-2 0 0"/><static/>
+    <record name="tip" at="b.end" quantities="displacement"/></mbd>)");
+  look("fibres", R"py(
+s, x2, x3, of, volume, kinds = stresses("fibres", *numpy.eye(3))
+sigma, c, d = 1e-2 / (20e-3 * 4e-3), numpy.cos(numpy.pi / 6), numpy.sin(numpy.pi / 6)
+near("stress", of["stress"], numpy.array([sigma, 0, 0, 0, 0, 0]), sigma, 1e-4)
+near("von Mises", of["von_mises"], sigma, sigma, 1e-4)
+# L = cos b1 + sin n x b1, T = n x L: T has -sin along b1
+near("ply", of["ply_stress"], sigma * numpy.array([c * c, d * d, 0, 0, 0, -c * d]), sigma, 1e-4)
+)py");
+}
+
+// A rigid beam and one that varies have none. They are there when asked for, from the model that was run: parameters with
+// units included. Another one, or none, is an error before anything is written; where there is nothing to tell, too.
+TEST_F(StressFilesTest, AreOnlyWhereTheyAreKnown) {
+  const char* const model = R"(<mbd name="some"><parameter name="E" value="{}"/>
+    <parameter name="w" value="1 mm"/><material name="m" E="E" nu="0.3"/>
+    <section name="rod"><bar radius="10 mm" material="m"/></section>
+    <section name="cone"><station at="0"><bar radius="10 mm" material="m"/></station>
+      <station at="1"><bar radius="5 mm" material="m"/></station></section>
+    <beam name="plain" section="rod" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+    <beam name="stiff" section="rod" from="1 0 0" to="2 0 0" normal="0 0 1"/>
+    <beam name="thin" section="cone" from="2 0 0" to="3 0 0" normal="0 0 1"/>
+    <rigid name="r" of="stiff"/>
+    <fixed name="f" between="ground plain.start"/><fixed name="g" between="plain.end stiff.start"/>
+    <fixed name="h" between="stiff.end thin.start"/>
+    <load at="thin.end" force="0 0 -1e-3"/><static/>
+    <record name="tip" at="thin.end" quantities="displacement"/></mbd>)";
+  const auto write = [&](const std::string& name, const std::string& E) {
+    std::string text = model;
+    text.replace(text.find("{}"), 2, E);
+    write_text(file(name), text);
+  };
+  write("some.xml", "200e9");
+  const Output ran = mbd("run some.xml --motion -q -o some --set E=100e9");
+  ASSERT_EQ(ran.status, 0) << ran.text;
+  const Output without = mbd("export some --vtk drawn");
+  EXPECT_EQ(without.status, 0) << without.text;
+  expect_says(without.text, {"note: ", "--stresses"});
+  EXPECT_FALSE(fs::exists(file("drawn/some/stresses_000000.vtu")));
+  EXPECT_TRUE(fs::exists(file("drawn/some/outlines_000000.vtp")));
+  const Output made = mbd("export some --vtk drawn --stresses --set E=100e9");
+  EXPECT_EQ(made.status, 0) << made.text;
+  const std::string stresses = read_text(file("drawn/some/stresses_000001.vtu"));
+  expect_says(stresses, {"Name=\"von_mises\""});
+  if (!python_with("vtk, numpy").empty()) {
+    require_vtk();
+    write_text(file("look.py"), std::string(stress_reader) +
+                                    "of = stresses('some', *numpy.eye(3))[3]\n"
+                                    "assert len(of['s']) and of['s'].max() == 1\n"
+                                    "assert len(stresses('some', *numpy.eye(3), 1)[0]) == 0\n"
+                                    "assert len(stresses('some', *numpy.eye(3), 2)[0]) == 0\n");
+    const Output looked = here(python_ + " look.py");
+    EXPECT_EQ(looked.status, 0) << looked.text;
+  }
+  // Another model in its place, none, and one that is named.
+  fs::rename(file("some.xml"), file("kept.xml"));
+  const auto expect_none = [&](const std::string& more, const std::string& why) {
+    fs::remove_all(file("drawn"));
+    const Output wrong = mbd("export some --vtk drawn --stresses " + more);
+    EXPECT_EQ(wrong.status, 1) << wrong.text;
+    expect_says(wrong.text, {"--stresses: ", why, "--model FILE"});
+    EXPECT_FALSE(fs::exists(file("drawn")));
+  };
+  expect_none("", "some.xml");
+  write_text(file("some.xml"), "<mbd name=\"some\">\n<beem/></mbd>");
+  expect_none("", "some.xml:2");
+  std::string other = read_text(file("kept.xml"));
+  other.replace(other.find("10 mm"), 5, "11 mm");
+  write_text(file("some.xml"), other);
+  expect_none("--set E=100e9", "beam \"plain\": its section is not the one that was run");
+  expect_none("--model kept.xml", "beam \"plain\": its section is not the one that was run");
+  const Output named = mbd("export some --vtk again --stresses --model kept.xml --set E=100e9");
+  EXPECT_EQ(named.status, 0) << named.text;
+  EXPECT_EQ(read_text(file("again/some/stresses_000001.vtu")), stresses);
+  // By matrices.
+  ASSERT_EQ(mbd("run " + quote((models / "pendulum.xml").string()) +
+                " -q -o plain --frames 5 --no-estimate")
+                .status,
+            0);
+  const Output plain = mbd("export plain --vtk drawn --stresses");
+  EXPECT_EQ(plain.status, 1);
+  expect_says(plain.text, {"--stresses: no beam of this run"});
+  EXPECT_EQ(mbd("export plain --vtk drawn --model kept.xml").status, 1);
+}
+
 }  // namespace
 }  // namespace mbd::test::test_export

@@ -108,7 +108,7 @@ TEST_P(PicturePositions, AreProjectionsOfTheHistory) {
     bool is_there = false;
     for (std::size_t at = 0; (at = svg.find(group, at)) != std::string::npos; ++at) {
       const std::string of = svg.substr(at, svg.find("</g>", at) - at),
-                        points = between(of, "points=\"", " \"");
+                        points = between(of, "points=\"", "\"");
       if (points.empty()) continue;
       is_there = true;
       EXPECT_NEAR(std::stod(between(of, "cx=\"", "\"")), px, 0.002) << row;

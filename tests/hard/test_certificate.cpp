@@ -174,6 +174,32 @@ TEST(Certificate, FromTheCommandLine) {
   EXPECT_FALSE(json.at("culprit").is_null());
 }
 
+// What certifying records by itself is called by the part that it is of. Mutation: quantity_text returns the quantity.
+TEST(Certificate, NamesPartsNotProbes) {
+  const TemporaryDirectory directory;
+  const fs::path out = directory.path() / "out", model = directory.path() / "stiff.xml";
+  std::ofstream(model) << R"(<mbd name="stiff"><gravity acceleration="0 0 -9.81"/>
+    <body name="a" at="0 0 0" mass="10" inertia="1 1 1"/>
+    <body name="b" at="1 0 0" mass="1" inertia="0.1 0.1 0.1"/>
+    <bushing name="s" between="ground a"><matrix of="stiffness">
+      1e7 0 0 0 0 0  0 1e7 0 0 0 0  0 0 1e7 0 0 0  0 0 0 1e7 0 0  0 0 0 0 1e7 0  0 0 0 0 0 1e7
+    </matrix></bushing>
+    <revolute name="h" between="a b" at="0 0 0" axis="0 1 0"/>
+    <transient duration="0.5" step="0.001"/>
+    <record name="tip" at="b" quantities="position"/></mbd>)";
+  const Output ran = shell(quote(test::mbd_program) + " run " + quote(model.string()) +
+                           " --certify --certify-within 1e5 --out " + quote(out.string()));
+  const nlohmann::json checks = certificate_of(out).at("checks");
+  for (const nlohmann::json& check : checks) {
+    const std::string where = check.value("where", "");
+    EXPECT_EQ(where.find("certify"), std::string::npos) << where;
+    if (check.at("name") == "half the step") {  // it rings by hundredths of a millimetre
+      EXPECT_TRUE(where.starts_with("position of body \"a\", at ")) << where;
+    }
+  }
+  EXPECT_EQ(ran.text.find("certify0"), std::string::npos) << ran.text;
+}
+
 TEST(TortureCommand, TriesAModel) {
   const TemporaryDirectory directory;
   const std::string command =

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "libmbd/language/reader.hpp"
 #include "libmbd/results/history.hpp"
 #include "libmbd/view/drawing.hpp"
+#include "libmbd/view/section_stresses.hpp"
 #include "libmbd/view/vtk.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/overrides.hpp"
@@ -24,14 +26,42 @@ namespace fs = std::filesystem;
 constexpr std::size_t usual_frames = 200;
 
 struct ExportArguments {
-  std::string what, vtk, frames;
+  std::string what, vtk, frames, model;
+  bool stresses = false;
   std::vector<std::string> set;
 };
 
+// By the model that was run. They are asked for, as they are hundred times what the rest of a frame is.
+StressesOfBeams stresses_of(const Motion& motion, const ExportArguments& arguments) {
+  const bool known = has_section_stresses(motion);
+  if (!arguments.stresses) {
+    if (known)
+      fmt::print("note: sections are stated by material: --stresses writes stresses over them\n");
+    return {};
+  }
+  if (!known)
+    throw Error(
+        "--stresses: no beam of this run has resultants and one section by material and shape");
+  const auto file =
+      arguments.model.empty()
+          ? nlohmann::json::parse(motion.head).at("drawing").at("file").get<std::string>()
+          : arguments.model;
+  try {
+    return stresses_of_beams(read_model(file, to_overrides(arguments.set)), motion);
+  } catch (const Error& error) {
+    throw Error(
+        fmt::format("--stresses: {} (--model FILE names the model that was run, --set what "
+                    "was set then)",
+                    error.what()));
+  }
+}
+
 VtkFiles export_results(const ExportArguments& arguments) {
-  if (!arguments.set.empty())
+  if (!arguments.set.empty() && !arguments.stresses)
     throw Error("--set " + arguments.set.front() +
                 ": these are results; run the model with it, or name the model");
+  if (!arguments.model.empty() && !arguments.stresses)
+    throw Error("--model " + arguments.model + ": it is for --stresses; give that too");
   const fs::path given(arguments.what);
   const fs::path directory = fs::is_directory(given) ? given : given.parent_path();
   const Motion motion = read_motion(directory / "motion.bin");
@@ -40,10 +70,14 @@ VtkFiles export_results(const ExportArguments& arguments) {
   const std::size_t most = arguments.frames.empty()
                                ? usual_frames
                                : static_cast<std::size_t>(frames_option(arguments.frames));
-  return write_vtk(arguments.vtk, motion, most);
+  return write_vtk(arguments.vtk, motion, most, stresses_of(motion, arguments));
 }
 
 VtkFiles export_model(const ExportArguments& arguments) {
+  if (arguments.stresses || !arguments.model.empty())
+    throw Error(
+        "--stresses: a model has none; run it with --motion and name the directory of its "
+        "results");
   if (!arguments.frames.empty())
     throw Error("--frames " + arguments.frames +
                 ": a model has no frames; run it with --motion and name the directory of its "
@@ -88,6 +122,13 @@ void add_export_command(CLI::App& app, int& status) {
       ->check(not_empty, "", "")
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
+  command->add_flag("--stresses", arguments->stresses,
+                    "of a run, also stresses over sections that are stated by material and shape");
+  command
+      ->add_option("--model", arguments->model,
+                   "with --stresses: the model that was run; default: the file it was read from")
+      ->check(not_empty, "", "")
+      ->type_name("FILE");
   command
       ->add_option("--frames", arguments->frames, "at most N frames, evenly chosen; default: 200")
       ->check(not_empty, "", "")

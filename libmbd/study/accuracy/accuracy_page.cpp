@@ -270,10 +270,7 @@ std::string knob_svg(const AccuracyStudy& study) {
 
 // The picture of one panel for a page, with what it is for those who do not see it.
 std::string figure(const plot::Panel& panel, const std::string& ids, const std::string& label) {
-  std::string svg = plot::to_svg({&panel, 1}, {.ids = ids});
-  svg.insert(std::string_view("<svg ").size(),
-             fmt::format("role=\"img\" aria-label=\"{}\" ", xml_escaped(label)));
-  return "<figure>\n" + svg + "</figure>\n";
+  return "<figure>\n" + plot::to_svg({&panel, 1}, {.ids = ids, .label = label}) + "</figure>\n";
 }
 
 std::string times_text(double ratio) {

@@ -8,6 +8,7 @@
 
 #include "libmbd/pictures/page.hpp"
 #include "libmbd/study/accuracy/accuracy_words.hpp"
+#include "libmbd/text/svg.hpp"
 #include "libmbd/text/tables.hpp"
 #include "libmbd/text/text.hpp"
 
@@ -331,17 +332,6 @@ class Picture {
         second_(changes_ ? left + bars + 40.0 : left),
         top_(with_title ? 74.0 : 48.0),
         height_(top_ + (row + 12.0) * static_cast<double>(study.runs.size()) + 52.0) {
-    const double width = columns == Columns::both ? both_wide : left + bars + 60.0;
-    text_ = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"100%\" "
-        "role=\"img\" aria-label=\"{2}: what each effect {4}\" "
-        "font-family=\"sans-serif\" "
-        "font-size=\"{3:.0f}\" fill=\"#111\">\n<rect width=\"{0:.0f}\" height=\"{1:.0f}\" "
-        "fill=\"#fff\"/>\n",
-        width, height_, xml_escaped(study.model), letter,
-        columns == Columns::both      ? "changes and costs"
-        : columns == Columns::changes ? "changes"
-                                      : "costs");
     if (with_title)
       write(left, 24.0, study.model + ": what each effect changes and costs",
             "font-weight=\"bold\"");
@@ -352,30 +342,34 @@ class Picture {
     for (std::size_t i = 0; i < study_.runs.size(); ++i)
       draw_effect(i, top_ + static_cast<double>(i) * (row + 12.0));
     write(left, height_ - 10.0, note(), small);
-    return text_ + "</svg>\n";
+    return svg::document(
+        {.width = columns_ == Columns::both ? both_wide : left + bars + 60.0,
+         .height = height_,
+         .letters = letter,
+         .more = fmt::format(
+             "width=\"100%\" role=\"img\" fill=\"#111\" aria-label=\"{}: what each effect {}\"",
+             xml_escaped(study_.model),
+             columns_ == Columns::both      ? "changes and costs"
+             : columns_ == Columns::changes ? "changes"
+                                            : "costs")},
+        text_);
   }
 
  private:
   static constexpr std::string_view small = "font-size=\"11\"";
 
   void write(double x, double y, std::string_view words, std::string_view more = "") {
-    text_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more,
-                         xml_escaped(words));
+    text_ += svg::text(x, y, words, more);
   }
 
   void line(double x, double y, double to, std::string_view dashes) {
-    text_ += fmt::format(
-        "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\" "
-        "stroke=\"#111\" stroke-dasharray=\"{3}\"/>\n",
-        x, y, to, dashes);
+    text_ += svg::line(x, y, x, to, fmt::format("stroke=\"#111\" stroke-dasharray=\"{}\"", dashes));
   }
   void bar(const EffectRun& run, double x, double y, double size, bool filled,
            std::string_view number) {
-    text_ += fmt::format(
-        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" fill=\"{}\" "
-        "stroke=\"#111\"><title>{}: {}</title></rect>\n",
-        x, y + 18.0, std::max(size, 0.5), filled ? "#777" : "#fff",
-        xml_escaped(run.ablation.effect), xml_escaped(number));
+    text_ += svg::rectangle(x, y + 18.0, std::max(size, 0.5), 14.0,
+                            fmt::format("fill=\"{}\" stroke=\"#111\"", filled ? "#777" : "#fff"),
+                            fmt::format("{}: {}", run.ablation.effect, number));
   }
 
   void draw_axes() {

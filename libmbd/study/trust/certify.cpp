@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libmbd/compile/control.hpp"
+#include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/study/trust/sameness.hpp"
 #include "libmbd/study/trust/transform.hpp"
@@ -27,16 +28,33 @@ std::string until_text(const Scene& scene, const Sameness& s) {
       s.whole ? "" : ", from where on tolerances and round-off change more than 1e-3");
 }
 
-std::string where_text(const Scene& scene, const Sameness& s) {
-  if (s.quantity.empty()) return {};
-  if (scene.transient) return fmt::format("{}, at {:.6g} s", s.quantity, s.at);
-  return scene.path ? fmt::format("{}, at special point {:g}", s.quantity, s.at) : s.quantity;
+// A quantity, in words where it is one of a probe, which no model has.
+std::string quantity_text(const Scene& probed, const std::string& quantity) {
+  const std::size_t dot = quantity.find('.');
+  for (const RecordScene& record : probed.records) {
+    if (!record.name.starts_with("certify") || quantity.substr(0, dot) != record.name) continue;
+    const std::string what = quantity.substr(dot + 1);
+    if (!record.at) return what;
+    const bool beam = record.at->kind == Place::Kind::beam;
+    return fmt::format("{} of {}{}", what, label(beam ? "beam" : "body", record.at->name),
+                       !beam                        ? ""
+                       : record.at->parameter > 0.5 ? " at its end"
+                                                    : " at its start");
+  }
+  return quantity;
+}
+
+std::string where_text(const Scene& scene, const std::string& quantity, double at) {
+  if (quantity.empty()) return {};
+  if (scene.transient) return fmt::format("{}, at {:.6g} s", quantity, at);
+  return scene.path ? fmt::format("{}, at special point {:g}", quantity, at) : quantity;
 }
 
 // Nothing to compare, or a run that fails, is a warning, or a failure, with its reason.
-Check check_of_run(const std::string& name, const Scene& scene, const Trial& run,
-                   const Sameness& same, double fail, const std::string& why) {
-  Check check{.name = name, .where = where_text(scene, same)};
+Check check_of_run(const std::string& name, const Scene& scene, const Scene& probed,
+                   const Trial& run, const Sameness& same, double fail, const std::string& why) {
+  Check check{.name = name,
+              .where = where_text(scene, quantity_text(probed, same.quantity), same.at)};
   if (!run.complete) {
     check.verdict = run.stopped ? Verdict::warn : Verdict::fail;
     check.where = run.failure;
@@ -72,14 +90,14 @@ Check check_moved(const Scene& scene, const Twins& twins, const TrialOptions& li
   Sameness same;
   if (run.complete)
     same = twins.compare(moved_back(run.findings, twins.scene(), motion, not_compared));
-  return check_of_run("invariance, moved rigidly", scene, run, same,
+  return check_of_run("invariance, moved rigidly", scene, twins.scene(), run, same,
                       certify_fail_factor * same.bound, bound_of_sameness);
 }
 
 Check check_reordered(const Scene& scene, const Twins& twins, const TrialOptions& limits) {
   const Trial run = run_trial(reordered(twins.scene(), certify_seed), limits);
   const Sameness same = run.complete ? twins.compare(run.findings) : Sameness{};
-  return check_of_run("invariance, another order", scene, run, same,
+  return check_of_run("invariance, another order", scene, twins.scene(), run, same,
                       certify_fail_factor * same.bound, bound_of_sameness);
 }
 
@@ -92,7 +110,8 @@ Check check_finer(const Scene& scene, const Twins& twins, const TrialOptions& li
   const Sameness same =
       run.complete ? twins.compare_finer(run.findings, tolerable_error) : Sameness{};
   return check_of_run(
-      finer.step ? "half the step" : "a tenth of the tolerance", scene, run, same, spoiling_error,
+      finer.step ? "half the step" : "a tenth of the tolerance", scene, twins.scene(), run, same,
+      spoiling_error,
       "largest difference of displacements and rotations, over the size of the quantity: about the "
       "error of the method");
 }

@@ -129,7 +129,7 @@
     mass: 0x7a5230, motion: 0x1f8fa3, record: 0xd1478c, gap: 0xff2a1a, ghost: 0x8c96a3, chosen: 0xff9d00,
     reaction: 0x7d1fd1, second: 0xd6336c};
   const unit = 0.014 * size;  // of glyphs, or more of those that would not be seen
-  const e1 = new THREE.Vector3(1, 0, 0), e2 = new THREE.Vector3(0, 1, 0), e3 = new THREE.Vector3(0, 0, 1);
+  const e2 = new THREE.Vector3(0, 1, 0), way = new THREE.Vector3();  // way: of what is being turned
 
   const parts = D.parts.map((part, index) =>
     ({...part, index, objects: [], update: [], visible: true, anchor: null, paint: part.run ? undefined : codeOf(part.colour),
@@ -237,6 +237,7 @@
     return rim.flatMap((a, i) => [[...a, ...between(i, before[i])], [...rim[outline.next[i]], ...between(i, outline.next[i])]]);
   }
 
+  const tint = new THREE.Color(), flat = [0, 0, 0], shaded = [0, 0, 0];  // of the beam that is being drawn
   function makeBeam(part) {
     const first = part.points.map(at => placeIn(refP, refQ, at));
     part.spans = first.slice(1).map((h, i) => norm(minus(h.r, first[i].r)));
@@ -248,6 +249,7 @@
     part.ends = part.points.map(() => new Float64Array(10));
     part.now = centreLine(part, refP, refQ);
     part.scratch = centreLine(part, refP, refQ);
+    part.shown = new Float64Array(part.fine.length);  // the quantity of its colours
     part.reference = centreLine(part, refP, refQ).r;
     const count = part.fine.length;
     const sides = part.fine.map(s => {
@@ -305,15 +307,16 @@
       const colours = part.values !== part.painted || chosen === part || part.was || values;  // else they stay
       part.painted = part.values;
       part.was = chosen === part;
-      const plain = new THREE.Color(chosen === part ? palette.chosen : part.run ? palette.second : part.paint || (part.rigid ? palette.body : palette.beam));
+      const plain = tint.setHex(chosen === part ? palette.chosen : part.run ? palette.second : part.paint || (part.rigid ? palette.body : palette.beam));
+      flat[0] = plain.r, flat[1] = plain.g, flat[2] = plain.b;
       for (let k = 0, o = 0; k < count + 2; ++k) {
         const at = k < count ? k : k === count ? 0 : count - 1;
         const r = line.r[at], side = sides[at], h2 = 0.5 * side[0], h3 = 0.5 * side[1];
-        const [x, y, z, w] = line.q[at];
+        const q = line.q[at], x = q[0], y = q[1], z = q[2], w = q[3];
         const b10 = 1 - 2 * (y * y + z * z), b11 = 2 * (x * y + w * z), b12 = 2 * (x * z - w * y);
         const b20 = 2 * (x * y - w * z), b21 = 1 - 2 * (x * x + z * z), b22 = 2 * (y * z + w * x);
         const b30 = 2 * (x * z + w * y), b31 = 2 * (y * z - w * x), b32 = 1 - 2 * (x * x + y * y);
-        const c = !colours ? null : values && chosen !== part ? shade(values[at]) : [plain.r, plain.g, plain.b];
+        const c = !colours ? null : values && chosen !== part ? shade(values[at], shaded) : flat;
         const cap = k < count ? 0 : k === count ? -1 : 1, points = cap ? lid : ring;
         for (let i = 0; i < points.length; ++i, o += 3) {
           const g = points[i], u = h2 * g[0], v = h3 * g[1];
@@ -445,7 +448,7 @@
     object.visible = l > 1e-9 * size;
     if (!object.visible) return;
     object.position.set(...times(0.5, add(a, b)));
-    object.quaternion.setFromUnitVectors(e2, new THREE.Vector3(...times(1 / l, d)));
+    object.quaternion.setFromUnitVectors(e2, way.set(...times(1 / l, d)));
     object.scale.set(1, l, 1);
   };
 
@@ -535,7 +538,7 @@
         const h = where();
         const d = arrow.follows ? turn(h.q, arrow.along) : arrow.along, l = (along_beam ? 0.06 : 0.12) * size;
         o.position.set(...add(h.r, times(l, d)));  // it begins where the load acts
-        o.quaternion.setFromUnitVectors(e2, new THREE.Vector3(...d));
+        o.quaternion.setFromUnitVectors(e2, way.set(...d));
       });
       part.anchor = () => {
         const h = where(), d = arrow.follows ? turn(h.q, arrow.along) : arrow.along;
@@ -609,17 +612,23 @@
   // Dark blue over green to yellow, even in lightness.
   const stops = [[0.17, 0.12, 0.42], [0.19, 0.33, 0.60], [0.13, 0.51, 0.60], [0.22, 0.66, 0.48], [0.55, 0.79, 0.31], [0.97, 0.89, 0.20]];
   let low = 0, high = 1;
-  function shade(value) {
+  function shade(value, into) {
     const u = Math.min(1, Math.max(0, high > low ? (value - low) / (high - low) : 0)) * (stops.length - 1);
-    const i = Math.min(stops.length - 2, Math.floor(u)), f = u - i;
-    return stops[i].map((c, k) => c + f * (stops[i + 1][k] - c));
+    const i = Math.min(stops.length - 2, Math.floor(u)), f = u - i, a = stops[i], b = stops[i + 1];
+    for (let k = 0; k < 3; ++k) into[k] = a[k] + f * (b[k] - a[k]);
+    return into;
   }
-  const spread = (s, values, fine) => fine.map(x => {  // linear between values at s
-    if (x <= s[0]) return values[0];
-    for (let i = 1; i < s.length; ++i)
-      if (x <= s[i]) return values[i - 1] + (values[i] - values[i - 1]) * (x - s[i - 1]) / (s[i] - s[i - 1] || 1);
-    return values[values.length - 1];
-  });
+  // Linear between values at s; both s and `fine` rise.
+  function spread(s, values, fine, into) {
+    const last = s.length - 1;
+    for (let k = 0, i = 1; k < fine.length; ++k) {
+      const x = fine[k];
+      while (i < last && x > s[i]) ++i;
+      into[k] = x <= s[0] || last === 0 ? values[0] : x >= s[last] ? values[last]
+        : values[i - 1] + (values[i] - values[i - 1]) * (x - s[i - 1]) / (s[i] - s[i - 1] || 1);
+    }
+    return into;
+  }
   let first = 0;  // of resultants
   for (const p of parts) if (p.kind === 'beam') { p.firstStation = first; if (p.stations) first += p.stations.length; }
   const speedAt = (f, at) => {
@@ -628,36 +637,46 @@
     const v = [0, 1, 2].map(k => numbers[o + k]), w = [3, 4, 5].map(k => numbers[o + k]);
     return norm(add(v, [w[1] * x[2] - w[2] * x[1], w[2] * x[0] - w[0] * x[2], w[0] * x[1] - w[1] * x[0]]));
   };
-  const resultant = (f, part, how) => part.stations.map((s, i) => {
-    const o = offset(f) + motion.pose + motion.twist + 6 * (part.firstStation + i);
-    return how(numbers.subarray(o, o + 6));
-  });
+  // At the stations: how(r, i, o) of the six numbers of station i in r, from o on.
+  const atStations = [];
+  function resultant(f, part, how) {
+    for (let i = 0; i < part.stations.length; ++i)
+      atStations[i] = how(numbers, i, offset(f) + motion.pose + motion.twist + 6 * (part.firstStation + i));
+    return atStations;
+  }
   const ofBeams = how => ({beams: true, of: (part, f) => part.stations && part.stations.length
-    ? spread(part.stations, resultant(f, part, how), part.fine) : null});
+    ? spread(part.stations, resultant(f, part, how), part.fine, part.shown) : null});
   const quantities = {'': null};
   quantities.displacement = {label: 'displacement', unit: 'm', exact: true};  // of the curve that is drawn
   if (motion && motion.twist)
     quantities.velocity = {label: 'velocity', unit: 'm/s', of: (part, f) =>
-      spread(part.s, part.points.map(at => speedAt(f, at)), part.fine)};
+      spread(part.s, part.points.map(at => speedAt(f, at)), part.fine, part.shown)};
   if (motion && motion.resultant) {
-    quantities.N = {label: 'axial force N', unit: 'N', ...ofBeams(r => r[0])};
-    quantities.Q = {label: 'shear force |Q|', unit: 'N', ...ofBeams(r => Math.hypot(r[1], r[2]))};
-    quantities.T = {label: 'torque M1', unit: 'N.m', ...ofBeams(r => r[3])};
-    quantities.M = {label: 'bending moment |M|', unit: 'N.m', ...ofBeams(r => Math.hypot(r[4], r[5]))};
+    quantities.N = {label: 'axial force N', unit: 'N', ...ofBeams((r, i, o) => r[o])};
+    quantities.Q = {label: 'shear force |Q|', unit: 'N', ...ofBeams((r, i, o) => Math.sqrt(r[o + 1] * r[o + 1] + r[o + 2] * r[o + 2]))};
+    quantities.T = {label: 'torque M1', unit: 'N.m', ...ofBeams((r, i, o) => r[o + 3])};
+    quantities.M = {label: 'bending moment |M|', unit: 'N.m', ...ofBeams((r, i, o) => Math.sqrt(r[o + 4] * r[o + 4] + r[o + 5] * r[o + 5]))};
   }
   // Half of S C S at a station, of compliances that are upper halves by rows.
-  const energyOf = (half, r) => {
+  const energyOf = (half, r, o) => {
     let sum = 0;
-    for (let i = 0, k = 0; i < 6; ++i) for (let j = i; j < 6; ++j) sum += (i === j ? 0.5 : 1) * half[k++] * r[i] * r[j];
+    for (let i = 0, k = 0; i < 6; ++i) for (let j = i; j < 6; ++j) sum += (i === j ? 0.5 : 1) * half[k++] * r[o + i] * r[o + j];
     return sum;
   };
   if (motion && motion.resultant && parts.some(p => p.compliance && !p.run))
     quantities.energy = {label: 'strain energy per length', unit: 'J/m', beams: true, of: (part, f) => {
       if (!part.compliance || !part.stations || !part.stations.length) return null;
-      let i = 0;
-      return spread(part.stations, resultant(f, part, r => energyOf(part.compliance[part.compliance.length > 1 ? i++ : 0], r)), part.fine);
+      const one = part.compliance.length === 1;
+      return spread(part.stations, resultant(f, part, (r, i, o) => energyOf(part.compliance[one ? 0 : i], r, o)), part.fine, part.shown);
     }};
   const scratchP = refP.slice(), scratchQ = refQ.slice();
+  function displaced(line, part, by = 1) {  // of the curve that is drawn
+    for (let k = 0; k < part.shown.length; ++k) {
+      const r = line.r[k], from = part.reference[k], x = r[0] - from[0], y = r[1] - from[1], z = r[2] - from[2];
+      part.shown[k] = Math.sqrt(x * x + y * y + z * z) / by;
+    }
+    return part.shown;
+  }
   // The range of a quantity over some frames.
   function range(quantity, some) {
     low = Infinity, high = -Infinity;
@@ -666,7 +685,7 @@
       for (const p of parts) {
         if (p.kind !== 'beam' || p.run) continue;
         const values = quantity.exact
-          ? centreLine(p, scratchP, scratchQ, p.scratch).r.map((r, i) => norm(minus(r, p.reference[i]))) : quantity.of(p, f);
+          ? displaced(centreLine(p, scratchP, scratchQ, p.scratch), p) : quantity.of(p, f);
         for (const v of values || []) low = Math.min(low, v), high = Math.max(high, v);
       }
     }
@@ -687,7 +706,7 @@
       for (const p of parts)
         if (p.kind === 'beam' && !p.run && !(quantity.beams && !(p.stations && p.stations.length)))
           p.values = line => quantity.exact
-            ? line.r.map((r, i) => norm(minus(r, p.reference[i])) / (scale || 1)) : quantity.of(p, frame);
+            ? displaced(line, p, scale || 1) : quantity.of(p, frame);
       by('legend-title').textContent = quantity.label + ' [' + quantity.unit + ']';
       by('legend-bar').style.background = 'linear-gradient(to right,' + stops.map(c => 'rgb(' + c.map(x => Math.round(255 * x)).join(',') + ')').join(',') + ')';
     }
@@ -737,7 +756,7 @@
         if (!object.visible) return;
         const d = times(1 / l, force), drawn = Math.min(2, l / most);
         object.position.set(...add(h.r, times(0.15 * size * drawn, d)));
-        object.quaternion.setFromUnitVectors(e2, new THREE.Vector3(...d));
+        object.quaternion.setFromUnitVectors(e2, way.set(...d));
         object.scale.set(1, drawn, 1);
       });
     });
