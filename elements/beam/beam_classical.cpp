@@ -38,11 +38,10 @@ class ClassicalBatch final : public ElementBatch<Classical<N>, BeamElasticBatch>
     this->set_frames(element, frames);
   }
 
-  Vec6 resultants(const State& state, Index element, double xi) const override {
+  void resultants(const State& state, Index element, std::span<Vec6> S) const override {
     typename Base::NodeStates x;
     this->gather(state, static_cast<std::size_t>(element), x);
-    return Kernel::resultants(this->shared(), this->data(element), x.data(), table_.rule.points,
-                              xi);
+    Kernel::resultants(this->shared(), this->data(element), x.data(), S.data());
   }
 
   const SpectralTable& table() const override { return table_; }

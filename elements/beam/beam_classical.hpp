@@ -276,16 +276,12 @@ struct Classical {
 
   // Sectional forces [N1 Q2 Q3 M1 M2 M3] at xi, section frame: the polynomial through the quadrature
   // points, as in beam_elastic.hpp.
-  static Vec6 resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
-                         const std::vector<double>& points, double xi) {
+  static void resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
+                         Vec6* S) {
     Nodes<double> node;
     node.set(shared.table.order(), [x](int k) -> const Pose<double>& { return x[k].H; });
-    const VecX l = lagrange(points, xi);
-    Vec6 sum = Vec6::Zero();
     for (int i = 0; i < shared.table.points; ++i)
-      sum += l(i) *
-             (D_at(shared, data, i) * strain(data, i, Point<double>(shared.table, data, i, node)));
-    return sum;
+      S[i] = D_at(shared, data, i) * strain(data, i, Point<double>(shared.table, data, i, node));
   }
 
  private:

@@ -94,17 +94,13 @@ struct Damping {
     return power;
   }
 
-  // Viscous part of [N1 Q2 Q3 M1 M2 M3] at xi, section frame: through the quadrature points, as in
-  // beam_elastic.hpp.
-  static Vec6 resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
-                         const std::vector<double>& points, double xi) {
+  // Viscous part of [N1 Q2 Q3 M1 M2 M3] at the quadrature points, section frame.
+  static void resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
+                         Vec6* S) {
     Work<double> work;
     rates(shared, data, x, work);
-    const VecX l = lagrange(points, xi);
-    Vec6 sum = Vec6::Zero();
     for (int i = 0; i < shared.points; ++i)
-      sum += l(i) * (C_at(shared, data, i) * work.rate[static_cast<std::size_t>(i)]);
-    return sum;
+      S[i] = C_at(shared, data, i) * work.rate[static_cast<std::size_t>(i)];
   }
 
  private:

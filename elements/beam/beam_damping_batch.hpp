@@ -25,9 +25,9 @@ class BeamDampingBatch : public Batch {
   // add_element is of its own.
   virtual void set_frames_of(Index element, std::span<const Pose<double>> frames) = 0;
 
-  // Viscous part of the sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at xi in [-1, 1], section frame
-  // [N, N.m]; zero for a state without rates.
-  virtual Vec6 resultants(const State& state, Index element, double xi) const = 0;
+  // Viscous part of the sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at its quadrature points (S: one each), section
+  // frame [N, N.m]; zero for a state without rates.
+  virtual void resultants(const State& state, Index element, std::span<Vec6> S) const = 0;
 };
 
 // Order 1 … 8; throws Error for others. One kernel of run-time size for all of them.

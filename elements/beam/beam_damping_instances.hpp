@@ -41,11 +41,10 @@ class DampingBatch final : public ElementBatch<Damping<MetricType, N>, BeamDampi
     this->set_frames(element, frames);
   }
 
-  Vec6 resultants(const State& state, Index element, double xi) const override {
+  void resultants(const State& state, Index element, std::span<Vec6> S) const override {
     typename Base::NodeStates x;
     this->gather(state, static_cast<std::size_t>(element), x);
-    return Kernel::resultants(this->shared(), this->data(element), x.data(), table_.rule.points,
-                              xi);
+    Kernel::resultants(this->shared(), this->data(element), x.data(), S.data());
   }
 
  private:

@@ -297,18 +297,14 @@ struct Elastic {
     return {.kinetic = 0.0, .strain = energy<double>(shared, data, x), .potential = 0.0};
   }
 
-  // Sectional forces [N1 Q2 Q3 M1 M2 M3] at xi, section frame: the polynomial through the quadrature
-  // points, where the strains of a Gauss rule are most accurate.
-  static Vec6 resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
-                         const std::vector<double>& points, double xi) {
+  // Sectional forces [N1 Q2 Q3 M1 M2 M3] at the quadrature points, section frame. Of all: the motion between nodes is theirs.
+  static void resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
+                         Vec6* S) {
     const int order = shared.table.order();
     Motion<Metric, N, double> motion;
     motion.set(order, [x](int k) -> const Pose<double>& { return x[k].H; });
-    const VecX l = lagrange(points, xi);
-    Vec6 sum = Vec6::Zero();
     for (int i = 0; i < shared.table.points; ++i)
-      sum += l(i) * (D_at(shared, data, i) * strain(data, i, order * (order + 1) / 2, motion));
-    return sum;
+      S[i] = D_at(shared, data, i) * strain(data, i, order * (order + 1) / 2, motion);
   }
 
  private:

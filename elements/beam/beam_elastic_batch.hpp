@@ -32,8 +32,8 @@ class BeamElasticBatch : public Batch {
   // add_element is of its own.
   virtual void set_frames_of(Index element, std::span<const Pose<double>> frames) = 0;
 
-  // Sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at xi in [-1, 1], section frame [N, N.m].
-  virtual Vec6 resultants(const State& state, Index element, double xi) const = 0;
+  // Sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at its quadrature points (S: one each), section frame [N, N.m].
+  virtual void resultants(const State& state, Index element, std::span<Vec6> S) const = 0;
 
   virtual const SpectralTable& table() const = 0;
 

@@ -50,6 +50,27 @@ struct ElementPlace {
   Index damping_element;
 };
 
+// Sectional forces at the quadrature points of its element, elastic and viscous.
+std::vector<Vec6> resultants_at_points(const ElementPlace& at, const State& state) {
+  const std::size_t points = at.batch->table().rule.points.size();
+  std::vector<Vec6> S(points);
+  at.batch->resultants(state, at.element, S);
+  if (at.damping == nullptr || state.V.empty()) return S;
+  std::vector<Vec6> viscous(points);
+  at.damping->resultants(state, at.damping_element, viscous);
+  for (std::size_t i = 0; i < points; ++i) S[i] += viscous[i];
+  return S;
+}
+
+// At its place: the polynomial through the quadrature points, where the strains of a Gauss rule are most accurate.
+Vec6 resultants_there(const ElementPlace& at, const State& state) {
+  const std::vector<Vec6> S = resultants_at_points(at, state);
+  const VecX l = lagrange(at.batch->table().rule.points, at.xi);
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t i = 0; i < S.size(); ++i) sum += l(static_cast<Index>(i)) * S[i];
+  return sum;
+}
+
 struct CompiledBeam {
   const BeamScene* scene;
   std::vector<double> boundaries;               // parameters, with 0 and 1
@@ -1033,22 +1054,17 @@ class Compiler {
   }
 
   static void add_resultants(const CompiledBeam& beam, Model::Line& line) {
-    std::vector<ElementPlace> points;
+    std::vector<ElementPlace> elements;
     for (std::size_t e = 0; e + 1 < beam.boundaries.size(); ++e) {
       const double s0 = beam.boundaries[e], s1 = beam.boundaries[e + 1];
-      for (const double xi : beam.ends[e].back().batch->table().rule.points) {
-        points.push_back(beam.ends[e].back());
-        points.back().xi = xi;
+      elements.push_back(beam.ends[e].back());
+      for (const double xi : elements.back().batch->table().rule.points)
         line.stations.push_back(s0 + 0.5 * (s1 - s0) * (1.0 + xi));
-      }
     }
-    line.resultants = [points = std::move(points)](const State& state, std::span<Vec6> out) {
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        const ElementPlace& p = points[i];
-        out[i] = p.batch->resultants(state, p.element, p.xi);
-        if (p.damping != nullptr && !state.V.empty())
-          out[i] += p.damping->resultants(state, p.damping_element, p.xi);
-      }
+    line.resultants = [elements = std::move(elements)](const State& state, std::span<Vec6> out) {
+      auto next = out.begin();
+      for (const ElementPlace& element : elements)
+        next = std::ranges::copy(resultants_at_points(element, state), next).out;
     };
   }
 
@@ -1211,10 +1227,7 @@ class Compiler {
                               : std::vector{within(*beam, element_at(*beam, s), s)};
     return [places](const State& state) {
       Vec6 sum = Vec6::Zero();
-      for (const ElementPlace& at : places) {
-        sum += at.batch->resultants(state, at.element, at.xi);
-        if (at.damping) sum += at.damping->resultants(state, at.damping_element, at.xi);
-      }
+      for (const ElementPlace& at : places) sum += resultants_there(at, state);
       return Vec6(sum / static_cast<double>(places.size()));
     };
   }

@@ -218,7 +218,13 @@ VecX BeamSystem::residual(const std::vector<Pose<double>>& pose) const {
   return r.tail(r.size() - 6);
 }
 Vec6 BeamSystem::resultants(const std::vector<Pose<double>>& pose, double xi) const {
-  return batch_->resultants(state(pose), 0, xi);
+  const std::vector<double>& points = batch_->table().rule.points;
+  std::vector<Vec6> S(points.size());
+  batch_->resultants(state(pose), 0, S);
+  const VecX l = lagrange(points, xi);
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t i = 0; i < S.size(); ++i) sum += l(static_cast<Index>(i)) * S[i];
+  return sum;
 }
 double BeamSystem::energy(const std::vector<Pose<double>>& pose) const {
   return system_.energies(state(pose)).strain;

@@ -230,7 +230,10 @@ TEST_P(DampingLaws, RatesAreThoseOfTheElasticStrains) {
     State at_rest = state;
     at_rest.V.clear();
     at_rest.Vdot.clear();
-    EXPECT_TRUE(damping->resultants(at_rest, 0, 0.3).isZero(0.0));
+    std::vector<Vec6> viscous(t.rule.points.size(), Vec6::Ones());
+    damping->resultants(at_rest, 0, viscous);
+    for (const Vec6& S : viscous) EXPECT_TRUE(S.isZero(0.0));
+    damping->resultants(state, 0, viscous);
     EXPECT_EQ(damping->damping_power(at_rest), 0.0);
     const std::vector<Vec6> strain_rates = dual_numbers.strain_rates(s);
     const std::vector<Mat6> other_C = mutated_stiffness(s.C);
@@ -239,7 +242,7 @@ TEST_P(DampingLaws, RatesAreThoseOfTheElasticStrains) {
     for (std::size_t i = 0; i < t.rule.points.size(); ++i) {
       const Vec6& rate = strain_rates[i];
       const std::size_t at = s.C.size() > 1 ? i : 0;
-      const Vec6 want = s.C[at] * rate, got = damping->resultants(state, 0, t.rule.points[i]);
+      const Vec6 want = s.C[at] * rate, got = viscous[i];
       size = std::max(size, (s.C[at].cwiseAbs() * rate.cwiseAbs()).cwiseQuotient(units).norm());
       difference = std::max(difference, (got - want).cwiseQuotient(units).norm());
       other = std::max(other, (other_C[at] * rate - got).cwiseQuotient(units).norm());

@@ -33,6 +33,33 @@ Vec3 vector(const Table& t, const std::string& quantity, std::size_t k) {
 }
 Mat3 rotation_matrix(const Vec3& v) { return Pose<double>{exp_so3<double>(v), {}}.R(); }
 
+// Half a turn away, and where axes change places, the gaps of rows of directions and angles are zero as well: no equations
+// are made there. Mutations: the branch of a revolute joint, of a drive or of a fixed joint is not looked at.
+TEST(Mechanisms, DoNotHoldOnAnotherBranch) {
+  struct Case {
+    const char* joint;
+    Vec3 turn;
+  };
+  const Case cases[] = {
+      {R"(<revolute name="J" between="ground b" axis="0 1 0"/>)", Vec3(pi, 0, 0)},
+      {R"(<revolute name="J" between="ground b" axis="0 1 0"/><drive joint="J" angle="0"/>)",
+       Vec3(0, pi, 0)},
+      {R"(<fixed name="J" between="ground b"/>)", 2 * pi / 3 / sqrt(3.0) * Vec3(1, 1, 1)}};
+  for (const Case& c : cases) {
+    const Model model = compile(
+        read_model_text(std::string(R"(<mbd name="m"><body name="b" mass="2" inertia="1 1 1"/>)") +
+                        c.joint + R"(<transient duration="1" step="0.1"/></mbd>)"));
+    State state = model.initial;
+    VecX residual;
+    EXPECT_TRUE(model.system->residual(state, residual)) << c.joint;
+    EXPECT_EQ(model.system->out_of_range(state), "") << c.joint;
+    state.pose[1].p = exp_so3<double>(c.turn);
+    EXPECT_FALSE(model.system->residual(state, residual)) << c.joint;
+    EXPECT_NE(model.system->out_of_range(state).find("'J'"), std::string::npos)
+        << c.joint << ": " << model.system->out_of_range(state);
+  }
+}
+
 // Driven for ten turns and back: the advance is the pitch a turn, of either hand. Shows an angle that is
 // not followed (beyond half a turn), the sign of the pitch, 10 % of it.
 TEST(Mechanisms, ScrewAdvancesByItsPitchATurn) {

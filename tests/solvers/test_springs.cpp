@@ -186,6 +186,33 @@ TEST(Springs, ForceAlongASlider) {
   EXPECT_NEAR(last(h, "drag.joint_force"), -8 * v, 1e-9);
 }
 
+// A bar on a hinge, held at its tip by a spring to a point beside it, whichever end of the spring is on the bar: the moments of
+// weight and spring about the hinge are in balance at the angle that bisection finds.
+TEST(Springs, HoldABarByTheTip) {
+  constexpr double m = 3, g = 9.81, k = 60, free = 1.2;
+  const auto moment = [](double angle) {  // about +y; the tip is at (cos, 0, -sin)
+    const Vec3 tip(std::cos(angle), 0, -std::sin(angle)), to = Vec3(0.3, 0, 1.5) - tip;
+    const Vec3 force = k * (to.norm() - free) * to.normalized();
+    return tip.cross(force)(1) + (0.5 * tip).cross(Vec3(0, 0, -m * g))(1);
+  };
+  double low = -0.5, high = 0.0;
+  ASSERT_LT(moment(low) * moment(high), 0.0);
+  while (high - low > 1e-14) {
+    const double middle = 0.5 * (low + high);
+    (moment(low) * moment(middle) > 0.0 ? low : high) = middle;
+  }
+  for (const char* const spring : {R"(between="bar ground" at_a="1 0 0" at_b="0.3 0 1.5")",
+                                   R"(between="ground bar" at_a="0.3 0 1.5" at_b="1 0 0")"}) {
+    const History h = run_to_table(
+        read_model_text(std::string(R"(<mbd name="bar"><gravity acceleration="0 0 -9.81"/>
+      <body name="bar" at="0 0 0" center="0.5 0 0" mass="3" inertia="1 1 1"/>
+      <revolute name="hinge" between="ground bar" axis="0 1 0"/><spring name="s" )") +
+                        spring + R"( stiffness="60" length="1.2"/><static/>
+      <record name="hinge" joint="hinge" quantities="angle"/></mbd>)"));
+    EXPECT_NEAR(last(h, "hinge.angle"), low, 1e-9) << spring;
+  }
+}
+
 // A free length that is given, not the distance of the points: F = k (l - l0), in equilibrium and as it is let go. Mutation: the distance
 // is taken for it (it lived before).
 TEST(Springs, FreeLengthIsTheOneGiven) {

@@ -534,5 +534,26 @@ TEST(ModesOnTheWay, OfAPendulum) {
   }
 }
 
+// A run that would go on for ever is not begun. Mutation: the time is not looked at (the test would hang).
+TEST(ModesOnTheWay, NotAfterTheEnd) {
+  const Scene scene = read(R"(
+    <body name="arm" at="0 0 0" center="0 0 -0.4" mass="3" inertia="0.48 0.48 0.01"/>
+    <revolute name="hinge" between="ground arm" axis="0 1 0"/>
+    <gravity acceleration="0 0 -9.81"/><transient duration="2" step="0.01"/>)");
+  ModesOptions options;
+  options.count = 1;
+  options.time = 2.0;
+  EXPECT_NEAR(study_modes(scene, options).modes.at(0).eigenvalue.imag(), std::sqrt(9.81 / 0.8),
+              1e-6);
+  options.time = 1e9;
+  try {
+    study_modes(scene, options);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find("transient: ends at 2 s"), std::string::npos) << said;
+  }
+}
+
 }  // namespace
 }  // namespace mbd::test::test_modes

@@ -76,6 +76,17 @@ std::string note_on_round_off(const std::vector<NamedMode>& modes) {
       worst->round_off, worst - modes.begin() + 1);
 }
 
+// Up to then the model says what happens.
+double time_within(const Scene& scene, double time) {
+  constexpr double round_off = 1e-9;
+  if (scene.transient && time > scene.transient->duration * (1.0 + round_off))
+    throw Error(scene.transient->source,
+                fmt::format("transient: ends at {:.6g} s, there is no state of it at {:.6g} s; ask "
+                            "for an earlier one, or give it a longer duration",
+                            scene.transient->duration, time));
+  return time > 0.0 ? time : 1.0;
+}
+
 }  // namespace
 
 std::optional<double> NamedMode::whirl(double rate, ModeAxes axes) const {
@@ -89,7 +100,7 @@ std::optional<double> NamedMode::whirl(double rate, ModeAxes axes) const {
 
 MotionsOfScene::MotionsOfScene(const Scene& scene, std::optional<double> time)
     // Inertia takes part, steps do not.
-    : scene_(scene_of_run(scene, time.value_or(0.0) > 0.0 ? *time : 1.0)) {
+    : scene_(scene_of_run(scene, time_within(scene, time.value_or(0.0)))) {
   if (!time && !scene_.statics) scene_.statics.emplace();
   model_ = compile(scene_);
   const System& system = *model_.system;
