@@ -274,8 +274,7 @@ struct Classical {
     return {.kinetic = 0.0, .strain = energy<double>(shared, data, x), .potential = 0.0};
   }
 
-  // Sectional forces [N1 Q2 Q3 M1 M2 M3] at xi, section frame: the polynomial through the quadrature
-  // points, as in beam_elastic.hpp.
+  // Sectional forces [N1 Q2 Q3 M1 M2 M3] at the quadrature points, section frame.
   static void resultants(const Shared& shared, const Data& data, const NodeState<double>* x,
                          Vec6* S) {
     Nodes<double> node;

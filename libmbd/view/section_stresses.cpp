@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "libmbd/material/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"

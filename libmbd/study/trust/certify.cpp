@@ -44,17 +44,17 @@ std::string quantity_text(const Scene& probed, const std::string& quantity) {
   return quantity;
 }
 
-std::string where_text(const Scene& scene, const std::string& quantity, double at) {
-  if (quantity.empty()) return {};
-  if (scene.transient) return fmt::format("{}, at {:.6g} s", quantity, at);
-  return scene.path ? fmt::format("{}, at special point {:g}", quantity, at) : quantity;
+std::string where_text(const Scene& probed, const Sameness& s) {
+  if (s.quantity.empty()) return {};
+  const std::string quantity = quantity_text(probed, s.quantity);
+  if (probed.transient) return fmt::format("{}, at {:.6g} s", quantity, s.at);
+  return probed.path ? fmt::format("{}, at special point {:g}", quantity, s.at) : quantity;
 }
 
 // Nothing to compare, or a run that fails, is a warning, or a failure, with its reason.
-Check check_of_run(const std::string& name, const Scene& scene, const Scene& probed,
-                   const Trial& run, const Sameness& same, double fail, const std::string& why) {
-  Check check{.name = name,
-              .where = where_text(scene, quantity_text(probed, same.quantity), same.at)};
+Check check_of_run(const std::string& name, const Scene& probed, const Trial& run,
+                   const Sameness& same, double fail, const std::string& why) {
+  Check check{.name = name, .where = where_text(probed, same)};
   if (!run.complete) {
     check.verdict = run.stopped ? Verdict::warn : Verdict::fail;
     check.where = run.failure;
@@ -70,7 +70,7 @@ Check check_of_run(const std::string& name, const Scene& scene, const Scene& pro
   check.value = same.difference;
   check.warn = same.bound;
   check.fail = fail;
-  check.why = why + until_text(scene, same);
+  check.why = why + until_text(probed, same);
   if (same.comparable) return bounded_check(check);
   check.verdict = Verdict::warn;
   check.why =
@@ -90,27 +90,26 @@ Check check_moved(const Scene& scene, const Twins& twins, const TrialOptions& li
   Sameness same;
   if (run.complete)
     same = twins.compare(moved_back(run.findings, twins.scene(), motion, not_compared));
-  return check_of_run("invariance, moved rigidly", scene, twins.scene(), run, same,
+  return check_of_run("invariance, moved rigidly", twins.scene(), run, same,
                       certify_fail_factor * same.bound, bound_of_sameness);
 }
 
-Check check_reordered(const Scene& scene, const Twins& twins, const TrialOptions& limits) {
+Check check_reordered(const Twins& twins, const TrialOptions& limits) {
   const Trial run = run_trial(reordered(twins.scene(), certify_seed), limits);
   const Sameness same = run.complete ? twins.compare(run.findings) : Sameness{};
-  return check_of_run("invariance, another order", scene, twins.scene(), run, same,
+  return check_of_run("invariance, another order", twins.scene(), run, same,
                       certify_fail_factor * same.bound, bound_of_sameness);
 }
 
 // `finer`: steps so.
-Check check_finer(const Scene& scene, const Twins& twins, const TrialOptions& limits,
-                  const TransientScene& finer) {
+Check check_finer(const Twins& twins, const TrialOptions& limits, const TransientScene& finer) {
   Scene again = twins.scene();
   again.transient = finer;
   const Trial run = run_trial(again, limits);
   const Sameness same =
       run.complete ? twins.compare_finer(run.findings, tolerable_error) : Sameness{};
   return check_of_run(
-      finer.step ? "half the step" : "a tenth of the tolerance", scene, twins.scene(), run, same,
+      finer.step ? "half the step" : "a tenth of the tolerance", twins.scene(), run, same,
       spoiling_error,
       "largest difference of displacements and rotations, over the size of the quantity: about the "
       "error of the method");
@@ -152,7 +151,7 @@ void certify(const Scene& given, const CertifyOptions& options, RunReport& repor
   }
 
   tell("its parts in another order");
-  checks.push_back(check_reordered(scene, twins, limits));
+  checks.push_back(check_reordered(twins, limits));
 
   if (!scene.transient) return;
   TransientScene finer = *scene.transient;
@@ -162,7 +161,7 @@ void certify(const Scene& given, const CertifyOptions& options, RunReport& repor
   else
     finer.tolerance = std::max(1e-13, 0.1 * *finer.tolerance);
   tell(fixed ? "half the steps" : "a tenth of the tolerance");
-  checks.push_back(check_finer(scene, twins, limits, finer));
+  checks.push_back(check_finer(twins, limits, finer));
 }
 
 }  // namespace mbd

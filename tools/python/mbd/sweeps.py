@@ -164,10 +164,14 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
 
 def _write_table(result, out, only_whole):
     if out is not None and (result._found["whole"] or not only_whole):
-        part = os.path.join(out, f".sweep.csv.{os.getpid()}.part")
-        with open(part, "w", encoding="utf-8") as stream:
-            stream.write(result.csv)
-        os.replace(part, os.path.join(out, "sweep.csv"))
+        _write_whole(pathlib.Path(out, "sweep.csv"), result.csv)
+
+
+def _write_whole(file, text):
+    """No other process sees a half of it."""
+    part = file.with_name(f".{file.name}.{os.getpid()}.part")
+    part.write_text(text, encoding="utf-8")
+    part.replace(file)
 
 
 def _look_at_engine(on, client, share, tasks, sbatch, wait, out):
@@ -203,9 +207,7 @@ def _run_on_slurm(table, handle, plan, quantities, jobs, tasks, options, wait, o
                        "quantities": quantities, "jobs": jobs, "out": out})
     # Named after what it says: an earlier job, which may still wait, keeps its own.
     file = pathlib.Path(out, f"slurm-{hashlib.sha256(task.encode()).hexdigest()[:16]}.json")
-    part = file.with_name(f".{file.name}.{os.getpid()}.part")
-    part.write_text(task, encoding="utf-8")
-    part.replace(file)
+    _write_whole(file, task)
     package = str(pathlib.Path(__file__).resolve().parents[1])  # wherever this one came from
     command = [sys.executable, "-c", "import sys; sys.path.insert(0, sys.argv.pop(1)); from mbd.sweeps import _task; _task()",
                package, str(file)]
@@ -292,11 +294,10 @@ def _run_on(client, table, handle, plan, show):
     point_of = {}
     aside = []  # a worker that dies is held against all points that were there, also those that waited
 
-    def submit(points):
-        for point in itertools.islice(points, 1):
-            future = client.submit(_run_there, model, list(zip(plan.parameters, plan.points[point])), columns, pure=False)
-            point_of[future] = point
-            return future
+    def submit(point):
+        future = client.submit(_run_there, model, list(zip(plan.parameters, plan.points[point])), columns, pure=False)
+        point_of[future] = point
+        return future
 
     def take(future, alone=False):
         nonlocal done
@@ -316,14 +317,13 @@ def _run_on(client, table, handle, plan, show):
             show(done, all)
 
     try:
-        running = as_completed([future for future in (submit(todo) for _ in range(ahead)) if future is not None])
+        running = as_completed([submit(point) for point in itertools.islice(todo, ahead)])
         for future in running:
             take(future)
-            another = submit(todo)
-            if another is not None:
-                running.add(another)
+            for another in itertools.islice(todo, 1):
+                running.add(submit(another))
         for point in aside:  # one after the other: now it is theirs alone
-            take(submit(iter([point])), alone=True)
+            take(submit(point), alone=True)
     except KeyboardInterrupt as error:
         return error
     finally:
