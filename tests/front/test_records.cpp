@@ -245,6 +245,23 @@ TEST(RecordsOf, AnElementAreThoseOfItsNodesAtNodes) {
 
 // ---- the table of quantities -------------------------------------------------------------------
 
+// Where elements meet, forces are the mean of both sides. Linear elements of a cantilever that carries q along it have one moment
+// each, that of statics at their middle but for what the load at their nodes makes of it: left and right differ by far.
+TEST(RecordsOf, AnEndOfElementsAreTheMeanOfBoth) {
+  const History h = run_to_table(read_model_text(R"(<mbd name="cantilever">
+    <section name="s"><stiffness EA="1e9" GA2="1e9" GA3="1e9" GJ="1e6" EI2="1e6" EI3="1e6"/>
+      <mass per_length="1" inertia="2 1 1"/></section>
+    <beam name="b" section="s" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2" order="1"/>
+    <fixed name="f" between="ground b.start"/><distributed beam="b" force="0 0 3"/><static/>
+    <record name="left" at="b@0.25" quantities="moment"/>
+    <record name="middle" at="b@0.5" quantities="moment"/>
+    <record name="right" at="b@0.75" quantities="moment"/></mbd>)"));
+  const double left = h.table["left.moment.2"].back(), right = h.table["right.moment.2"].back();
+  EXPECT_GT(std::abs(left), 2.0 * std::abs(right));
+  EXPECT_GT(std::abs(right), 0.5);
+  EXPECT_NEAR(h.table["middle.moment.2"].back(), 0.5 * (left + right), 1e-9);
+}
+
 // What the manual says of axes is what moved scenes go by.
 TEST(Quantities, SayTheAxesTheyHave) {
   using Axes = schema::Quantity::Axes;
