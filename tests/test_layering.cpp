@@ -200,15 +200,8 @@ struct LongFunction {
 };
 constexpr std::string_view not_yet = "was being worked on when the others were divided";
 const std::vector<LongFunction> long_functions{
-    {"solvers/time/radau.cpp", "Radau::iterate", not_yet},
-    {"libmbd/view/picture.cpp", "picture_svg", not_yet},
-    {"libmbd/view/picture.cpp", "picture_pixels", not_yet},
     {"libmbd/view/page.cpp", "overlaid_page", not_yet},
     {"libmbd/view/page.cpp", "moving_page", not_yet},
-    {"libmbd/view/drawing.cpp", "add_beam", not_yet},
-    {"libmbd/view/figure.cpp", "Stage::Data::read", not_yet},
-    {"tools/mbd/run_command.cpp", "add_run_command", not_yet},
-    {"tools/mbd/run_command.cpp", "run_model", not_yet},
 };
 
 // ---- checks -----------------------------------------------------------------------------------

@@ -353,31 +353,68 @@ class Drawing {
     return all;
   }
 
-  void add_beam(const BeamScene& beam) {
+  const Model::Line* line_of(const std::string& beam) const {
+    if (model_ != nullptr)
+      for (const Model::Line& line : model_->lines)
+        if (line.name == beam) return &line;
+    return nullptr;
+  }
+
+  // The nodes of its elements, or points of its reference line where it has none.
+  Line placed(const BeamScene& beam, const Model::Line* line, const std::string* rigid) const {
     Line made{make_reference_line(beam), {}, {}};
-    Json shape;
-    const auto line = model_ == nullptr ? nullptr : [&]() -> const Model::Line* {
-      for (const Model::Line& l : model_->lines)
-        if (l.name == beam.name) return &l;
-      return nullptr;
-    }();
-    const auto rigid = rigid_with_.find(beam.name);
-    const bool is_rigid = rigid != rigid_with_.end();
     if (line != nullptr) {
       for (std::size_t i = 0; i < line->size(); ++i)
         made.points.push_back({line->nodes[i], line->frames[i]});
       made.s = line->s;
+      return made;
+    }
+    const int node = rigid != nullptr && model_ != nullptr ? node_of_rigid(*rigid) : 0;
+    for (int i = 0; i < points_without_model; ++i) {
+      const double s = i / (points_without_model - 1.0);
+      const Pose<double> H = made.line.at(s);
+      made.s.push_back(s);
+      made.points.push_back(
+          {node, node == 0 ? H : relative(model_->system->reference_pose(node), H)});
+    }
+    return made;
+  }
+
+  // What its section makes it look like, and what pictures of strains need.
+  void add_section(const BeamScene& beam, const Section& section, const Model::Line* line,
+                   const Line& made, Json& shape, Facts& facts) {
+    const SectionTable table(section);
+    const std::string drawn = add_sides(beam, section, table, made, shape);
+    // Strains are the compliance times the resultants at the stations, where those are elastic alone.
+    if (line != nullptr && !section.damping) {
+      Json compliance = Json::array();
+      for (const double s : line->stations) {
+        compliance.push_back(upper_half(table.stiffness(s).inverse()));
+        if (table.is_uniform()) break;
+      }
+      shape["compliance"] = compliance;
+    }
+    const Mat6 D = table.stiffness(0.0);
+    // By it files for ParaView know, later, that a model has the section that was run.
+    if (line != nullptr && section.shape) shape["stiffness"] = upper_half(D);
+    const std::string where = table.is_uniform() ? "" : " at the start";
+    facts("EA" + where, number(D(0, 0), "N"))("GA2, GA3" + where,
+                                              number(D(1, 1), "N") + ", " + number(D(2, 2), "N"));
+    facts("GJ" + where, number(D(3, 3), "N.m2"));
+    facts("EI2, EI3" + where, number(D(4, 4), "N.m2") + ", " + number(D(5, 5), "N.m2"));
+    if (table.has_mass()) facts("mass per length" + where, number(table.mass(0.0)(0, 0), "kg/m"));
+    facts("drawn", drawn);
+  }
+
+  void add_beam(const BeamScene& beam) {
+    const auto rigid = rigid_with_.find(beam.name);
+    const bool is_rigid = rigid != rigid_with_.end();
+    const Model::Line* const line = line_of(beam.name);
+    Line made = placed(beam, line, is_rigid ? &rigid->second : nullptr);
+    Json shape;
+    if (line != nullptr) {
       shape["stations"] = line->stations;
       shape["order"] = beam.order;
-    } else {
-      const int node = is_rigid && model_ != nullptr ? node_of_rigid(rigid->second) : 0;
-      for (int i = 0; i < points_without_model; ++i) {
-        const double s = i / (points_without_model - 1.0);
-        const Pose<double> H = made.line.at(s);
-        made.s.push_back(s);
-        made.points.push_back(
-            {node, node == 0 ? H : relative(model_->system->reference_pose(node), H)});
-      }
     }
     Json points = Json::array();
     for (const At& at : made.points) points.push_back(json(at));
@@ -395,28 +432,7 @@ class Drawing {
     if (const Section* const section = section_of(scene_, beam)) {
       facts("section", section->name);
       try {
-        const SectionTable table(*section);
-        const std::string drawn = add_sides(beam, *section, table, made, shape);
-        // Strains are the compliance times the resultants at the stations, where those are elastic alone.
-        if (line != nullptr && !section->damping) {
-          Json compliance = Json::array();
-          for (const double s : line->stations) {
-            compliance.push_back(upper_half(table.stiffness(s).inverse()));
-            if (table.is_uniform()) break;
-          }
-          shape["compliance"] = compliance;
-        }
-        const Mat6 D = table.stiffness(0.0);
-        // By it files for ParaView know, later, that a model has the section that was run.
-        if (line != nullptr && section->shape) shape["stiffness"] = upper_half(D);
-        const std::string where = table.is_uniform() ? "" : " at the start";
-        facts("EA" + where, number(D(0, 0), "N"))(
-            "GA2, GA3" + where, number(D(1, 1), "N") + ", " + number(D(2, 2), "N"));
-        facts("GJ" + where, number(D(3, 3), "N.m2"));
-        facts("EI2, EI3" + where, number(D(4, 4), "N.m2") + ", " + number(D(5, 5), "N.m2"));
-        if (table.has_mass())
-          facts("mass per length" + where, number(table.mass(0.0)(0, 0), "kg/m"));
-        facts("drawn", drawn);
+        add_section(beam, *section, line, made, shape, facts);
       } catch (const Error&) {  // a table that is wrong: the line alone
       }
     }

@@ -360,6 +360,77 @@ Part::Form form_of(const Json& of) {
   return form;
 }
 
+// ---- parts from a drawing -----------------------------------------------------------------------
+
+using Outlines = std::map<std::string, SectionOutline, std::less<>>;
+
+template <class T>
+void take(const Json& all, const char* key, T& value) {
+  if (const auto it = all.find(key); it != all.end()) value = it->get<T>();
+}
+
+void read_beam(const Json& of, const Outlines& outlines, Part& part) {
+  for (const Json& at : of.at("points")) part.points.push_back(at_of(at));
+  part.s = of.at("s").get<std::vector<double>>();
+  part.rigid = of.at("rigid").get<bool>();
+  take(of, "sides", part.sides);
+  take(of, "stations", part.stations);
+  take(of, "compliance", part.compliance);
+  if (const auto it = of.find("outline"); it != of.end())
+    part.outline = &outlines.at(it->get<std::string>());
+}
+
+void read_body(const Json& of, Part& part) {
+  part.centre = pose_of(of.at("centre"));
+  part.shape = of.at("shape").get<std::string>();
+  part.box = vector_of(of.at("box"));
+  if (const auto it = of.find("forms"); it != of.end()) {
+    for (const Json& form : *it) part.forms.push_back(form_of(form));
+    part.reach = of.at("reach").get<double>();
+  }
+}
+
+Part::Arrow arrow_from(const Json& of) {
+  Part::Arrow arrow;
+  take(of, "beam", arrow.beam);
+  take(of, "s", arrow.s);
+  arrow.along = vector_of(of.at("along"));
+  arrow.follows = of.at("follows").get<bool>();
+  arrow.moment = of.at("moment").get<bool>();
+  return arrow;
+}
+
+// Parts of beams point into `outlines`.
+Part part_from(const Json& of, const Outlines& outlines) {
+  Part part;
+  part.kind = of.at("kind").get<std::string>();
+  part.element = of.at("element").get<std::string>();
+  part.name = of.at("name").get<std::string>();
+  for (const auto& [key, place] : {std::pair{"at", &part.at}, {"a", &part.a}, {"b", &part.b}})
+    if (const auto it = of.find(key); it != of.end()) *place = at_of(*it);
+  if (const auto it = of.find("on"); it != of.end()) {
+    part.on_beam = it->at("beam").get<std::string>();
+    part.on_s = it->at("s").get<double>();
+  }
+  if (const auto it = of.find("offset"); it != of.end()) part.offset = vector_of(*it);
+  if (const auto it = of.find("colour"); it != of.end()) part.colour = colour_from(*it);
+  if (part.kind == "beam") read_beam(of, outlines, part);
+  if (part.kind == "body") read_body(of, part);
+  if (part.kind == "joint") part.gap = of.contains("gap");
+  if (part.kind == "load")
+    for (const Json& arrow : of.at("arrows")) part.arrows.push_back(arrow_from(arrow));
+  return part;
+}
+
+// The axis that points up where weight goes along `down`; nothing where there is none.
+std::optional<Vec3> against(const Vec3& down) {
+  Index most = 0;
+  if (!(down.cwiseAbs().maxCoeff(&most) > 0.0)) return std::nullopt;
+  Vec3 up = Vec3::Zero();
+  up(most) = down(most) > 0.0 ? -1.0 : 1.0;
+  return up;
+}
+
 }  // namespace
 
 std::string code_of(const Colour& c) {
@@ -389,65 +460,12 @@ void Stage::Data::read(const Json& drawing) {
     reference.push_back(pose_of(node));
     reference.back().r -= centre;
   }
-  std::size_t first_station = 0;
+  std::size_t stations = 0;
   for (const Json& of : drawing.at("parts")) {
-    Part part;
-    part.kind = of.at("kind").get<std::string>();
-    part.element = of.at("element").get<std::string>();
-    part.name = of.at("name").get<std::string>();
-    for (const auto& [key, place] : {std::pair{"at", &part.at}, {"a", &part.a}, {"b", &part.b}})
-      if (const auto it = of.find(key); it != of.end()) *place = at_of(*it);
-    if (const auto it = of.find("on"); it != of.end()) {
-      part.on_beam = it->at("beam").get<std::string>();
-      part.on_s = it->at("s").get<double>();
-    }
-    if (const auto it = of.find("offset"); it != of.end()) part.offset = vector_of(*it);
-    if (const auto it = of.find("colour"); it != of.end()) part.colour = colour_from(*it);
-    if (part.kind == "beam") {
-      for (const Json& at : of.at("points")) part.points.push_back(at_of(at));
-      part.s = of.at("s").get<std::vector<double>>();
-      part.rigid = of.at("rigid").get<bool>();
-      if (const auto it = of.find("sides"); it != of.end())
-        part.sides = it->get<std::vector<std::array<double, 3>>>();
-      if (const auto it = of.find("outline"); it != of.end())
-        part.outline = &outlines.at(it->get<std::string>());
-      if (const auto it = of.find("stations"); it != of.end())
-        part.stations = it->get<std::vector<double>>();
-      if (const auto it = of.find("compliance"); it != of.end())
-        part.compliance = it->get<std::vector<std::array<double, 21>>>();
-      part.first_station = first_station;
-      first_station += part.stations.size();
-    } else if (part.kind == "body") {
-      part.centre = pose_of(of.at("centre"));
-      part.shape = of.at("shape").get<std::string>();
-      part.box = vector_of(of.at("box"));
-      if (const auto it = of.find("forms"); it != of.end()) {
-        for (const Json& form : *it) part.forms.push_back(form_of(form));
-        part.reach = of.at("reach").get<double>();
-      }
-    } else if (part.kind == "joint") {
-      part.gap = of.contains("gap");
-    } else if (part.kind == "load") {
-      for (const Json& arrow : of.at("arrows")) {
-        Part::Arrow one;
-        if (arrow.contains("beam")) {
-          one.beam = arrow.at("beam").get<std::string>();
-          one.s = arrow.at("s").get<double>();
-        }
-        one.along = vector_of(arrow.at("along"));
-        one.follows = arrow.at("follows").get<bool>();
-        one.moment = arrow.at("moment").get<bool>();
-        part.arrows.push_back(std::move(one));
-      }
-    } else if (part.kind == "gravity") {
-      const Vec3 along = vector_of(of.at("along"));
-      Index most = 0;
-      if (along.cwiseAbs().maxCoeff(&most) > 0.0) {
-        up = Vec3::Zero();
-        up(most) = along(most) > 0.0 ? -1.0 : 1.0;
-      }
-    }
-    parts.push_back(std::move(part));
+    parts.push_back(part_from(of, outlines));
+    parts.back().first_station = stations;
+    stations += parts.back().stations.size();
+    if (parts.back().kind == "gravity") up = against(vector_of(of.at("along"))).value_or(up);
   }
 }
 

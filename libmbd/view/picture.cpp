@@ -312,6 +312,118 @@ class Groups {
   bool open_ = false;
 };
 
+// The body of a picture, the farthest first.
+class SvgBody {
+ public:
+  SvgBody(const Figure& figure, const Stage& stage, const Camera& camera, double k)
+      : figure_(figure), camera_(camera), k_(k) {
+    for (const Figure::Line& line : figure.lines)
+      if (line.behind)
+        if (const auto p = project_line(camera, line.a, line.b)) add(line, *p);
+    Groups groups(svg_, stage);
+    add_solids(groups);
+    for (const Figure::Trail& trail : figure.trails) {
+      groups.of(trail.part);
+      add(trail);
+    }
+    for (const Figure::Arrow& arrow : figure.arrows)
+      if (const auto made = flat(arrow, camera, k)) {
+        groups.of(arrow.part);
+        add(*made, code_of(arrow.colour));
+      }
+  }
+
+  std::string text(const Labels& labels) && {
+    for (const Patch& patch : labels.patches)
+      svg_ += svg::rectangle(patch.x, patch.y, patch.width, patch.height,
+                             fmt::format("fill=\"{}\"", code_of(patch.colour)));
+    for (const Words& words : labels.words)
+      svg_ += svg::text(words.at[0], words.at[1], words.text,
+                        fmt::format("font-size=\"{:.3g}\" fill=\"{}\"", 1.38 * words.height,
+                                    code_of(words.colour)));
+    return std::move(svg_);
+  }
+
+ private:
+  // Faces and lines between them.
+  void add_solids(Groups& groups) {
+    struct Item {
+      double depth;
+      const Seen* face;
+      const Figure::Line* line;
+    };
+    const std::vector<Seen> seen = seen_faces(figure_, camera_);
+    std::vector<Item> items;
+    for (const Seen& face : seen) items.push_back({face.depth, &face, nullptr});
+    for (const Figure::Line& line : figure_.lines)
+      if (!line.behind)
+        items.push_back(
+            {(0.5 * (line.a + line.b) - camera_.eye).dot(camera_.ahead), nullptr, &line});
+    std::stable_sort(items.begin(), items.end(),
+                     [](const Item& a, const Item& b) { return a.depth > b.depth; });
+    for (const Item& item : items) {
+      if (item.face != nullptr) {
+        groups.of(item.face->face->part);
+        add(*item.face);
+      } else if (const auto p = project_line(camera_, item.line->a, item.line->b)) {
+        groups.of(item.line->part);
+        add(*item.line, *p);
+      }
+    }
+  }
+
+  void add(const Figure::Line& line, const std::array<Projected, 2>& p) {
+    stroke(p[0].at, p[1].at, code_of(line.colour), line.width * (line.behind ? 1.0 : k_));
+  }
+
+  void add(const Seen& seen) {
+    const Figure::Face& face = *seen.face;
+    svg_ += "<path d=\"";
+    for (int i = 0; i < face.count; ++i) {
+      const Point p = project(camera_, figure_.points[face.first + static_cast<std::size_t>(i)]).at;
+      svg_ += fmt::format("{}{:.2f} {:.2f}", i == 0 ? "M" : "L", p[0], p[1]);
+    }
+    const std::string colour = code_of(seen.colour);
+    if (face.opacity < 1.0)
+      svg_ += fmt::format("z\" fill=\"{}\" fill-opacity=\"{:.2g}\"/>\n", colour, face.opacity);
+    else
+      svg_ += fmt::format("z\" fill=\"{0}\" stroke=\"{0}\" stroke-width=\"{1}\"/>\n", colour, seam);
+  }
+
+  void add(const Figure::Trail& trail) {
+    std::vector<Point> points;
+    for (const Vec3& x : trail.points) points.push_back(project(camera_, x).at);
+    const Point now = project(camera_, trail.now).at;
+    const std::string colour = code_of(trail.colour);
+    svg_ += svg::polyline(
+        points,
+        fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{:.2g}\" stroke-opacity=\"0.7\"",
+                    colour, 1.4 * k_),
+        trail_decimals);
+    svg_ +=
+        svg::circle(now[0], now[1], 3.5 * k_, fmt::format("fill=\"{}\"", colour), trail_decimals);
+  }
+
+  void add(const FlatArrow& arrow, const std::string& colour) {
+    stroke(arrow.tail, arrow.neck, colour, 2.4 * k_);
+    for (const auto& head : arrow.heads)
+      svg_ += fmt::format("<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}L{:.2f} {:.2f}z\" fill=\"{}\"/>\n",
+                          head[0][0], head[0][1], head[1][0], head[1][1], head[2][0], head[2][1],
+                          colour);
+  }
+
+  void stroke(const Point& a, const Point& b, const std::string& colour, double width) {
+    svg_ += fmt::format(
+        "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.2g}\"/>\n", a[0],
+        a[1], b[0], b[1], colour, width);
+  }
+
+  const Figure& figure_;
+  const Camera& camera_;
+  double k_;
+  std::string svg_;
+};
+
 // ---- pixels -------------------------------------------------------------------------------------
 
 class Canvas {
@@ -415,6 +527,101 @@ class Canvas {
   std::vector<float> colours_, nearness_;
 };
 
+// Draws a figure: what is behind, solids, what is translucent, and what lies before.
+class PixelPicture {
+ public:
+  PixelPicture(Canvas& canvas, const Figure& figure, const Camera& camera, double k)
+      : canvas_(canvas), figure_(figure), camera_(camera), k_(k) {
+    for (const Figure::Line& line : figure.lines)
+      if (line.behind) draw(line);
+    std::vector<Seen> veils;
+    for (const Seen& one : seen_faces(figure, camera)) {
+      if (one.face->opacity < 1.0)
+        veils.push_back(one);
+      else
+        draw(one, Layer::solid);
+    }
+    for (const Figure::Line& line : figure.lines)
+      if (!line.behind) draw(line);
+    std::sort(veils.begin(), veils.end(),
+              [](const Seen& a, const Seen& b) { return a.depth > b.depth; });
+    for (const Seen& one : veils) draw(one, Layer::veil);
+    for (const Figure::Trail& trail : figure.trails) draw(trail);
+    for (const Figure::Arrow& arrow : figure.arrows)
+      if (const auto made = flat(arrow, camera, k)) draw(*made, arrow.colour);
+  }
+
+  void draw(const Labels& labels) {
+    for (const Patch& patch : labels.patches) {
+      const Corner a{patch.x, patch.y, 0.0}, b{patch.x + patch.width, patch.y, 0.0},
+          c{patch.x + patch.width, patch.y + patch.height, 0.0},
+          d{patch.x, patch.y + patch.height, 0.0};
+      canvas_.triangle(a, b, c, patch.colour, Layer::front);
+      canvas_.triangle(a, c, d, patch.colour, Layer::front);
+    }
+    for (const Words& words : labels.words)
+      for (const auto& stroke : lettering(words.text, words.height).strokes)
+        for (std::size_t i = 1; i < stroke.size(); ++i)
+          canvas_.line({words.at[0] + stroke[i - 1][0], words.at[1] + stroke[i - 1][1], 0.0},
+                       {words.at[0] + stroke[i][0], words.at[1] + stroke[i][1], 0.0},
+                       0.14 * words.height, words.colour, Layer::front);
+  }
+
+ private:
+  using Layer = Canvas::Layer;
+  using Corner = Canvas::Corner;
+
+  static Corner corner(const Projected& p) { return {p.at[0], p.at[1], 1.0 / p.depth}; }
+  static Corner flat_corner(const Point& p) { return {p[0], p[1], 0.0}; }
+
+  void draw(const Figure::Line& line) {
+    if (const auto p = project_line(camera_, line.a, line.b))
+      canvas_.line(corner((*p)[0]), corner((*p)[1]), line.width * (line.behind ? 1.0 : k_),
+                   line.colour, line.behind ? Layer::behind : Layer::solid);
+  }
+
+  void draw(const Seen& seen, Layer layer) {
+    const Vec3* const p = figure_.points.data() + seen.face->first;
+    const Corner first = corner(project(camera_, p[0]));
+    for (int i = 1; i + 1 < seen.face->count; ++i)
+      canvas_.triangle(first, corner(project(camera_, p[i])), corner(project(camera_, p[i + 1])),
+                       seen.colour, layer, seen.face->opacity);
+  }
+
+  void draw(const Figure::Trail& trail) {
+    for (std::size_t i = 1; i < trail.points.size(); ++i)
+      canvas_.line(flat_corner(project(camera_, trail.points[i - 1]).at),
+                   flat_corner(project(camera_, trail.points[i]).at), 1.4 * k_, trail.colour,
+                   Layer::front);
+    canvas_.disc(project(camera_, trail.now).at, 3.5 * k_, trail.colour);
+  }
+
+  void draw(const FlatArrow& arrow, const Colour& colour) {
+    canvas_.line(flat_corner(arrow.tail), flat_corner(arrow.neck), 2.4 * k_, colour, Layer::front);
+    for (const auto& head : arrow.heads)
+      canvas_.triangle(flat_corner(head[0]), flat_corner(head[1]), flat_corner(head[2]), colour,
+                       Layer::front);
+  }
+
+  Canvas& canvas_;
+  const Figure& figure_;
+  const Camera& camera_;
+  double k_;
+};
+
+// A figure with what stands around it.
+struct Framed {
+  Figure figure;
+  Labels labels;
+};
+Framed framed(const Stage& stage, double instant, const Camera& camera,
+              const PictureOptions& options) {
+  Framed made{stage.figure(instant), {}};
+  if (options.grid) add_ground(made.figure, stage, made.labels, camera, options);
+  if (options.words) add_words(made.labels, stage, instant, options);
+  return made;
+}
+
 }  // namespace
 
 Camera camera_of(const Stage& stage, const PictureOptions& options) {
@@ -462,99 +669,12 @@ Camera camera_of(const Stage& stage, const PictureOptions& options) {
 
 std::string picture_svg(const Stage& stage, double instant, const Camera& camera,
                         const PictureOptions& options) {
-  Figure figure = stage.figure(instant);
-  Labels labels;
-  const double k = pen(options);
-  if (options.grid) add_ground(figure, stage, labels, camera, options);
-  if (options.words) add_words(labels, stage, instant, options);
-
-  nlohmann::ordered_json about{{"eye", json(camera.eye)},        {"right", json(camera.right)},
-                               {"above", json(camera.above)},    {"ahead", json(camera.ahead)},
-                               {"focal", camera.focal},          {"middle", camera.middle},
-                               {"centre", json(stage.centre())}, {"key", stage.key(instant)}};
-  std::string body;
-  const auto line = [&](const Figure::Line& l, const std::array<Projected, 2>& p) {
-    body += fmt::format(
-        "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.2g}\"/>\n",
-        p[0].at[0], p[0].at[1], p[1].at[0], p[1].at[1], code_of(l.colour),
-        l.width * (l.behind ? 1.0 : k));
-  };
-  for (const Figure::Line& l : figure.lines)
-    if (l.behind)
-      if (const auto p = project_line(camera, l.a, l.b)) line(l, *p);
-
-  // The farthest first.
-  const std::vector<Seen> seen = seen_faces(figure, camera);
-  struct Item {
-    double depth;
-    const Seen* face;
-    const Figure::Line* line;
-  };
-  std::vector<Item> items;
-  for (const Seen& face : seen) items.push_back({face.depth, &face, nullptr});
-  for (const Figure::Line& l : figure.lines)
-    if (!l.behind)
-      items.push_back({(0.5 * (l.a + l.b) - camera.eye).dot(camera.ahead), nullptr, &l});
-  std::stable_sort(items.begin(), items.end(),
-                   [](const Item& a, const Item& b) { return a.depth > b.depth; });
-  {
-    Groups groups(body, stage);
-    for (const Item& item : items) {
-      if (item.line != nullptr) {
-        const auto p = project_line(camera, item.line->a, item.line->b);
-        if (!p) continue;
-        groups.of(item.line->part);
-        line(*item.line, *p);
-        continue;
-      }
-      const Figure::Face& face = *item.face->face;
-      groups.of(face.part);
-      body += "<path d=\"";
-      for (int i = 0; i < face.count; ++i) {
-        const Point p = project(camera, figure.points[face.first + static_cast<std::size_t>(i)]).at;
-        body += fmt::format("{}{:.2f} {:.2f}", i == 0 ? "M" : "L", p[0], p[1]);
-      }
-      const std::string colour = code_of(item.face->colour);
-      if (face.opacity < 1.0)
-        body += fmt::format("z\" fill=\"{}\" fill-opacity=\"{:.2g}\"/>\n", colour, face.opacity);
-      else
-        body +=
-            fmt::format("z\" fill=\"{0}\" stroke=\"{0}\" stroke-width=\"{1}\"/>\n", colour, seam);
-    }
-    for (const Figure::Trail& trail : figure.trails) {
-      groups.of(trail.part);
-      std::vector<Point> points;
-      for (const Vec3& x : trail.points) points.push_back(project(camera, x).at);
-      const Point now = project(camera, trail.now).at;
-      const std::string colour = code_of(trail.colour);
-      body += svg::polyline(
-          points,
-          fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{:.2g}\" stroke-opacity=\"0.7\"",
-                      colour, 1.4 * k),
-          trail_decimals);
-      body +=
-          svg::circle(now[0], now[1], 3.5 * k, fmt::format("fill=\"{}\"", colour), trail_decimals);
-    }
-    for (const Figure::Arrow& arrow : figure.arrows)
-      if (const auto made = flat(arrow, camera, k)) {
-        groups.of(arrow.part);
-        body += fmt::format(
-            "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.2g}\"/>\n",
-            made->tail[0], made->tail[1], made->neck[0], made->neck[1], code_of(arrow.colour),
-            2.4 * k);
-        for (const auto& head : made->heads)
-          body += fmt::format(
-              "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}L{:.2f} {:.2f}z\" fill=\"{}\"/>\n", head[0][0],
-              head[0][1], head[1][0], head[1][1], head[2][0], head[2][1], code_of(arrow.colour));
-      }
-  }
-  for (const Patch& patch : labels.patches)
-    body += svg::rectangle(patch.x, patch.y, patch.width, patch.height,
-                           fmt::format("fill=\"{}\"", code_of(patch.colour)));
-  for (const Words& words : labels.words)
-    body += svg::text(words.at[0], words.at[1], words.text,
-                      fmt::format("font-size=\"{:.3g}\" fill=\"{}\"", 1.38 * words.height,
-                                  code_of(words.colour)));
+  const Framed made = framed(stage, instant, camera, options);
+  const nlohmann::ordered_json about{
+      {"eye", json(camera.eye)},        {"right", json(camera.right)},
+      {"above", json(camera.above)},    {"ahead", json(camera.ahead)},
+      {"focal", camera.focal},          {"middle", camera.middle},
+      {"centre", json(stage.centre())}, {"key", stage.key(instant)}};
   return svg::document(
       {.width = static_cast<double>(options.width),
        .height = static_cast<double>(options.height),
@@ -563,76 +683,14 @@ std::string picture_svg(const Stage& stage, double instant, const Camera& camera
            options.width, options.height),
        .title = stage.name(),
        .metadata = about.dump()},
-      body);
+      SvgBody(made.figure, stage, camera, pen(options)).text(made.labels));
 }
 
 Pixels picture_pixels(const Stage& stage, double instant, const Camera& camera,
                       const PictureOptions& options, int samples) {
-  Figure figure = stage.figure(instant);
-  Labels labels;
-  const double k = pen(options);
-  if (options.grid) add_ground(figure, stage, labels, camera, options);
-  if (options.words) add_words(labels, stage, instant, options);
-
+  const Framed made = framed(stage, instant, camera, options);
   Canvas canvas(options.width, options.height, samples);
-  using Layer = Canvas::Layer;
-  using Corner = Canvas::Corner;
-  const auto corner = [](const Projected& p) { return Corner{p.at[0], p.at[1], 1.0 / p.depth}; };
-  const auto flat_corner = [](const Point& p) { return Corner{p[0], p[1], 0.0}; };
-  const auto line = [&](const Figure::Line& l) {
-    if (const auto p = project_line(camera, l.a, l.b))
-      canvas.line(corner((*p)[0]), corner((*p)[1]), l.width * (l.behind ? 1.0 : k), l.colour,
-                  l.behind ? Layer::behind : Layer::solid);
-  };
-  const auto face = [&](const Seen& seen, Layer layer) {
-    const Vec3* const p = figure.points.data() + seen.face->first;
-    const Corner first = corner(project(camera, p[0]));
-    for (int i = 1; i + 1 < seen.face->count; ++i)
-      canvas.triangle(first, corner(project(camera, p[i])), corner(project(camera, p[i + 1])),
-                      seen.colour, layer, seen.face->opacity);
-  };
-  for (const Figure::Line& l : figure.lines)
-    if (l.behind) line(l);
-  std::vector<Seen> seen = seen_faces(figure, camera), veils;
-  for (const Seen& one : seen) {
-    if (one.face->opacity < 1.0)
-      veils.push_back(one);
-    else
-      face(one, Layer::solid);
-  }
-  for (const Figure::Line& l : figure.lines)
-    if (!l.behind) line(l);
-  std::sort(veils.begin(), veils.end(),
-            [](const Seen& a, const Seen& b) { return a.depth > b.depth; });
-  for (const Seen& one : veils) face(one, Layer::veil);
-  for (const Figure::Trail& trail : figure.trails) {
-    for (std::size_t i = 1; i < trail.points.size(); ++i)
-      canvas.line(flat_corner(project(camera, trail.points[i - 1]).at),
-                  flat_corner(project(camera, trail.points[i]).at), 1.4 * k, trail.colour,
-                  Layer::front);
-    canvas.disc(project(camera, trail.now).at, 3.5 * k, trail.colour);
-  }
-  for (const Figure::Arrow& arrow : figure.arrows)
-    if (const auto made = flat(arrow, camera, k)) {
-      canvas.line(flat_corner(made->tail), flat_corner(made->neck), 2.4 * k, arrow.colour,
-                  Layer::front);
-      for (const auto& head : made->heads)
-        canvas.triangle(flat_corner(head[0]), flat_corner(head[1]), flat_corner(head[2]),
-                        arrow.colour, Layer::front);
-    }
-  for (const Patch& patch : labels.patches) {
-    const Corner a{patch.x, patch.y, 0.0}, b{patch.x + patch.width, patch.y, 0.0},
-        c{patch.x + patch.width, patch.y + patch.height, 0.0},
-        d{patch.x, patch.y + patch.height, 0.0};
-    canvas.triangle(a, b, c, patch.colour, Layer::front);
-    canvas.triangle(a, c, d, patch.colour, Layer::front);
-  }
-  for (const Words& words : labels.words)
-    for (const auto& stroke : lettering(words.text, words.height).strokes)
-      for (std::size_t i = 1; i < stroke.size(); ++i)
-        canvas.line({words.at[0] + stroke[i - 1][0], words.at[1] + stroke[i - 1][1], 0.0},
-                    {words.at[0] + stroke[i][0], words.at[1] + stroke[i][1], 0.0},
-                    0.14 * words.height, words.colour, Layer::front);
+  PixelPicture(canvas, made.figure, camera, pen(options)).draw(made.labels);
   return canvas.pixels();
 }
 

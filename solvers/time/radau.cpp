@@ -271,71 +271,121 @@ bool Radau::factorize(StepReport& report) {
   return true;
 }
 
-bool Radau::iterate(StepReport& report) {
-  const Tableau& t = tableau();
-  const double x = t.gamma / h_, s = 1.0 / (x * x);
-  const std::complex<double> z = t.mu / h_;
-  const Index size = system_.unknowns(), motions = 6 * (system_.nodes() - 1);
-  double previous = 0.0, last = 0.0;  // increments, in tolerances; of the last with its floor
+// The pencil of the stages, factored for this step.
+bool Radau::make_ready(StepReport& report) {
   fresh_ = false;
-  report.iterations = 0;
-  report.contraction = 0.0;
   if (relinearize_next_ || !linearized_) {
     linearize(stage_[1], 1);
     fresh_ = true;
     relinearize_next_ = false;
   }
-  if (factored_step_ == 0.0 || std::abs(h_ - factored_step_) > same_step * factored_step_)
-    if (!factorize(report)) return false;
+  const bool is_factored =
+      factored_step_ > 0.0 && std::abs(h_ - factored_step_) <= same_step * factored_step_;
+  return is_factored || factorize(report);
+}
+
+// Right-hand sides of (2), from the residuals.
+void Radau::set_right_sides() {
+  const Tableau& t = tableau();
+  const double x = t.gamma / h_, s = 1.0 / (x * x);
+  const std::complex<double> z = t.mu / h_;
+  const Index motions = 6 * (system_.nodes() - 1);
+  for (Index i = 0; i < system_.unknowns(); ++i) {
+    const double r0 = r_[0](i + 6), r1 = r_[1](i + 6), r2 = r_[2](i + 6);
+    const auto weighted = [&](Index row) {
+      return t.T_inv(row, 0) * r0 + t.T_inv(row, 1) * r1 + t.T_inv(row, 2) * r2;
+    };
+    const std::complex<double> c(weighted(1), -weighted(2));
+    const auto I = static_cast<std::size_t>(i);
+    if (i < motions) {
+      x_(i) = -s * weighted(0);
+      z_[I] = -s * c;
+    } else {
+      x_(i) = -weighted(0) / x;
+      z_[I] = -c / z;
+    }
+  }
+}
+
+// Increments of the stages from the solutions of (2); their largest, in tolerances.
+Radau::Increment Radau::set_increments(double slack, double share) {
+  const Tableau& t = tableau();
+  const double x = t.gamma / h_, s = 1.0 / (x * x);
+  const Index size = system_.unknowns();
+  Increment largest;
+  for (std::size_t j = 0; j < stages; ++j) {
+    const auto J = static_cast<Index>(j);
+    for (Index i = 0; i < size; ++i) {
+      const std::complex<double>& w = z_[static_cast<std::size_t>(i)];
+      delta_[j](i) = t.T(J, 0) * x_(i) + t.T(J, 1) * w.real() - t.T(J, 2) * w.imag();
+    }
+    double exact = 0.0;
+    const double one =
+        norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, slack, share, &exact);
+    largest.floored = one <= largest.floored ? largest.floored : one;  // a NaN stays
+    largest.exact = std::max(largest.exact, exact);
+  }
+  return largest;
+}
+
+void Radau::move_stages() {
+  const double x = tableau().gamma / h_, s = 1.0 / (x * x);
+  for (std::size_t j = 0; j < stages; ++j) {
+    each_pack(1, eQ_.size(), [&](const PackOf& pack) {
+      Vector6<Pack> delta, q = packed(q_[j], pack);
+      pack_into(delta, [&](int lane) { return delta_[j].data() + 6 * (pack[lane] - 1); });
+      unpack(q + T_inverse_times<Pack>(q, delta), pack, q_[j]);
+    });
+    stage_[j].lambda += delta_[j].tail(stage_[j].lambda.size()) / s;
+    mixed_.advance(delta_[j], resultants_[j]);
+  }
+  update_stages();
+}
+
+void Radau::explain_failure(StepReport& report) {
+  residuals();
+  std::string element;
+  for (std::size_t j = 0; j < stages && element.empty(); ++j)
+    element = system_.out_of_range(stage_[j]);
+  report.failure = newton_failure(element, r_[2]);
+  report.kind = element.empty() ? Failure::convergence : Failure::range;
+}
+
+void Radau::note(double increment, StepReport& report) {
+  const auto k = static_cast<std::size_t>(report.iterations++);
+  if (k < report.increments.size()) report.increments[k] = increment;
+  report.error = increment;
+}
+
+void Radau::explain_not_finite(StepReport& report) const {
+  std::size_t bad = 0;
+  while (bad < 2 && r_[bad].allFinite()) ++bad;
+  report.failure =
+      fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_[bad])));
+}
+
+bool Radau::iterate(StepReport& report) {
+  report.iterations = 0;
+  report.contraction = 0.0;
+  if (!make_ready(report)) return false;
+  const double x = tableau().gamma / h_;
   norm_.set_floor(begin_, stiffness_ + mass_ * x * x);
   const double share = error_norm_->velocity_share(velocity_gain / h_);
   const double stalled = settings_.adaptive() ? 1.0 : stalled_fixed;
   const double slack = multiplier_slack();
+  double previous = 0.0, last = 0.0;  // increments, in tolerances; of the last with its floor
   for (int k = 0; k < settings_.newton.max_iterations; ++k) {
     stop::check();
     const bool in_range = residuals();
     counters_.residuals += 3;
-    // Right-hand sides of (2).
-    for (Index i = 0; i < size; ++i) {
-      const double r0 = r_[0](i + 6), r1 = r_[1](i + 6), r2 = r_[2](i + 6);
-      const auto weighted = [&](Index row) {
-        return t.T_inv(row, 0) * r0 + t.T_inv(row, 1) * r1 + t.T_inv(row, 2) * r2;
-      };
-      const std::complex<double> c(weighted(1), -weighted(2));
-      const auto I = static_cast<std::size_t>(i);
-      if (i < motions) {
-        x_(i) = -s * weighted(0);
-        z_[I] = -s * c;
-      } else {
-        x_(i) = -weighted(0) / x;
-        z_[I] = -c / z;
-      }
-    }
-    pencil_->solve({x_.data(), static_cast<std::size_t>(size)});
+    set_right_sides();
+    pencil_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
     pencil_->solve(std::span<std::complex<double>>(z_));
-    ++report.iterations;
     ++counters_.iterations;
-    double e = 0.0, exact = 0.0;
-    for (std::size_t j = 0; j < stages; ++j) {
-      const auto J = static_cast<Index>(j);
-      for (Index i = 0; i < size; ++i) {
-        const std::complex<double>& w = z_[static_cast<std::size_t>(i)];
-        delta_[j](i) = t.T(J, 0) * x_(i) + t.T(J, 1) * w.real() - t.T(J, 2) * w.imag();
-      }
-      double one_exact = 0.0;
-      const double one =
-          norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, slack, share, &one_exact);
-      e = one <= e ? e : one;  // a NaN stays
-      exact = std::max(exact, one_exact);
-    }
-    if (static_cast<std::size_t>(k) < report.increments.size())
-      report.increments[static_cast<std::size_t>(k)] = e;
-    report.error = e;
+    const auto [e, exact] = set_increments(slack, share);
+    note(e, report);
     if (!std::isfinite(e)) {
-      std::size_t bad = 0;
-      while (bad < 2 && r_[bad].allFinite()) ++bad;
-      report.failure = fmt::format("the residual is not finite at {}",
-                                   system_.name_of(worst_row(system_, r_[bad])));
+      explain_not_finite(report);
       return false;
     }
     bool renew = false;
@@ -351,16 +401,7 @@ bool Radau::iterate(StepReport& report) {
     if (!renew) {
       previous = exact;
       last = e;
-      for (std::size_t j = 0; j < stages; ++j) {
-        each_pack(1, eQ_.size(), [&](const PackOf& pack) {
-          Vector6<Pack> delta, q = packed(q_[j], pack);
-          pack_into(delta, [&](int lane) { return delta_[j].data() + 6 * (pack[lane] - 1); });
-          unpack(q + T_inverse_times<Pack>(q, delta), pack, q_[j]);
-        });
-        stage_[j].lambda += delta_[j].tail(size - motions) / s;
-        mixed_.advance(delta_[j], resultants_[j]);
-      }
-      update_stages();
+      move_stages();
       const double factor = kept_.share_left();
       report.error = e * factor;
       // As small as asked for; or as round-off lets it become.
@@ -373,21 +414,13 @@ bool Radau::iterate(StepReport& report) {
       if (kept_.is_poor() && !fresh_ && e > stalled) renew = true;
     }
     if (renew) {
-      linearize(stage_[1], 1);
-      fresh_ = true;
       previous = last = 0.0;
       report.contraction = 0.0;
-      if (!factorize(report)) return false;
+      relinearize_next_ = true;
+      if (!make_ready(report)) return false;
     }
   }
-  if (report.failure.empty()) {
-    residuals();
-    std::string element;
-    for (std::size_t j = 0; j < stages && element.empty(); ++j)
-      element = system_.out_of_range(stage_[j]);
-    report.failure = newton_failure(element, r_[2]);
-    report.kind = element.empty() ? Failure::convergence : Failure::range;
-  }
+  if (report.failure.empty()) explain_failure(report);
   return false;
 }
 

@@ -96,6 +96,17 @@ class Radau final : public OneStep {
   bool linearize(const State& at, std::size_t stage);
   bool factorize(StepReport& report);
   bool iterate(StepReport& report);
+  bool make_ready(StepReport& report);
+  void set_right_sides();
+  // In tolerances: with what Newton's iterations take for round-off, and without.
+  struct Increment {
+    double floored = 0.0, exact = 0.0;
+  };
+  Increment set_increments(double slack, double share);
+  void move_stages();
+  static void note(double increment, StepReport& report);
+  void explain_failure(StepReport& report);
+  void explain_not_finite(StepReport& report) const;
   void estimate(bool filtered);
   void project();
   double time_of(std::size_t stage) const;

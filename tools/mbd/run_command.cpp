@@ -180,20 +180,26 @@ void keep_motion(const RunArguments& arguments, Scene& scene) {
                     arguments.frames));
 }
 
-int run_model(const RunArguments& arguments) {
-  Scene scene = read_model(arguments.model, to_overrides(arguments.set), arguments.plugins);
-  if (!arguments.without.empty()) scene = without(scene, arguments.without);
-  RunOptions options;
-  if (!arguments.accuracy.empty()) refuse_both(arguments.transient);
-  if (arguments.accuracy.empty() && !arguments.accurate.empty())
-    throw Error("--for " + arguments.accurate.front() +
-                ": says whose error --accuracy bounds; give --accuracy too");
-  options.notes = apply(arguments.transient, scene);
-  keep_motion(arguments, scene);
-  if (!arguments.accuracy.empty() && (arguments.restart || !arguments.checkpoint_every.empty()))
+// What can't be had at once.
+void refuse_contradictions(const RunArguments& arguments) {
+  if (arguments.accuracy.empty()) {
+    if (!arguments.accurate.empty())
+      throw Error("--for " + arguments.accurate.front() +
+                  ": says whose error --accuracy bounds; give --accuracy too");
+    return;
+  }
+  refuse_both(arguments.transient);
+  if (arguments.restart || !arguments.checkpoint_every.empty())
     throw Error(
         "--accuracy and checkpoints: pilot runs choose settings anew at each start; write those "
         "that --accuracy prints into the model");
+}
+
+// The scene becomes what is run.
+RunOptions prepare(const RunArguments& arguments, Scene& scene) {
+  RunOptions options;
+  options.notes = apply(arguments.transient, scene);
+  keep_motion(arguments, scene);
   if (!arguments.accuracy.empty()) choose_settings(arguments, scene, options);
   options.output = results_directory(arguments.output, arguments.model);
   options.certify = arguments.certify;
@@ -202,18 +208,57 @@ int run_model(const RunArguments& arguments) {
   if (!arguments.checkpoint_every.empty())
     options.checkpoint_every = checkpoint_every(arguments.checkpoint_every);
   options.id = new_run_id();
+  return options;
+}
+
+RunReport run_seen(const RunArguments& arguments, const Scene& scene, RunOptions options) {
+  ProgressLine line;
+  if (!arguments.quiet && isatty(STDERR_FILENO))
+    options.progress = [&line](const Progress& progress) { line.show(progress); };
+  const InterruptHandler handler;
+  options.interrupted = &InterruptHandler::flag();
+  return run(scene, options);
+}
+
+// What scripts must not miss, also of a quiet run. Returns the exit status.
+int judge(const RunReport& report, const std::string& name, bool quiet) {
+  if (!report.complete()) {
+    complain(fmt::format("mbd: {}: {}\n", name, report.failure));
+    return 1;
+  }
+  for (const ExpectResult& result : report.expects)
+    if (!result.pass() && quiet)
+      complain(fmt::format("mbd: {}:{}: expected {} = {} +- {}, got {}\n", result.source.file,
+                           result.source.line, result.what, result.expected, result.tolerance,
+                           result.got ? fmt::format("{}", *result.got) : "nothing"));
+  const bool fails = report.certificate.verdict() == Verdict::fail;
+  if (fails) {
+    const Check& culprit = *report.certificate.culprit();
+    complain(fmt::format("mbd: {}: the certificate fails: {} {:.2g} (at most {:.2g}){}{}\n", name,
+                         culprit.name, culprit.value, culprit.fail,
+                         culprit.where.empty() ? "" : ", ", culprit.where));
+  }
+  const bool inaccurate = report.accuracy && !report.accuracy->met;
+  if (inaccurate)
+    complain(fmt::format("mbd: {}: the accuracy {:g} is not met (believed: {}): {}\n", name,
+                         report.accuracy->requested,
+                         report.accuracy->believed
+                             ? fmt::format("{:.1e}", *report.accuracy->believed)
+                             : std::string("not known"),
+                         report.accuracy->reason));
+  if (fails) return 1;
+  return report.as_expected() && !inaccurate ? 0 : 2;
+}
+
+int run_model(const RunArguments& arguments) {
+  Scene scene = read_model(arguments.model, to_overrides(arguments.set), arguments.plugins);
+  if (!arguments.without.empty()) scene = without(scene, arguments.without);
+  refuse_contradictions(arguments);
+  RunOptions options = prepare(arguments, scene);
   std::optional<RunFile> run_file;
   if (arguments.hdf5)
     options.observers.push_back(&run_file.emplace(*options.output / "run.h5", scene, options.id));
-  RunReport report;
-  {
-    ProgressLine line;
-    if (!arguments.quiet && isatty(STDERR_FILENO))
-      options.progress = [&line](const Progress& progress) { line.show(progress); };
-    const InterruptHandler handler;
-    options.interrupted = &InterruptHandler::flag();
-    report = run(scene, options);
-  }
+  RunReport report = run_seen(arguments, scene, options);
   if (arguments.certify && report.complete())
     certify_run(arguments, scene, *options.output, report);
   if (run_file) {
@@ -230,31 +275,78 @@ int run_model(const RunArguments& arguments) {
     report.results.push_back(page);
   }
   if (!arguments.quiet) fmt::print("{}", summary(report));
-  if (!report.complete()) {
-    complain(fmt::format("mbd: {}: {}\n", scene.name, report.failure));
-    return 1;
-  }
-  for (const ExpectResult& result : report.expects)
-    if (!result.pass() && arguments.quiet)
-      complain(fmt::format("mbd: {}:{}: expected {} = {} +- {}, got {}\n", result.source.file,
-                           result.source.line, result.what, result.expected, result.tolerance,
-                           result.got ? fmt::format("{}", *result.got) : "nothing"));
-  if (report.certificate.verdict() == Verdict::fail) {
-    const Check& culprit = *report.certificate.culprit();
-    complain(fmt::format("mbd: {}: the certificate fails: {} {:.2g} (at most {:.2g}){}{}\n",
-                         scene.name, culprit.name, culprit.value, culprit.fail,
-                         culprit.where.empty() ? "" : ", ", culprit.where));
-  }
-  const bool inaccurate = report.accuracy && !report.accuracy->met;
-  if (inaccurate)
-    complain(fmt::format("mbd: {}: the accuracy {:g} is not met (believed: {}): {}\n", scene.name,
-                         report.accuracy->requested,
-                         report.accuracy->believed
-                             ? fmt::format("{:.1e}", *report.accuracy->believed)
-                             : std::string("not known"),
-                         report.accuracy->reason));
-  if (report.certificate.verdict() == Verdict::fail) return 1;
-  return report.as_expected() && !inaccurate ? 0 : 2;
+  return judge(report, scene.name, arguments.quiet);
+}
+
+std::string positive_seconds(const std::string& text) {
+  return finite_number(text).value_or(0.0) > 0.0 ? std::string()
+                                                 : text + " is not a positive number of seconds";
+}
+
+void add_accuracy_options(CLI::App& command, RunArguments& arguments) {
+  command
+      .add_option(
+          "--accuracy", arguments.accuracy,
+          "choose order, elements, method and tolerance, by pilot runs, so that the rms error "
+          "of each recorded quantity is below E of its largest value; status 2 if none do")
+      ->check(not_empty, "", "")
+      ->type_name("E");
+  command
+      .add_option("--for", arguments.accurate,
+                  "with --accuracy: of this quantity, record or column only, as `mbd plot` names "
+                  "them; may be given more than once. What else is recorded may be less accurate")
+      ->check(not_empty, "", "")
+      ->type_name("QUANTITY");
+  command
+      .add_option("--choose-within", arguments.choose_within,
+                  "with --accuracy: the CPU time that pilot runs may take; default: 600 s")
+      ->check(positive_seconds, "", "")
+      ->type_name("SECONDS");
+}
+
+void add_certificate_options(CLI::App& command, RunArguments& arguments) {
+  command.add_flag(
+      "--certify", arguments.certify,
+      "all checks of the certificate: also momenta, condition, round-off, and other runs of the "
+      "model, moved, listed in another order and at half the step");
+  command
+      .add_option("--certify-within", arguments.certify_within,
+                  "with --certify: the CPU time of those runs; default: 60 s")
+      ->check(positive_seconds, "", "")
+      ->type_name("SECONDS");
+  command.add_flag("--no-estimate", arguments.no_estimate,
+                   "without the second run, in longer steps, that estimates the error of steps in "
+                   "time, and costs 0.5 to 0.8 of the run");
+}
+
+void add_checkpoint_options(CLI::App& command, RunArguments& arguments) {
+  command
+      .add_option("--checkpoint-every", arguments.checkpoint_every,
+                  "write the whole of the run into checkpoint.bin that often, from which --restart "
+                  "goes on: a time on the clock (10min, 30s) or rows of results (100rows). Not of "
+                  "method ida, nor with --motion")
+      ->check(not_empty, "", "")
+      ->type_name("TIME");
+  command.add_flag(
+      "--restart", arguments.restart,
+      "go on from checkpoint.bin in the directory of results: history.csv becomes that "
+      "of a run that was not killed, to the last bit");
+}
+
+void add_motion_options(CLI::App& command, RunArguments& arguments) {
+  command.add_flag("--motion", arguments.motion,
+                   "keep the motion of all nodes in motion.bin, for `mbd view`: a frame with each "
+                   "row of history.csv, or what <motion_output> says");
+  command
+      .add_option("--frames", arguments.frames,
+                  "--motion with N frames at equal times of a <transient>")
+      ->check(not_empty, "", "")
+      ->type_name("N");
+  command.add_flag("--hdf5", arguments.hdf5,
+                   "--motion, and the whole run in one HDF5 file, run.h5: history, motion, "
+                   "parameters, model and report, readable while the run goes on");
+  command.add_flag("--view", arguments.view,
+                   "--motion, and the page view.html that shows it in a browser");
 }
 
 }  // namespace
@@ -277,74 +369,11 @@ void add_run_command(CLI::App& app, int& status) {
   add_set_option(*command, arguments->set);
   add_plugin_option(*command, arguments->plugins);
   add_transient_options(*command, arguments->transient);
-  command
-      ->add_option(
-          "--accuracy", arguments->accuracy,
-          "choose order, elements, method and tolerance, by pilot runs, so that the rms error "
-          "of each recorded quantity is below E of its largest value; status 2 if none do")
-      ->check(not_empty, "", "")
-      ->type_name("E");
-  command
-      ->add_option("--for", arguments->accurate,
-                   "with --accuracy: of this quantity, record or column only, as `mbd plot` names "
-                   "them; may be given more than once. What else is recorded may be less accurate")
-      ->check(not_empty, "", "")
-      ->type_name("QUANTITY");
-  command
-      ->add_option("--choose-within", arguments->choose_within,
-                   "with --accuracy: the CPU time that pilot runs may take; default: 600 s")
-      ->check(
-          [](const std::string& text) {
-            return finite_number(text).value_or(0.0) > 0.0
-                       ? std::string()
-                       : text + " is not a positive number of seconds";
-          },
-          "", "")
-      ->type_name("SECONDS");
+  add_accuracy_options(*command, *arguments);
   add_without_option(*command, arguments->without);
-  command->add_flag(
-      "--certify", arguments->certify,
-      "all checks of the certificate: also momenta, condition, round-off, and other runs of the "
-      "model, moved, listed in another order and at half the step");
-  command
-      ->add_option("--certify-within", arguments->certify_within,
-                   "with --certify: the CPU time of those runs; default: 60 s")
-      ->check(
-          [](const std::string& text) {
-            return finite_number(text).value_or(0.0) > 0.0
-                       ? std::string()
-                       : text + " is not a positive number of seconds";
-          },
-          "", "")
-      ->type_name("SECONDS");
-  command->add_flag("--no-estimate", arguments->no_estimate,
-                    "without the second run, in longer steps, that estimates the error of steps in "
-                    "time, and costs 0.5 to 0.8 of the run");
-  command
-      ->add_option(
-          "--checkpoint-every", arguments->checkpoint_every,
-          "write the whole of the run into checkpoint.bin that often, from which --restart "
-          "goes on: a time on the clock (10min, 30s) or rows of results (100rows). Not of "
-          "method ida, nor with --motion")
-      ->check(not_empty, "", "")
-      ->type_name("TIME");
-  command->add_flag(
-      "--restart", arguments->restart,
-      "go on from checkpoint.bin in the directory of results: history.csv becomes that "
-      "of a run that was not killed, to the last bit");
-  command->add_flag("--motion", arguments->motion,
-                    "keep the motion of all nodes in motion.bin, for `mbd view`: a frame with each "
-                    "row of history.csv, or what <motion_output> says");
-  command
-      ->add_option("--frames", arguments->frames,
-                   "--motion with N frames at equal times of a <transient>")
-      ->check(not_empty, "", "")
-      ->type_name("N");
-  command->add_flag("--hdf5", arguments->hdf5,
-                    "--motion, and the whole run in one HDF5 file, run.h5: history, motion, "
-                    "parameters, model and report, readable while the run goes on");
-  command->add_flag("--view", arguments->view,
-                    "--motion, and the page view.html that shows it in a browser");
+  add_certificate_options(*command, *arguments);
+  add_checkpoint_options(*command, *arguments);
+  add_motion_options(*command, *arguments);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd run models/four_bar.xml\n"
