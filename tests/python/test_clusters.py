@@ -14,6 +14,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import threading
 import time
 
 import pytest
@@ -369,16 +370,19 @@ def test_python_does_not_wait_for_slurm(rod, tmp_path, serial, slurm_here):
 def test_a_task_of_python_on_slurm_is_killed(rod, tmp_path, serial, slurm_here):
     out = tmp_path / "o"
     first = out / "sweep.1-of-2.rows"
-
-    def kill(done, all):
-        if not killed and first.exists() and first.read_bytes().count(b"\n") >= 4:
-            killed.append(task_of_python(out, "1/2"))
-            os.kill(killed[0], signal.SIGKILL)
-
     killed = []
+
+    def kill():  # progress is told once a second only: a quick task may begin and end between
+        wait_until(lambda: first.exists() and first.read_bytes().count(b"\n") >= 4)
+        killed.append(task_of_python(out, "1/2"))
+        os.kill(killed[0], signal.SIGKILL)
+
     rod.write_text(rod.read_text().replace('duration="40"', 'duration="120"'))  # it is there when it is looked for
+    killer = threading.Thread(target=kill)
+    killer.start()
     with pytest.raises(mbd.RunError, match="their tasks of Slurm ended early") as caught:
-        on_slurm(rod, out, tasks=2, progress=kill)
+        on_slurm(rod, out, tasks=2)
+    killer.join()
     assert killed and 0 < caught.value.results.status.count("open") < 15
     s = on_slurm(rod, out, tasks=2)
     assert s.found == 30 - caught.value.results.status.count("open")
