@@ -4,6 +4,8 @@
 // What a lane holds does not depend on the others: of a function with branches (by_size) each lane gets the branch of its
 // own number. So an element gives the same to the last bit wherever it stands among others, and the last of a list, fewer
 // than a pack, are filled up by repeating one.
+// Everything here has the width in its name: of objects that are compiled for different processors and go into one program
+// (MBD_PORTABLE), what is handed to one of another width would be a name that is not there, when the program is linked.
 // Not used: std::experimental::simd, which Eigen cannot hold without an interface as long as this one.
 #pragma once
 
@@ -13,10 +15,11 @@
 #include "libmbd/core/types.hpp"
 
 namespace mbd {
-
 #if defined(__AVX512F__)
+inline namespace lanes_8 {
 inline constexpr int lane_count = 8, lane_registers = 24;
 #else
+inline namespace lanes_4 {
 inline constexpr int lane_count = 4, lane_registers = 12;
 #endif
 using Lane [[gnu::vector_size(lane_count * sizeof(double))]] = double;
@@ -155,6 +158,7 @@ MBD_INLINE void pack_into(M& m, const Of& of) {
   for (std::ptrdiff_t i = 0; i < size; ++i) m.data()[i] = pack_of([&](int k) { return of(k)[i]; });
 }
 
+}  // namespace lanes_*
 }  // namespace mbd
 
 template <>

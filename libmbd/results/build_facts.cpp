@@ -1,5 +1,6 @@
 #include "libmbd/results/build_facts.hpp"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -86,6 +87,12 @@ std::vector<std::pair<std::string, std::string>> to_lines(const BuildFacts& fact
           {"build", joined(build)},
           {"libraries", joined(libraries)},
           {"model format", std::to_string(facts.model_format)}};
+}
+
+std::string library_file() {
+  static const char own = 0;
+  Dl_info file{};
+  return dladdr(&own, &file) != 0 && file.dli_fname != nullptr ? file.dli_fname : "";
 }
 
 double used_cpu() {

@@ -23,6 +23,9 @@ const BuildFacts& build_facts();
 // The same as lines "name: value", in order: commit, compiler, build, libraries, model format.
 std::vector<std::pair<std::string, std::string>> to_lines(const BuildFacts& facts);
 
+// The file that has this library in it: its own, or the program's or module's that it is linked into.
+std::string library_file();
+
 // The processor this runs on and its number of cores: "Intel Xeon …, 2 cores".
 std::string machine();
 

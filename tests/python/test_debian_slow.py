@@ -1,5 +1,6 @@
 """Packages for Debian, made by CPack of the tree that is built: what they hold and need, and that they install on a bare Debian 12
-(debootstrap's minbase, nothing else) and run there.
+(debootstrap's minbase, nothing else) and run there. Of a portable tree (build/packages of tools/packages, PYTHONPATH and all) also
+that the loader takes each level of the library, and that nothing outside of the levels needs AVX.
 
 Tried in it, and killed: the libraries that are loaded left out of Depends; a package without shlibdeps; the module in site-packages;
 the package for programs named libmbd-dev; headers left out.
@@ -19,7 +20,13 @@ import mbd
 from conftest import ROOT
 
 BUILD = pathlib.Path(mbd.__file__).resolve().parents[2]
-NAMES = {"mbd", "libmbd-multibody-dev", "python3-mbd"}
+CACHE = BUILD / "CMakeCache.txt"
+PORTABLE = CACHE.exists() and "MBD_PORTABLE:BOOL=ON" in CACHE.read_text()
+RUNTIME = "libmbd-multibody0.1"
+NAMES = {"mbd", "libmbd-multibody-dev", "python3-mbd"} | ({RUNTIME} if PORTABLE else set())
+# Levels of processors: what `mbd --version` calls the instructions of the library there, registers it uses, and those it has not.
+LEVELS = {"x86-64-v2": ("SSE2", "xmm", "[yz]mm"), "x86-64-v3": ("AVX2", "ymm", "zmm"), "x86-64-v4": ("AVX-512", "zmm", "tmm")}
+LOADER = "/lib64/ld-linux-x86-64.so.2"
 
 
 def run(*command, **more):
@@ -62,16 +69,53 @@ def test_what_they_hold_and_need(packages):
         assert field(packages[one], "Version") == mbd.__version__ and field(packages[one], "Architecture") != "all"
         for other in NAMES - {one}:
             assert not {file for file in listed[one] & listed[other] if not file.endswith("/")}
-    for one in ("mbd", "python3-mbd"):
+    for one in (RUNTIME,) if PORTABLE else ("mbd", "python3-mbd"):
         needs = field(packages[one], "Depends")
         for library in ("libc6", "libklu", "libfmt", "libudunits2", "libmumps-seq", "libhdf5", "libmetis"):
             assert library in needs, needs
+    for one in NAMES - {RUNTIME} if PORTABLE else ():
+        assert f"{RUNTIME} (= {mbd.__version__})" in field(packages[one], "Depends")
     assert f"python3 (<< 3.{sys.version_info.minor + 1})" in field(packages["python3-mbd"], "Depends")
+
+
+def test_levels(packages, tmp_path):
+    """What is wider than a level is in files of the next alone, which the loader takes."""
+    if not PORTABLE:
+        pytest.skip("not a portable tree")
+    for file in packages.values():
+        run("dpkg-deb", "--extract", file, tmp_path)
+    usr = tmp_path / "usr"
+    hwcaps = usr / "lib" / "glibc-hwcaps"
+    of_level = {"x86-64-v2": [usr / "bin" / "mbd", usr / "lib" / "libmbd.so.0.1", *usr.glob("lib/python3/dist-packages/mbd/*.so")],
+                "x86-64-v3": [hwcaps / "x86-64-v3" / "libmbd.so.0.1"], "x86-64-v4": [hwcaps / "x86-64-v4" / "libmbd.so.0.1"]}
+    assert len(of_level["x86-64-v2"]) == 3 and len(list(hwcaps.iterdir())) == 2
+    for level, files in of_level.items():
+        _, own, too_wide = LEVELS[level]
+        for file in files:
+            code = run("objdump", "-d", "--no-show-raw-insn", file)
+            assert f"%{own}" in code and re.search(f"%{too_wide}", code) is None, file
+    for file in (usr / "bin" / "mbd", of_level["x86-64-v2"][-1]):  # an empty part is the working directory
+        path = re.search(r"\[(.*)\]", next(line for line in run("readelf", "-d", file).splitlines() if "RUNPATH" in line))[1]
+        assert all(part.startswith("$ORIGIN") for part in path.split(":")), path
+    expected = {}
+    for level in supported_levels():
+        out = tmp_path / level
+        says = run(LOADER, "--glibc-hwcaps-mask", level, usr / "bin" / "mbd", "--version")
+        assert f", {LEVELS[level][0]}," in says, says
+        run(LOADER, "--glibc-hwcaps-mask", level, usr / "bin" / "mbd", "run", ROOT / "models" / "shaft.xml", "--out", out)
+        expected[level] = (out / "history.csv").read_text().count("\n")
+    assert len(set(expected.values())) == 1
+
+
+def supported_levels():
+    said = subprocess.run([LOADER, "--help"], text=True, capture_output=True, check=True).stdout
+    return [level for level in LEVELS if re.search(rf"{level} \(supported", said)]
 
 
 def test_programs_are_built_with_the_library(packages, tmp_path):
     """The library that a package brings, used as a stranger would."""
-    run("dpkg-deb", "--extract", packages["libmbd-multibody-dev"], tmp_path / "root")
+    for one in NAMES - {"mbd", "python3-mbd"}:
+        run("dpkg-deb", "--extract", packages[one], tmp_path / "root")
     shutil.copytree(ROOT / "tools" / "example", tmp_path / "example")
     run("cmake", "-S", tmp_path / "example", "-B", tmp_path / "build", f"-DCMAKE_PREFIX_PATH={tmp_path}/root/usr",
         "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1")
@@ -111,7 +155,7 @@ def test_they_run_on_a_bare_debian(packages, tmp_path):
             return run("chroot", root, *command, env=environment)
 
         inside("apt-get", "install", "-y", "-q", "--no-install-recommends",
-               *(f"/tmp/{packages[name].name}" for name in ("mbd", "python3-mbd")))
+               *(f"/tmp/{packages[name].name}" for name in sorted(NAMES - {"libmbd-multibody-dev"})))
         shutil.copy(ROOT / "models" / "four_bar.xml", root / "tmp")
         # Status 0: and the numbers that the model expects.
         said = inside("mbd", "run", "/tmp/four_bar.xml", "--out", "/tmp/here", "--motion")
@@ -120,6 +164,8 @@ def test_they_run_on_a_bare_debian(packages, tmp_path):
         rows = int(inside("python3", "-c", "import mbd; r = mbd.Model('/tmp/four_bar.xml').run(estimate_error=False);"
                           "assert r.as_expected; print(len(r))"))
         assert rows > 600
+        for level in supported_levels() if PORTABLE else ():
+            assert f", {LEVELS[level][0]}," in inside(LOADER, "--glibc-hwcaps-mask", level, "/usr/bin/mbd", "--version")
         # Nothing of these packages is missing, and the package for programs can be installed as well.
         assert inside("dpkg", "--audit") == ""
         planned = inside("apt-get", "install", "--simulate", "--no-install-recommends",

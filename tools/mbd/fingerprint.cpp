@@ -22,10 +22,15 @@ std::string fingerprint(const std::vector<std::string>& files,
     sum = sum * 31 + std::hash<std::string>()(text.str());
   }
   for (const std::string& one : set) all += one + ";";
-  std::error_code code;  // the commit does not tell builds of a changed tree apart
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", code);
-  all += fmt::format("{} {}", std::filesystem::file_size(self, code),
-                     std::filesystem::last_write_time(self, code).time_since_epoch().count());
+  // The commit does not tell builds of a changed tree apart. The library may be a file of its own.
+  const auto add = [&](const std::filesystem::path& file) {
+    std::error_code code;
+    all += fmt::format("{} {};", std::filesystem::file_size(file, code),
+                       std::filesystem::last_write_time(file, code).time_since_epoch().count());
+  };
+  std::error_code code;
+  add(std::filesystem::read_symlink("/proc/self/exe", code));
+  add(library_file());
   return fmt::format("{:016x} {}", sum, all);
 }
 

@@ -5,6 +5,7 @@
 
 #include "libmbd/language/manual.hpp"
 #include "libmbd/language/schema.hpp"
+#include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/report.hpp"
 #include "tools/mbd/view_assets.hpp"
 #include "tools/python/errors.hpp"
@@ -55,5 +56,6 @@ PYBIND11_MODULE(_mbd, module) {
   bind_sweep(module);
   module.def("elements", &elements);
   module.attr("version") = std::string(mbd::version());
+  module.attr("library_file") = mbd::library_file();
   module.attr("has_pages") = !mbd::view_assets().html.empty();
 }

@@ -374,8 +374,8 @@ def _plan_of(vary, points, latin, seed):
 
 def _fingerprint(model):
     """Of the model, its parameters and this library: rows of another are not believed."""
-    module = os.stat(_mbd.__file__)
-    return f"{_digest(model)} {module.st_size} {module.st_mtime_ns}"
+    files = [os.stat(file) for file in (_mbd.__file__, _mbd.library_file)]
+    return f"{_digest(model)} " + " ".join(f"{file.st_size} {file.st_mtime_ns}" for file in files)
 
 
 def _digest(model):
