@@ -263,7 +263,7 @@ std::string cost_svg(const AccuracyStudy& study) {
 std::string knob_svg(const AccuracyStudy& study) {
   return plot::to_svg(
       knob_panels(study),
-      {.note = std::string(slopes_text) + " " + missing_text(study),
+      {.note = fmt::format("{} {}", slopes_text, missing_text(study)),
        .title = study.model + ": error against each setting, the others at their finest"});
 }
 
