@@ -1,4 +1,5 @@
-// What pages of studies share: their style, and text as HTML.
+// Pages of studies: a template for each (libmbd/pictures/page), which is part of the library and fills itself, in the
+// browser, from data in JSON.
 #pragma once
 
 #include <string>
@@ -6,19 +7,16 @@
 
 namespace mbd::study {
 
-// Reads on a phone and in print.
-extern const std::string_view page_style;
+// Embedded when the library is built (tools/cmake/study_pages.cpp.in).
+struct PageFiles {
+  std::string_view style, script;  // of both pages
+  std::string_view accuracy, accuracy_script;
+  std::string_view effects, effects_script;
+};
+PageFiles page_files();
 
-// Up to <main> and the heading; `title` and `by` are text.
-std::string page_begin(std::string_view title, std::string_view by);
-// The rest, with what pages do: tables of class `runs` or `orders` are sorted by a click on the head of a column (numbers
-// before words), pictures grow by a double click, are shifted by dragging, and are whole again by Escape.
-extern const std::string page_end;
-
-// Each line escaped.
-std::string escaped_lines(std::string_view text);
-
-// Escaped, and numbers with an exponent are not broken at its sign.
-std::string prose(std::string_view text);
+// One file that needs nothing but itself. `title` is text, `json` the data: texts of users in it stay texts.
+std::string filled_page(std::string_view html, std::string_view script, std::string_view title,
+                        std::string_view json);
 
 }  // namespace mbd::study

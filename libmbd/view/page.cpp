@@ -13,6 +13,7 @@
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/results/report.hpp"
+#include "libmbd/text/html.hpp"
 #include "libmbd/text/text.hpp"
 
 namespace mbd {
@@ -43,33 +44,8 @@ std::string base64(std::span<const float> numbers) {
   return text;
 }
 
-// As JSON inside of <script>: nothing there ends it.
-std::string in_script(const PageJson& json) {
-  std::string text = json.dump(-1, ' ', false, PageJson::error_handler_t::replace), safe;
-  safe.reserve(text.size());
-  for (const char c : text)
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe += c;
-  return safe;
-}
-
-std::string filled(std::string_view html,
-                   std::span<const std::pair<std::string_view, std::string_view>> words) {
-  std::string page;
-  while (!html.empty()) {
-    const std::size_t at = html.find('@');
-    page += html.substr(0, at);
-    if (at == std::string_view::npos) break;
-    html.remove_prefix(at);
-    const auto word = std::find_if(words.begin(), words.end(), [&](const auto& entry) {
-      return html.starts_with(entry.first);
-    });
-    page += word == words.end() ? html.substr(0, 1) : word->second;
-    html.remove_prefix(word == words.end() ? 1 : word->first.size());
-  }
-  return page;
+std::string script_text(const PageJson& json) {
+  return in_script(json.dump(-1, ' ', false, PageJson::error_handler_t::replace));
 }
 
 std::string made(const PageParts& parts, PageJson drawing, const PageJson& history,
@@ -82,8 +58,8 @@ std::string made(const PageParts& parts, PageJson drawing, const PageJson& histo
                                          (i < 3 ? drawing.at("centre").at(i).get<double>() : 0.0)));
   drawing["nodes"] = base64(nodes);
   const std::string title = xml_escaped(drawing.at("name").get<std::string>()),
-                    licence = xml_escaped(parts.licence), data = in_script(drawing),
-                    rows = in_script(history);
+                    licence = xml_escaped(parts.licence), data = script_text(drawing),
+                    rows = script_text(history);
   const std::array<std::pair<std::string_view, std::string_view>, 9> words = {
       {{"@TITLE@", title},
        {"@STYLE@", parts.style},

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
 #include <string_view>
@@ -13,12 +14,12 @@
 #include "libmbd/pictures/page.hpp"
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/study/accuracy/accuracy_words.hpp"
-#include "libmbd/text/text.hpp"
 
 namespace mbd::study_page {
 namespace {
 
 using namespace study;
+using Json = nlohmann::ordered_json;
 
 // --- pictures ---
 
@@ -262,7 +263,7 @@ std::string cost_svg(const AccuracyStudy& study) {
 std::string knob_svg(const AccuracyStudy& study) {
   return plot::to_svg(
       knob_panels(study),
-      {.note = std::string(slopes_text) + " " + missing_text(study),
+      {.note = fmt::format("{} {}", slopes_text, missing_text(study)),
        .title = study.model + ": error against each setting, the others at their finest"});
 }
 
@@ -270,7 +271,7 @@ std::string knob_svg(const AccuracyStudy& study) {
 
 // The picture of one panel for a page, with what it is for those who do not see it.
 std::string figure(const plot::Panel& panel, const std::string& ids, const std::string& label) {
-  return "<figure>\n" + plot::to_svg({&panel, 1}, {.ids = ids, .label = label}) + "</figure>\n";
+  return plot::to_svg({&panel, 1}, {.ids = ids, .label = label});
 }
 
 std::string times_text(double ratio) {
@@ -278,15 +279,18 @@ std::string times_text(double ratio) {
   return ratio >= 9.95 ? fmt::format("{:.0f}", ratio) : fmt::format("{:.1f}", ratio);
 }
 
-// "C.displacement to 1e-2: 0.12 s of CPU time (order 2 …); to 1e-4: 0.9 s, 7.5 times as long (order 3 …)." The
-// coarsest, that nearest to 1e-4, and the finest.
+std::string setting_text(const TrialPoint& point) {
+  return point.text.empty() ? "as the model is" : point.text;
+}
+
+// After the name of the quantity: " to 1e-2: 0.12 s of CPU time (order 2 …); to 1e-4: 0.9 s, 7.5 times as long
+// (order 3 …)." The coarsest, that nearest to 1e-4, and the finest.
 std::string answer(const AccuracyStudy& study, std::size_t q) {
   const Quantity& quantity = study.quantities[q];
-  const std::string name = fmt::format("<strong>{}</strong>", xml_escaped(quantity.name));
   if (!resolved(quantity))
-    return name + ": no accuracy can be told, since refinements do not approach each other.";
+    return ": no accuracy can be told, since refinements do not approach each other.";
   const std::vector<Range> ranges = ranges_of(study, q);
-  if (ranges.empty()) return name + ": no power of ten was reached.";
+  if (ranges.empty()) return ": no power of ten was reached.";
   const auto from_usual = [](const Range& r) { return std::abs(std::log10(r.to) + 4.0); };
   const auto usual =
       static_cast<std::size_t>(std::min_element(ranges.begin(), ranges.end(),
@@ -295,314 +299,218 @@ std::string answer(const AccuracyStudy& study, std::size_t q) {
                                                 }) -
                                ranges.begin());
   const std::string until = until_text(study, quantity);
-  std::string text = name + (until.empty() ? "" : " (" + xml_escaped(until) + ")");
+  std::string text = until.empty() ? "" : " (" + until + ")";
   const double first = study.points[ranges.front().point].trial.cpu;
   for (const std::size_t i : std::set<std::size_t>{0, usual, ranges.size() - 1}) {
     const TrialPoint& point = study.points[ranges[i].point];
-    text += fmt::format("{} to {}: {} s", i == 0 ? "" : ";", prose(number_text(ranges[i].to, 1)),
+    text += fmt::format("{} to {}: {} s", i == 0 ? "" : ";", number_text(ranges[i].to, 1),
                         seconds_text(point.trial.cpu));
     text += i == 0 ? " of CPU time"
                    : fmt::format(", {} times as long", times_text(point.trial.cpu / first));
-    text += fmt::format(" ({})", point.text.empty() ? "as the model is" : prose(point.text));
+    text += fmt::format(" ({})", setting_text(point));
   }
   return text + ".";
 }
 
-// The parts of the page append to it.
-class Page {
- public:
-  Page(const AccuracyStudy& study, const Scene& scene) : study_(study), scene_(scene) {}
-
-  std::string make() {
-    begin();
-    advice();
-    pictures();
-    orders();
-    reference();
-    caveats();
-    runs();
-    origin();
-    text_ += page_end;
-    return std::move(text_);
-  }
-
- private:
-  std::string run_link(std::size_t point) const {
-    return fmt::format("<a href=\"#run-{0}\">run {0}</a>", point + 1);
-  }
-
-  std::string setting_text(std::size_t point) const {
-    const std::string& text = study_.points[point].text;
-    return text.empty() ? "as the model is" : prose(text);
-  }
-
-  // A table that scrolls inside its box, for which it can be focused.
-  void open_table(const std::string& label, const std::string& kind) {
-    text_ += fmt::format(
-        "<div class=\"box\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n<table "
-        "class=\"{}\">\n",
-        xml_escaped(label), kind);
-  }
-  void close_table() { text_ += "</tbody>\n</table>\n</div>\n"; }
-  // A name that begins with '#' is that of a column of numbers.
-  void head(const std::vector<std::string>& names) {
-    text_ += "<thead><tr>";
-    for (const std::string& name : names)
-      text_ += name.starts_with('#') ? fmt::format("<th scope=\"col\" class=\"n\">{}</th>",
-                                                   xml_escaped(name.substr(1)))
-                                     : fmt::format("<th scope=\"col\">{}</th>", xml_escaped(name));
-    text_ += "</tr></thead>\n<tbody>\n";
-  }
-  static std::string numeric(std::string_view text) {
-    return fmt::format("<td class=\"n\">{}</td>", xml_escaped(text));
-  }
-
-  void begin();
-  void advice();
-  void pictures();
-  void orders();
-  void reference();
-  void caveats();
-  void runs();
-  void origin();
-
-  const AccuracyStudy& study_;
-  const Scene& scene_;
-  std::string text_;
-};
-
-void Page::begin() {
-  text_ += page_begin(study_.model + ": error against CPU time",
-                      fmt::format("{}, {}. {}, in {} s.", study_.file, study_.date,
-                                  tally_text(study_), seconds_text(study_.seconds)));
-  for (std::size_t q = 0; q < study_.quantities.size(); ++q)
-    text_ += "<p>" + answer(study_, q) + "</p>\n";
+Json answers(const AccuracyStudy& study) {
+  Json all = Json::array();
+  for (std::size_t q = 0; q < study.quantities.size(); ++q)
+    all.push_back({{"quantity", study.quantities[q].name}, {"text", answer(study, q)}});
+  return all;
 }
 
-void Page::advice() {
-  // Of one quantity the table has the picture beside it where there is room.
-  text_ += study_.quantities.size() == 1 ? "<div class=\"halves\">\n" : "<div>\n";
-  text_ +=
-      "<section>\n<h2 id=\"advice\">What to take for which accuracy</h2>\n<div "
-      "class=\"quantities\">\n";
-  for (std::size_t q = 0; q < study_.quantities.size(); ++q) {
-    const std::vector<Range> ranges = ranges_of(study_, q);
-    const std::string name = title_of(study_, study_.quantities[q]);
-    if (ranges.empty()) {
-      text_ += fmt::format(
-          "<div>\n<h3>{}</h3>\n<p>{}</p>\n</div>\n", xml_escaped(study_.quantities[q].name),
-          resolved(study_.quantities[q])
-              ? "No run reached a power of ten."
-              : "Refinements do not approach each other: there is nothing to measure errors by.");
-      continue;
-    }
-    text_ += fmt::format("<div>\n<h3>{}</h3>\n", xml_escaped(name));
-    open_table("What to take for " + name, "advice");
-    head({"accuracy", "#error", "#CPU [s]", "#ratio", "#run"});
-    const double least = study_.points[ranges.front().point].trial.cpu;
+// What to take for which accuracy: for each quantity its rows, or why there are none.
+Json choices(const AccuracyStudy& study, const Scene& scene) {
+  Json all = Json::array();
+  for (std::size_t q = 0; q < study.quantities.size(); ++q) {
+    const std::vector<Range> ranges = ranges_of(study, q);
+    Json rows = Json::array();
     for (const Range& range : ranges) {
-      const double cpu = study_.points[range.point].trial.cpu;
-      text_ += fmt::format("<tr class=\"numbers\"><th scope=\"row\">{}</th>", text_of(range));
-      text_ += numeric(rms_text(study_, range.point, q)) + numeric(seconds_text(cpu)) +
-               numeric(times_text(cpu / least));
-      text_ +=
-          fmt::format("<td class=\"n\"><a href=\"#run-{0}\">{0}</a></td></tr>\n", range.point + 1);
-      const std::string change = snippet(scene_, study_.points[range.point].setting);
-      text_ += fmt::format(
-          "<tr><td class=\"change\" "
-          "colspan=\"5\"><details><summary>{}</summary>\n<pre>{}</pre></details></td></tr>\n",
-          setting_text(range.point), change.empty() ? "the model as it is" : escaped_lines(change));
+      const TrialPoint& point = study.points[range.point];
+      const std::string change = snippet(scene, point.setting);
+      const double least = study.points[ranges.front().point].trial.cpu;
+      rows.push_back({{"to", text_of(range)},
+                      {"error", rms_text(study, range.point, q)},
+                      {"cpu", seconds_text(point.trial.cpu)},
+                      {"ratio", times_text(point.trial.cpu / least)},
+                      {"run", range.point + 1},
+                      {"setting", setting_text(point)},
+                      {"change", change.empty() ? "the model as it is" : change}});
     }
-    close_table();
-    text_ += "</div>\n";
+    if (ranges.empty())
+      all.push_back({{"quantity", study.quantities[q].name},
+                     {"why", resolved(study.quantities[q])
+                                 ? "No run reached a power of ten."
+                                 : "Refinements do not approach each other: there is nothing to "
+                                   "measure errors by."},
+                     {"rows", rows}});
+    else
+      all.push_back({{"quantity", title_of(study, study.quantities[q])}, {"rows", rows}});
   }
-  text_ += fmt::format(
-      "</div>\n<p>{} Ratio: CPU time over that of the cheapest in the table. A setting opens to "
-      "the "
-      "lines that replace those of the model; “…” stands for attributes that stay.</p>\n"
-      "</section>\n",
-      xml_escaped(norm_text(study_)));
+  return all;
 }
 
-void Page::pictures() {
+void add_pictures(Json& data, const AccuracyStudy& study) {
   std::vector<std::size_t> of;
-  const std::vector<plot::Panel> cost = cost_panels(study_, of);
-  if (!cost.empty()) {
-    text_ += "<section>\n<h2 id=\"cost\">Error against CPU time</h2>\n<div class=\"pictures\">\n";
-    for (std::size_t i = 0; i < cost.size(); ++i)
-      text_ += figure(cost[i], fmt::format("cost-{}-", i),
-                      "Error against CPU time: " + study_.quantities[of[i]].name);
-    text_ += fmt::format(
-        "</div>\n<p>The broad line joins the runs that none beats in both. {}</p>\n"
-        "</section>\n",
-        missing_text(study_));
+  const std::vector<plot::Panel> cost = cost_panels(study, of), over = knob_panels(study);
+  Json costs = Json::array(), knobs = Json::array();
+  for (std::size_t i = 0; i < cost.size(); ++i)
+    costs.push_back(figure(cost[i], fmt::format("cost-{}-", i),
+                           "Error against CPU time: " + study.quantities[of[i]].name));
+  bool slopes = false;
+  for (std::size_t i = 0; i < over.size(); ++i) {
+    knobs.push_back(figure(over[i], fmt::format("knob-{}-", i), "Error: " + over[i].title));
+    slopes = slopes || !over[i].slopes.empty();
   }
-  text_ += "</div>\n";
-  const std::vector<plot::Panel> over = knob_panels(study_);
-  if (!over.empty()) {
-    text_ +=
-        "<section>\n<h2 id=\"knobs\">Error against each setting, the others at their "
-        "finest</h2>\n<div class=\"pictures\">\n";
-    bool slopes = false;
-    for (std::size_t i = 0; i < over.size(); ++i) {
-      text_ += figure(over[i], fmt::format("knob-{}-", i), "Error: " + over[i].title);
-      slopes = slopes || !over[i].slopes.empty();
-    }
-    text_ += fmt::format("</div>\n<p>{}{}</p>\n</section>\n", slopes ? slopes_text : "",
-                         (slopes ? " " : "") + missing_text(study_));
-  }
+  data["cost"] = std::move(costs);
+  data["knobs"] = std::move(knobs);
+  data["slopes"] = slopes;
+  data["missing"] = missing_text(study);
 }
 
-void Page::orders() {
-  if (study_.fits.empty()) return;
-  text_ +=
-      "<section>\n<h2 id=\"orders\">Fitted orders</h2>\n<p>Error ~ setting^order, by least "
-      "squares over points of one family whose errors are below 0.1 and clearly above the "
-      "reference's own. Theory holds where the solution is smooth; departure: of the farthest "
-      "point from the line, as a factor.</p>\n";
-  open_table("Fitted orders", "orders");
-  head({"quantity", "over", "#order", "#theory", "#departure", "#points", "of"});
-  std::vector<OrderFit> fits = study_.fits;
+Json orders(const AccuracyStudy& study) {
+  std::vector<OrderFit> fits = study.fits;
   std::stable_sort(fits.begin(), fits.end(), [](const OrderFit& one, const OrderFit& other) {
     return one.quantity < other.quantity;
   });
+  Json all = Json::array();
   for (const OrderFit& fit : fits)
-    text_ += fmt::format(
-        "<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}{}<td class=\"t\">{}</td></tr>\n",
-        xml_escaped(study_.quantities[fit.quantity].name), name_of(fit.knob),
-        numeric(fmt::format("{:.2f}", fit.slope)),
-        numeric(fit.theory ? fmt::format("{:g}", *fit.theory) : "-"),
-        numeric(fmt::format("{:.2f}", fit.spread)), numeric(std::to_string(fit.points.size())),
-        prose(family_text(study_, fit)));
-  close_table();
-  text_ += "</section>\n";
+    all.push_back({{"quantity", study.quantities[fit.quantity].name},
+                   {"over", name_of(fit.knob)},
+                   {"order", fmt::format("{:.2f}", fit.slope)},
+                   {"theory", fit.theory ? fmt::format("{:g}", *fit.theory) : "-"},
+                   {"departure", fmt::format("{:.2f}", fit.spread)},
+                   {"points", fit.points.size()},
+                   {"of", family_text(study, fit)}});
+  return all;
 }
 
-void Page::reference() {
-  text_ += fmt::format(
-      "<section>\n<h2 id=\"reference\">The reference and its own error</h2>\n"
-      "<p>{}</p>\n",
-      xml_escaped(study_.reference));
-  open_table("Error of the reference", "reference");
-  head({"quantity", "#its error (rms)", "#its error (largest)", "#divided by", "known"});
-  for (const Quantity& q : study_.quantities) {
-    const std::string until = until_text(study_, q);
+Json reference(const AccuracyStudy& study) {
+  Json errors = Json::array(), ways = Json::array();
+  for (const Quantity& q : study.quantities) {
+    const std::string until = until_text(study, q);
     const bool has = resolved(q);
-    text_ +=
-        fmt::format("<tr><th scope=\"row\">{}</th>{}{}{}<td>{}</td></tr>\n", xml_escaped(q.name),
-                    numeric(has ? reference_text(q, &Quantity::reference_rms) : "-"),
-                    numeric(has ? reference_text(q, &Quantity::reference_largest) : "-"),
-                    numeric(has ? fmt::format("{:.4g} {}", q.scale, q.unit) : "-"),
-                    until.empty() ? "to the end" : xml_escaped(until));
+    errors.push_back({{"quantity", q.name},
+                      {"rms", has ? reference_text(q, &Quantity::reference_rms) : "-"},
+                      {"largest", has ? reference_text(q, &Quantity::reference_largest) : "-"},
+                      {"scale", has ? fmt::format("{:.4g} {}", q.scale, q.unit) : "-"},
+                      {"known", until.empty() ? "to the end" : until}});
   }
-  close_table();
-  if (!study_.ways.empty()) {
-    text_ += "<h3>Runs that made it</h3>\n";
-    open_table("Runs that made the reference", "ways");
-    head({"setting", "#CPU [s]", "state"});
-    for (const TrialPoint& way : study_.ways)
-      text_ +=
-          fmt::format("<tr><td class=\"t\">{}</td>{}<td>{}</td></tr>\n", prose(way.text),
-                      numeric(seconds_text(way.trial.cpu)), xml_escaped(state_text(way.trial)));
-    close_table();
-  }
-  text_ += "</section>\n";
+  for (const TrialPoint& way : study.ways)
+    ways.push_back({{"setting", way.text},
+                    {"cpu", seconds_text(way.trial.cpu)},
+                    {"state", state_text(way.trial)}});
+  return {{"text", study.reference}, {"errors", std::move(errors)}, {"ways", std::move(ways)}};
 }
 
-void Page::caveats() {
-  std::string items;
-  for (const Quantity& q : study_.quantities) {
-    const std::string until = until_text(study_, q);
+Json caveats(const AccuracyStudy& study) {
+  Json all = Json::array();
+  for (const Quantity& q : study.quantities) {
+    const std::string until = until_text(study, q);
     if (until.empty()) continue;
-    items += fmt::format(
-        "<li>{}: successive refinements approach each other {}{}; its errors are {}.</li>\n",
-        xml_escaped(q.name), xml_escaped(until), resolved(q) ? ", no further" : "",
-        resolved(q) ? "those up to there" : "not known");
+    all.push_back(fmt::format(
+        "{}: successive refinements approach each other {}{}; its errors are {}.", q.name, until,
+        resolved(q) ? ", no further" : "", resolved(q) ? "those up to there" : "not known"));
   }
-  if (study_.untried > 0)
-    items += fmt::format(
-        "<li>{} settings were not tried, for want of time or because the study "
-        "was interrupted.</li>\n",
-        study_.untried);
-  for (const std::string& note : study_.notes)
-    items += fmt::format("<li>{}</li>\n", xml_escaped(note));
-  std::string rows;
-  for (std::size_t i = 0; i < study_.points.size(); ++i)
-    if (const Trial& trial = study_.points[i].trial; !trial.complete)
-      rows += fmt::format(
-          "<tr><th scope=\"row\" class=\"n\">{}</th><td class=\"t\">{}</td>{}<td "
-          "class=\"t\">{}</td></tr>\n",
-          run_link(i), setting_text(i), numeric(seconds_text(trial.cpu)),
-          xml_escaped(state_text(trial)));
-  if (items.empty() && rows.empty()) return;
-  text_ += "<section>\n<h2 id=\"caveats\">What to keep in mind</h2>\n";
-  if (!items.empty()) text_ += "<ul>\n" + items + "</ul>\n";
-  if (!rows.empty()) {
-    text_ += "<h3>Runs that did not come to the end</h3>\n";
-    open_table("Runs that did not come to the end", "ends");
-    head({"run", "setting", "#CPU [s]", "what became of it"});
-    text_ += rows;
-    close_table();
-  }
-  text_ += "</section>\n";
+  if (study.untried > 0)
+    all.push_back(
+        fmt::format("{} settings were not tried, for want of time or because the study was "
+                    "interrupted.",
+                    study.untried));
+  for (const std::string& note : study.notes) all.push_back(note);
+  return all;
 }
 
-void Page::runs() {
-  text_ += fmt::format(
-      "<section class=\"all\">\n<h2 id=\"runs\">All runs</h2>\n<details>\n<summary>{}</summary>\n",
-      xml_escaped(tally_text(study_)));
-  open_table("All runs", "runs");
-  std::vector<std::string> names = {"run", "setting", "state", "#CPU [s]", "#of stepping [s]"};
+// Runs that did not come to the end.
+Json ends(const AccuracyStudy& study) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < study.points.size(); ++i)
+    if (const Trial& trial = study.points[i].trial; !trial.complete)
+      all.push_back({{"run", i + 1},
+                     {"setting", setting_text(study.points[i])},
+                     {"cpu", seconds_text(trial.cpu)},
+                     {"state", state_text(trial)}});
+  return all;
+}
+
+Json run(const AccuracyStudy& study, std::size_t i, const std::vector<std::size_t>& shown) {
+  const Trial& trial = study.points[i].trial;
+  bool front = false;
+  for (std::size_t q = 0; q < study.quantities.size(); ++q) front = front || on_front(study, i, q);
+  Json errors = Json::array();
+  for (const std::size_t q : shown)
+    errors.push_back({{"rms", rms_text(study, i, q)},
+                      {"largest", largest_text(study, i, q)},
+                      {"front", on_front(study, i, q)}});
+  return {{"run", i + 1},
+          {"front", front},
+          {"setting", setting_text(study.points[i])},
+          {"state", trial.complete  ? "complete"
+                    : trial.stopped ? "stopped"
+                                    : "failed"},
+          {"cpu", seconds_text(trial.cpu)},
+          {"stepping", seconds_text(trial.cpu_stepping)},
+          {"errors", std::move(errors)},
+          {"steps", trial.counters.steps},
+          {"residuals", trial.counters.residuals},
+          {"tangents", trial.counters.tangents},
+          {"factorizations", trial.counters.factorizations},
+          {"unknowns", trial.unknowns},
+          {"memory", fmt::format("{:.0f}", trial.memory * 1e-6)}};
+}
+
+void add_runs(Json& data, const AccuracyStudy& study) {
   std::vector<std::size_t> shown;  // quantities
-  for (std::size_t q = 0; q < study_.quantities.size(); ++q)
-    if (resolved(study_.quantities[q])) shown.push_back(q);
-  for (const std::size_t q : shown) {
-    names.push_back("#" + study_.quantities[q].name + " rms");
-    names.push_back("#largest");
-  }
-  for (const char* name :
-       {"#steps", "#residuals", "#tangents", "#factorisations", "#unknowns", "#memory [MB]"})
-    names.emplace_back(name);
-  head(names);
-  for (std::size_t i = 0; i < study_.points.size(); ++i) {
-    const Trial& trial = study_.points[i].trial;
-    bool front = false;
-    for (std::size_t q = 0; q < study_.quantities.size(); ++q)
-      front = front || on_front(study_, i, q);
-    text_ += fmt::format("<tr id=\"run-{0}\"{1}><th scope=\"row\">{0}{2}</th>", i + 1,
-                         front ? " class=\"front\"" : "", front ? " ●" : "");
-    text_ += fmt::format("<td class=\"t\">{}</td><td>{}</td>", setting_text(i),
-                         trial.complete  ? "complete"
-                         : trial.stopped ? "stopped"
-                                         : "failed");
-    text_ += numeric(seconds_text(trial.cpu)) + numeric(seconds_text(trial.cpu_stepping));
-    for (const std::size_t q : shown) {
-      const std::string rms = rms_text(study_, i, q);
-      text_ +=
-          numeric(on_front(study_, i, q) ? "● " + rms : rms) + numeric(largest_text(study_, i, q));
+  Json names = Json::array(), all = Json::array();
+  for (std::size_t q = 0; q < study.quantities.size(); ++q)
+    if (resolved(study.quantities[q])) {
+      shown.push_back(q);
+      names.push_back(study.quantities[q].name);
     }
-    for (const long count :
-         {trial.counters.steps, trial.counters.residuals, trial.counters.tangents,
-          trial.counters.factorizations, static_cast<long>(trial.unknowns)})
-      text_ += numeric(std::to_string(count));
-    text_ += numeric(fmt::format("{:.0f}", trial.memory * 1e-6)) + "</tr>\n";
-  }
-  close_table();
-  text_ += "<p>●: cheapest for its error, of all runs.</p>\n</details>\n</section>\n";
+  for (std::size_t i = 0; i < study.points.size(); ++i) all.push_back(run(study, i, shown));
+  data["quantities"] = std::move(names);
+  data["runs"] = std::move(all);
+  data["tally"] = tally_text(study);
 }
 
-void Page::origin() {
-  text_ += "<section>\n<h2 id=\"origin\">Machine, and how to make it again</h2>\n<dl>\n";
+Json facts(const AccuracyStudy& study) {
+  Json all = Json::array();
   const auto fact = [&](const std::string& name, const std::string& value) {
-    text_ += fmt::format("<dt>{}</dt><dd>{}</dd>\n", xml_escaped(name), xml_escaped(value));
+    all.push_back(Json::array({name, value}));
   };
-  fact("model", study_.file);
-  fact("date", study_.date);
-  fact("machine", study_.machine);
-  for (const auto& [name, value] : study_.build) fact(name, value);
+  fact("model", study.file);
+  fact("date", study.date);
+  fact("machine", study.machine);
+  for (const auto& [name, value] : study.build) fact(name, value);
   fact("wall time",
-       fmt::format("{} s of {} s", seconds_text(study_.seconds), seconds_text(study_.budget)));
-  text_ += fmt::format("</dl>\n<pre>{}</pre>\n</section>\n", escaped_lines(study_.command));
+       fmt::format("{} s of {} s", seconds_text(study.seconds), seconds_text(study.budget)));
+  return all;
+}
+
+// What the page shows (libmbd/pictures/page/accuracy.html).
+Json data_of(const AccuracyStudy& study, const Scene& scene) {
+  Json data;
+  data["by"] = fmt::format("{}, {}. {}, in {} s.", study.file, study.date, tally_text(study),
+                           seconds_text(study.seconds));
+  data["answers"] = answers(study);
+  data["choices"] = choices(study, scene);
+  data["norm"] = norm_text(study);
+  add_pictures(data, study);
+  data["orders"] = orders(study);
+  data["reference"] = reference(study);
+  data["caveats"] = caveats(study);
+  data["ends"] = ends(study);
+  data["has_caveats"] = !data["caveats"].empty() || !data["ends"].empty();
+  add_runs(data, study);
+  data["facts"] = facts(study);
+  data["command"] = study.command;
+  return data;
+}
+
+std::string page(const AccuracyStudy& study, const Scene& scene) {
+  return filled_page(page_files().accuracy, page_files().accuracy_script,
+                     study.model + ": error against CPU time",
+                     data_of(study, scene).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -613,7 +521,7 @@ namespace mbd {
 std::string accuracy_svg(const AccuracyStudy& study) { return study_page::cost_svg(study); }
 std::string knobs_svg(const AccuracyStudy& study) { return study_page::knob_svg(study); }
 std::string accuracy_page(const AccuracyStudy& study, const Scene& scene) {
-  return study_page::Page(study, scene).make();
+  return study_page::page(study, scene);
 }
 
 }  // namespace mbd

@@ -448,61 +448,52 @@ std::string svg_of(const EffectsStudy& study, bool with_title, Columns columns =
   return Picture(study, with_title, columns).draw();
 }
 
-std::string page_of(const EffectsStudy& study) {
-  std::string text =
-      page_begin(study.model + ": what each effect costs and is worth",
-                 fmt::format("{}, {}. {}.", study.file, study.date, capital(whole_text(study))));
-  text += "<p><strong>Cheapest model</strong> " + prose(cheapest_text(study)) + ".</p>\n";
-  if (!study.cheapest.left_out.empty())
-    text += "<pre>" + escaped_lines(snippet_of(study)) + "\n" +
-            escaped_lines(command_of_cheapest(study)) + "</pre>\n";
-  text += "<section>\n<h2>Effects</h2>\n<div class=\"bars\">\n<figure>\n" +
-          svg_of(study, false, Columns::changes) + "</figure>\n<figure>\n" +
-          svg_of(study, false, Columns::times) + "</figure>\n</div>\n";
-  text += "<p>" + prose(capital(norm_text(study))) + ".";
-  if (const std::string own = own_text(study); !own.empty())
-    text += " " + prose(capital(own)) + ".";
-  text +=
-      "</p>\n</section>\n<section class=\"all\">\n<h2>All quantities</h2>\n<div class=\"box\" "
-      "role=\"region\" aria-label=\"Changes of all quantities\" tabindex=\"0\">\n<table "
-      "class=\"runs\">\n<thead><tr><th scope=\"col\">without</th><th scope=\"col\" "
-      "class=\"n\">time</th><th scope=\"col\" class=\"n\">steps</th><th scope=\"col\" "
-      "class=\"n\">unknowns</th>";
-  for (const EffectQuantity& q : study.quantities)
-    text += "<th scope=\"col\" class=\"n\">" + xml_escaped(q.name) + "</th>";
-  text += "</tr></thead>\n<tbody>\n";
-  for (const EffectRun& run : study.runs) {
-    text += "<tr><th scope=\"row\">" + prose(run.ablation.effect) + "</th>";
-    if (!run.complete()) {
-      text += fmt::format("<td colspan=\"{}\">does not run: {}</td></tr>\n",
-                          3 + study.quantities.size(), prose(excerpt(run.trial.failure)));
-      continue;
-    }
-    text += fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                        share_text(run.cpu), run.trial.counters.steps, run.trial.unknowns);
-    for (std::size_t q = 0; q < run.changes.size(); ++q)
-      text += "<td class=\"n\">" + xml_escaped(change_text(study, q, run.changes[q])) + "</td>";
-    text += "</tr>\n";
-  }
-  text +=
-      "</tbody>\n</table>\n</div>\n<p>Time: share of the CPU time of stepping, in turn with the "
-      "whole model; median (least to most).</p>\n</section>\n";
-  if (!study.notes.empty()) {
-    text += "<section>\n<h2>Notes</h2>\n";
-    for (const std::string& note : study.notes) text += "<p>" + prose(note) + "</p>\n";
-    text += "</section>\n";
-  }
-  text += "<section>\n<h2 id=\"origin\">Machine, and how to make it again</h2>\n<dl>\n";
-  const auto fact = [&](std::string_view name, std::string_view value) {
-    text += fmt::format("<dt>{}</dt><dd>{}</dd>\n", xml_escaped(name), xml_escaped(value));
+// A row of the table of all quantities.
+Json row_of(const EffectsStudy& study, const EffectRun& run) {
+  Json changes = Json::array();
+  for (std::size_t q = 0; q < run.changes.size(); ++q)
+    changes.push_back(change_text(study, q, run.changes[q]));
+  return {{"effect", run.ablation.effect},
+          {"failure", run.complete() ? Json() : Json(excerpt(run.trial.failure))},
+          {"time", share_text(run.cpu)},
+          {"steps", run.trial.counters.steps},
+          {"unknowns", run.trial.unknowns},
+          {"changes", std::move(changes)}};
+}
+
+Json facts_of(const EffectsStudy& study) {
+  Json all = Json::array();
+  const auto fact = [&](const std::string& name, const std::string& value) {
+    all.push_back(Json::array({name, value}));
   };
   fact("model", study.file);
   fact("date", study.date);
   fact("machine", study.machine);
   for (const auto& [name, value] : study.build) fact(name, value);
   fact("wall time", seconds_text(study.seconds) + " s");
-  text += "</dl>\n<pre>" + escaped_lines(study.command) + "</pre>\n</section>\n";
-  return text + page_end;
+  return all;
+}
+
+// What the page shows is libmbd/pictures/page/effects.html, filled with this.
+std::string page_of(const EffectsStudy& study) {
+  Json data;
+  data["by"] = fmt::format("{}, {}. {}.", study.file, study.date, capital(whole_text(study)));
+  data["cheapest"] = cheapest_text(study);
+  data["change"] =
+      study.cheapest.left_out.empty() ? "" : snippet_of(study) + command_of_cheapest(study);
+  data["bars"] = {svg_of(study, false, Columns::changes), svg_of(study, false, Columns::times)};
+  const std::string own = own_text(study);
+  data["norm"] = capital(norm_text(study)) + "." + (own.empty() ? "" : " " + capital(own) + ".");
+  data["quantities"] = Json::array();
+  for (const EffectQuantity& q : study.quantities) data["quantities"].push_back(q.name);
+  data["effects"] = Json::array();
+  for (const EffectRun& run : study.runs) data["effects"].push_back(row_of(study, run));
+  data["notes"] = study.notes;
+  data["facts"] = facts_of(study);
+  data["command"] = study.command;
+  return filled_page(page_files().effects, page_files().effects_script,
+                     study.model + ": what each effect costs and is worth",
+                     data.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
