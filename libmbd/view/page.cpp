@@ -103,16 +103,20 @@ PageJson history_of(const History* history, std::size_t most_bytes,
   return {{"columns", columns}, {"rows", rows.size()}, {"values", base64(values)}};
 }
 
-}  // namespace
-
-Page model_page(const PageParts& parts, std::string_view drawing, const PageOptions& options) {
-  PageJson all = PageJson::parse(drawing);
-  describe(all, "the model, before a run", "");
-  Page page{made(parts, std::move(all), PageJson(), ""), 1, 1, false};
+Page still_page(const PageParts& parts, PageJson drawing, const std::string& subtitle,
+                const PageOptions& options) {
+  describe(drawing, subtitle, "");
+  Page page{made(parts, std::move(drawing), PageJson(), ""), 1, 1, false};
   if (page.html.size() > options.most_bytes)
     throw Error(fmt::format("the page would have {}, more than {}; give a larger --size",
                             megabytes(page.html.size()), megabytes(options.most_bytes)));
   return page;
+}
+
+}  // namespace
+
+Page model_page(const PageParts& parts, std::string_view drawing, const PageOptions& options) {
+  return still_page(parts, PageJson::parse(drawing), "the model, before a run", options);
 }
 
 namespace {
@@ -125,20 +129,14 @@ struct Rows {
   std::function<std::vector<double>(std::size_t)> at;
 };
 
-Page moving_page(const PageParts& parts, PageJson drawing, const Rows& motion,
-                 const History* history, const History* second, const PageOptions& options) {
-  std::vector<std::size_t> history_rows;
-  const auto room_for_history =
-      static_cast<std::size_t>(history_share * static_cast<double>(options.most_bytes));
-  PageJson table =
-      history_of(history, room_for_history / (second == nullptr ? 1 : 2), history_rows);
-  if (std::vector<std::size_t> unused; history != nullptr && second != nullptr)
-    table["second"] = history_of(second, room_for_history / 2, unused);
+// What a page has room for: all blocks, or those that matter more, of so many rows.
+struct Fit {
+  MotionBlocks blocks;
+  std::size_t rows = 0;
+};
 
-  // What is there anyhow, and what a frame costs with less and less in it.
-  PageJson bare = drawing;
-  describe(bare, std::string(200, ' '), std::string(200, ' '));
-  const std::size_t fixed = made(parts, std::move(bare), table, "").size() + 1000;
+// `fixed`: bytes of all else. Throws Error where there is no room for two frames.
+Fit fit(const Rows& motion, std::size_t fixed, const PageOptions& options) {
   const std::size_t room = options.most_bytes > fixed ? options.most_bytes - fixed : 0;
   const auto per_frame = [](const MotionBlocks& blocks) {
     // A key, the row of the history, and 4 bytes a number as 16/3 letters.
@@ -157,51 +155,82 @@ Page moving_page(const PageParts& parts, PageJson drawing, const Rows& motion,
         "{}: a page of {} has no room for two frames: one takes {} and all else {}; give a larger "
         "--size",
         motion.name, megabytes(options.most_bytes), megabytes(per_frame(shown)), megabytes(fixed)));
+  return {shown, count};
+}
 
-  const std::vector<std::size_t> rows = evenly_chosen(motion.count, count);
+// Numbers of a row that are shown, positions from the centre.
+void add_frame(const std::vector<double>& row, const MotionBlocks& has, const MotionBlocks& shown,
+               const std::array<double, 3>& centre, std::vector<float>& numbers) {
+  std::size_t at = has.key;
+  const auto take = [&](std::size_t size, std::size_t kept, bool is_pose) {
+    for (std::size_t i = 0; i < kept; ++i)
+      numbers.push_back(
+          static_cast<float>(row[at + i] - (is_pose && i % 7 < 3 ? centre[i % 7] : 0.0)));
+    at += size;
+  };
+  take(has.pose, shown.pose, true);
+  take(has.twist, shown.twist, false);
+  take(has.resultant, shown.resultant, false);
+  take(has.joint, shown.joint, false);
+}
+
+// Puts the motion into the drawing. Returns the numbers of its frames.
+std::vector<float> add_motion(PageJson& drawing, const Rows& motion, const Fit& fit,
+                              const std::vector<std::size_t>* history_rows) {
+  const MotionBlocks& shown = fit.blocks;
+  const std::vector<std::size_t> rows = evenly_chosen(motion.count, fit.rows);
   const std::array<double, 3> centre = drawing.at("centre").get<std::array<double, 3>>();
   std::vector<float> numbers;
   numbers.reserve(rows.size() * (shown.size() - 1));
   PageJson keys = PageJson::array(), of_rows = PageJson::array();
-  const bool row_for_row = history != nullptr && history->rows() == motion.count;
   for (const std::size_t row : rows) {
     const std::vector<double> frame = motion.at(row);
     keys.push_back(frame[0]);
-    if (row_for_row) {
-      const auto at = std::lower_bound(history_rows.begin(), history_rows.end(), row);
+    if (history_rows != nullptr) {
+      const auto at = std::lower_bound(history_rows->begin(), history_rows->end(), row);
       of_rows.push_back(
-          std::min<std::ptrdiff_t>(at - history_rows.begin(), std::ssize(history_rows) - 1));
+          std::min<std::ptrdiff_t>(at - history_rows->begin(), std::ssize(*history_rows) - 1));
     }
-    std::size_t at = motion.blocks.key;
-    const auto take = [&](std::size_t size, std::size_t kept, bool is_pose) {
-      for (std::size_t i = 0; i < kept; ++i)
-        numbers.push_back(
-            static_cast<float>(frame[at + i] - (is_pose && i % 7 < 3 ? centre[i % 7] : 0.0)));
-      at += size;
-    };
-    take(motion.blocks.pose, shown.pose, true);
-    take(motion.blocks.twist, shown.twist, false);
-    take(motion.blocks.resultant, shown.resultant, false);
-    take(motion.blocks.joint, shown.joint, false);
+    add_frame(frame, motion.blocks, shown, centre, numbers);
   }
   drawing["motion"] = {{"keys", keys},
                        {"pose", shown.pose},
                        {"twist", shown.twist},
                        {"resultant", shown.resultant},
                        {"joint", shown.joint}};
-  if (row_for_row) drawing["motion"]["history"] = of_rows;
-  const std::string of = rows.size() == motion.count
-                             ? fmt::format("{} frames", rows.size())
-                             : fmt::format("{} of {} frames", rows.size(), motion.count);
-  const bool less = shown.size() < motion.blocks.size();
+  if (history_rows != nullptr) drawing["motion"]["history"] = of_rows;
+  return numbers;
+}
+
+Page moving_page(const PageParts& parts, PageJson drawing, const Rows& motion,
+                 const History* history, const History* second, const PageOptions& options) {
+  std::vector<std::size_t> history_rows;
+  const auto room_for_history =
+      static_cast<std::size_t>(history_share * static_cast<double>(options.most_bytes));
+  PageJson table =
+      history_of(history, room_for_history / (second == nullptr ? 1 : 2), history_rows);
+  if (std::vector<std::size_t> unused; history != nullptr && second != nullptr)
+    table["second"] = history_of(second, room_for_history / 2, unused);
+
+  // What is there anyhow, and what a frame costs with less and less in it.
+  PageJson bare = drawing;
+  describe(bare, std::string(200, ' '), std::string(200, ' '));
+  const Fit room = fit(motion, made(parts, std::move(bare), table, "").size() + 1000, options);
+  const bool row_for_row = history != nullptr && history->rows() == motion.count;
+  const std::vector<float> numbers =
+      add_motion(drawing, motion, room, row_for_row ? &history_rows : nullptr);
+  const std::size_t count = drawing.at("motion").at("keys").size();
+  const std::string of = count == motion.count
+                             ? fmt::format("{} frames", count)
+                             : fmt::format("{} of {} frames", count, motion.count);
+  const bool less = room.blocks.size() < motion.blocks.size();
   std::string what = "the motion of a run, ";
   if (drawing.contains("runs"))
     what = fmt::format("{} and {} (translucent), ", drawing.at("runs").at(0).get<std::string>(),
                        drawing.at("runs").at(1).get<std::string>());
   describe(drawing, what + of,
            less ? "Resultants and reactions are left out for want of room." : "");
-  return {made(parts, std::move(drawing), table, base64(numbers)), rows.size(), motion.count,
-          !less};
+  return {made(parts, std::move(drawing), table, base64(numbers)), count, motion.count, !less};
 }
 
 // Of a place of the second drawing in one that holds both.
@@ -260,6 +289,77 @@ void check_order(const Shown& shown, const std::vector<double>& keys) {
         ": the load factor of this path comes back, so that it says no instant; view it alone");
 }
 
+// Rows of two motions as one, or of a motion and a model that stands still: at the instants of the first that moves.
+class Overlay {
+ public:
+  // `drawings`: of each alone. Refers to what is shown.
+  Overlay(const std::array<const Shown*, 2>& shown, const std::array<PageJson, 2>& drawings)
+      : shown_(shown), lead_(shown[0]->motion != nullptr ? 0 : 1) {
+    const bool both = shown[0]->motion != nullptr && shown[1]->motion != nullptr;
+    for (const std::size_t i : {0U, 1U}) {
+      if (const Motion* const motion = shown[i]->motion; motion != nullptr) {
+        of_[i] = motion->blocks;
+        keys_[i] = read_motion_keys(*motion);
+        if (both) check_order(*shown[i], keys_[i]);
+      } else {  // without resultants and joints
+        of_[i].pose = 7 * (drawings[i].at("nodes").size() - 1);
+        of_[i].twist = leader().motion->blocks.twist == 0 ? 0 : of_[i].pose / 7 * 6;
+        still_[i] = row_of(drawings[i], of_[i]);
+      }
+    }
+  }
+
+  const Shown& leader() const { return *shown_[lead_]; }
+
+  MotionBlocks blocks() const {
+    MotionBlocks all;
+    for (const auto block : each_block) all.*block = of_[0].*block + of_[1].*block;
+    return all;
+  }
+
+  std::vector<double> row(std::size_t of_leader) const {
+    const double key = keys_[lead_][of_leader];
+    std::array<std::vector<double>, 2> rows;
+    for (const std::size_t i : {0U, 1U})
+      rows[i] = shown_[i]->motion == nullptr ? still_[i]
+                : i == lead_ ? read_motion_rows(*shown_[i]->motion, std::span(&of_leader, 1))
+                             : at(i, key);
+    std::vector<double> all{key};
+    std::array<std::size_t, 2> at{1, 1};
+    for (const auto block : each_block)
+      for (const std::size_t i : {0U, 1U}) {
+        const auto begin = rows[i].begin() + static_cast<std::ptrdiff_t>(at[i]);
+        const std::size_t size = of_[i].*block;
+        all.insert(all.end(), begin, begin + static_cast<std::ptrdiff_t>(size));
+        at[i] += size;
+      }
+    return all;
+  }
+
+ private:
+  static constexpr std::array each_block{&MotionBlocks::pose, &MotionBlocks::twist,
+                                         &MotionBlocks::resultant, &MotionBlocks::joint};
+
+  // Between two of its rows; before the first and after the last those.
+  std::vector<double> at(std::size_t i, double key) const {
+    const Motion& motion = *shown_[i]->motion;
+    const std::vector<double>& keys = keys_[i];
+    const auto next = std::upper_bound(keys.begin(), keys.end(), key);
+    const std::size_t after = static_cast<std::size_t>(next - keys.begin()),
+                      k = after == 0 ? 0 : after - 1;
+    std::vector<double> row = read_motion_rows(motion, std::span(&k, 1));
+    if (after == 0 || next == keys.end()) return row;
+    const double u = (key - keys[k]) / (keys[after] - keys[k]);
+    if (u > 0.0) blend_rows(row, read_motion_rows(motion, std::span(&after, 1)), u, motion.blocks);
+    return row;
+  }
+
+  std::array<const Shown*, 2> shown_;
+  std::size_t lead_;
+  std::array<MotionBlocks, 2> of_;
+  std::array<std::vector<double>, 2> keys_, still_;
+};
+
 }  // namespace
 
 Page motion_page(const PageParts& parts, const Motion& motion, const History* history,
@@ -292,74 +392,15 @@ Page overlaid_page(const PageParts& parts, const Shown& first, const Shown& seco
   }
   merge(drawing, other, second.name, second.motion != nullptr);
   drawing["runs"] = {first.name, second.name};
+  if (first.motion == nullptr && second.motion == nullptr)
+    return still_page(parts, std::move(drawing),
+                      "two models: " + first.name + " and " + second.name, options);
 
-  const Shown& leader = first.motion != nullptr ? first : second;
-  if (leader.motion == nullptr) {
-    describe(drawing, "two models: " + first.name + " and " + second.name, "");
-    Page page{made(parts, std::move(drawing), PageJson(), ""), 1, 1, false};
-    if (page.html.size() > options.most_bytes)
-      throw Error(fmt::format("the page would have {}, more than {}; give a larger --size",
-                              megabytes(page.html.size()), megabytes(options.most_bytes)));
-    return page;
-  }
-
-  // Blocks of both, those of a model without resultants and joints.
-  std::array<MotionBlocks, 2> blocks;
-  std::array<std::vector<double>, 2> keys, still;
-  for (const std::size_t i : {0U, 1U}) {
-    const Shown& shown = i == 0 ? first : second;
-    if (shown.motion != nullptr) {
-      blocks[i] = shown.motion->blocks;
-      keys[i] = read_motion_keys(*shown.motion);
-      if (first.motion != nullptr && second.motion != nullptr) check_order(shown, keys[i]);
-    } else {
-      blocks[i].pose = 7 * (alone[i].at("nodes").size() - 1);
-      blocks[i].twist = leader.motion->blocks.twist == 0 ? 0 : blocks[i].pose / 7 * 6;
-      still[i] = row_of(alone[i], blocks[i]);
-    }
-  }
-  Rows rows{leader.motion->file.string(), {}, leader.motion->rows, {}};
-  rows.blocks.pose = blocks[0].pose + blocks[1].pose;
-  rows.blocks.twist = blocks[0].twist + blocks[1].twist;
-  rows.blocks.resultant = blocks[0].resultant + blocks[1].resultant;
-  rows.blocks.joint = blocks[0].joint + blocks[1].joint;
-  const std::size_t lead = first.motion != nullptr ? 0 : 1;
-  rows.at = [&, lead](std::size_t row) {
-    const double key = keys[lead][row];
-    std::array<std::vector<double>, 2> of;
-    for (const std::size_t i : {0U, 1U}) {
-      const Motion* const motion = (i == 0 ? first : second).motion;
-      if (motion == nullptr) {
-        of[i] = still[i];
-        continue;
-      }
-      std::size_t k = row;
-      double u = 0.0;
-      if (i != lead) {
-        const auto next = std::upper_bound(keys[i].begin(), keys[i].end(), key);
-        k = next == keys[i].begin() ? 0 : static_cast<std::size_t>(next - keys[i].begin()) - 1;
-        if (next != keys[i].begin() && next != keys[i].end())
-          u = (key - keys[i][k]) / (keys[i][k + 1] - keys[i][k]);
-      }
-      of[i] = read_motion_rows(*motion, std::span(&k, 1));
-      if (u > 0.0) {
-        const std::size_t after = k + 1;
-        blend_rows(of[i], read_motion_rows(*motion, std::span(&after, 1)), u, motion->blocks);
-      }
-    }
-    std::vector<double> all{key};
-    std::array<std::size_t, 2> at{1, 1};
-    for (const auto block : {&MotionBlocks::pose, &MotionBlocks::twist, &MotionBlocks::resultant,
-                             &MotionBlocks::joint})
-      for (const std::size_t i : {0U, 1U}) {
-        const auto begin = of[i].begin() + static_cast<std::ptrdiff_t>(at[i]);
-        const std::size_t size = blocks[i].*block;
-        all.insert(all.end(), begin, begin + static_cast<std::ptrdiff_t>(size));
-        at[i] += size;
-      }
-    return all;
-  };
-  return moving_page(parts, std::move(drawing), rows, leader.history,
+  const Overlay overlay({&first, &second}, alone);
+  const Rows rows{overlay.leader().motion->file.string(), overlay.blocks(),
+                  overlay.leader().motion->rows,
+                  [&overlay](std::size_t row) { return overlay.row(row); }};
+  return moving_page(parts, std::move(drawing), rows, overlay.leader().history,
                      first.motion != nullptr ? second.history : nullptr, options);
 }
 
