@@ -371,7 +371,9 @@ TEST(AccuracyReport, PageIsATemplateAndItsDataAndNeedsNothing) {
       EXPECT_NE(key, "src");
       EXPECT_NE(key, "href");
       EXPECT_FALSE(key.starts_with("on")) << key;
-      if (key == "id") EXPECT_TRUE(ids.insert(value).second) << value << " twice";
+      if (key == "id") {
+        EXPECT_TRUE(ids.insert(value).second) << value << " twice";
+      }
     }
   }
   EXPECT_EQ(count(page, "http:"), count(page, "xmlns=\\\"http://www.w3.org/2000/svg\\\""));
