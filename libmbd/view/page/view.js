@@ -138,7 +138,7 @@
   const lineOf = name => parts.find(p => p.kind === 'beam' && p.name === name);
 
   const material = (colour, more) => new THREE.MeshLambertMaterial({color: colour, ...more});
-  function put(part, object, follow) {
+  function mark(part, object) {
     object.traverse(o => {
       o.userData.part = part.index;
       if (!part.run || !o.material) return;  // of two runs the second is seen through
@@ -150,23 +150,99 @@
       o.material.polygonOffsetUnits = 8;
       o.renderOrder = 1;
     });
+  }
+  function put(part, object, follow) {
+    mark(part, object);
     part.objects.push(object);
-    world.add(object);
+    inWorld(object);
     if (follow) part.update.push(() => follow(object));
     return object;
+  }
+  // Solids of one shape and kind of material are drawn by one call, whatever their poses, sizes and colours: thousands of
+  // calls a picture are what a page is slow by. What stands for each (to be placed, painted, clicked on) is not in the scene.
+  const solids = [];  // {object, meshes}: meshes are all that is drawn of the object
+  const batches = new Map();
+  const canBatch = renderer && (renderer.capabilities.isWebGL2 || renderer.extensions.get('ANGLE_instanced_arrays'));
+  function inWorld(object) {
+    const meshes = [];
+    object.traverse(o => { if (o.isMesh) meshes.push(o); });
+    if (meshes.length === 0 || !canBatch) world.add(object);
+    else solids.push({object, meshes});
+  }
+  function batchOf(mesh) {
+    const m = mesh.material;
+    const key = [mesh.geometry.uuid, mesh.renderOrder, m.side, m.transparent, m.opacity, m.depthTest, m.depthWrite, m.polygonOffset].join();
+    if (!batches.has(key)) batches.set(key, {mesh, count: 0, now: 0});
+    return batches.get(key);
+  }
+  function makeBatches() {
+    for (const {meshes} of solids)
+      for (const mesh of meshes) ++(mesh.userData.batch = batchOf(mesh)).count;
+    for (const batch of batches.values()) {
+      const shape = batch.mesh.geometry, geometry = new THREE.BufferGeometry();
+      geometry.setIndex(shape.index);
+      for (const name of ['position', 'normal']) geometry.setAttribute(name, shape.attributes[name]);
+      batch.colours = new THREE.InstancedBufferAttribute(new Float32Array(3 * batch.count), 3);
+      geometry.setAttribute('color', batch.colours);
+      const painted = batch.mesh.material.clone();
+      painted.color.setHex(0xffffff);
+      painted.vertexColors = THREE.VertexColors;
+      batch.drawn = new THREE.InstancedMesh(geometry, painted, batch.count);
+      batch.drawn.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
+      batch.drawn.frustumCulled = false;
+      batch.drawn.renderOrder = batch.mesh.renderOrder;
+      world.add(batch.drawn);
+    }
+  }
+  const copy = (from, into, at) => {  // is any other than it was?
+    let other = false;
+    for (let i = 0; i < from.length; ++i) if (into[at + i] !== from[i]) into[at + i] = Math.fround(from[i]), other = true;
+    return other;
+  };
+  function fillBatches() {
+    for (const batch of batches.values()) batch.now = 0, batch.moved = batch.painted = false;
+    for (const {object, meshes} of solids) {
+      if (!object.visible) continue;
+      object.updateMatrixWorld();
+      for (const mesh of meshes) {
+        const batch = mesh.userData.batch, i = batch.now++, c = mesh.material.color;
+        batch.moved = copy(mesh.matrixWorld.elements, batch.drawn.instanceMatrix.array, 16 * i) || batch.moved;
+        batch.painted = copy([c.r, c.g, c.b], batch.colours.array, 3 * i) || batch.painted;
+      }
+    }
+    for (const batch of batches.values()) {
+      batch.drawn.count = batch.now;
+      batch.drawn.visible = batch.now > 0;
+      if (batch.moved) batch.drawn.instanceMatrix.needsUpdate = true;
+      if (batch.painted) batch.colours.needsUpdate = true;
+    }
   }
   const stand = (object, pose) => {
     object.position.set(...pose.r);
     object.quaternion.set(...pose.q);
   };
-  function along(geometry, axis) {  // cylinders and cones of three.js lie along y
+  // Shapes of size 1, one of a kind, and solids that are these, scaled. Where a scale is not the same along all axes, the
+  // normals of the shape stand along them or are equally scaled.
+  const shapes = new Map();
+  function shape(name, make) {
+    if (!shapes.has(name)) shapes.set(name, make());
+    return shapes.get(name);
+  }
+  const solid = (geometry, scale, colour, more) => {
+    const mesh = new THREE.Mesh(geometry, material(colour, more));
+    mesh.scale.set(...scale);
+    return mesh;
+  };
+  // Cylinders of three.js lie along y.
+  const cylinder = (radius, length, axis, colour, more, sides = 20) => solid(shape('cylinder ' + axis + sides, () => {
+    const geometry = new THREE.CylinderBufferGeometry(1, 1, 1, sides);
     if (axis === 'x') geometry.rotateZ(-Math.PI / 2);
     if (axis === 'z') geometry.rotateX(Math.PI / 2);
     return geometry;
-  }
-  const cylinder = (radius, length, axis) => along(new THREE.CylinderBufferGeometry(radius, radius, length, 20), axis);
-  const ball = radius => new THREE.SphereBufferGeometry(radius, 20, 14);
-  const box = (x, y, z) => new THREE.BoxBufferGeometry(x, y, z);
+  }), ['x', 'y', 'z'].map(a => a === axis ? length : radius), colour, more);
+  const ball = (radius, colour, more, sides = 20) =>
+    solid(shape('ball ' + sides, () => new THREE.SphereBufferGeometry(1, sides, 0.7 * sides)), [radius, radius, radius], colour, more);
+  const box = (sides, colour, more) => solid(shape('box', () => new THREE.BoxBufferGeometry(1, 1, 1)), sides, colour, more);
 
   // --- beams: a cubic between two nodes, along the first axes of their sections; sections swept along it
   const most = 45000;  // points of surfaces, so that a picture takes some milliseconds
@@ -277,7 +353,6 @@
     const lid = outline ? outline.caps.flatMap(pairs) : ring;
     const polygons = outline ? outline.caps.map(cap => cap.length / 2) : [ring.length];
     const m = ring.length, total = count * m + 2 * lid.length;
-    const position = new Float32Array(3 * total), normal = new Float32Array(3 * total), colour = new Float32Array(3 * total);
     const index = [];
     const wraps = sides[0][2] && !outline ? 1 : 2;  // corners of a rectangle are two points each
     for (let k = 0; k + 1 < count; ++k)
@@ -293,15 +368,14 @@
       }
     }
     const geometry = new THREE.BufferGeometry();
-    geometry.setIndex(total > 65535 ? new THREE.Uint32BufferAttribute(index, 1) : new THREE.Uint16BufferAttribute(index, 1));
-    const dynamic = array => new THREE.BufferAttribute(array, 3).setUsage(THREE.DynamicDrawUsage);
-    geometry.setAttribute('position', dynamic(position));
-    geometry.setAttribute('normal', dynamic(normal));
-    geometry.setAttribute('color', dynamic(colour));
+    geometry.setIndex(indices(total, index));
     const mesh = new THREE.Mesh(geometry, material(0xffffff, {vertexColors: THREE.VertexColors, side: THREE.DoubleSide}));
-    mesh.frustumCulled = false;
-    put(part, mesh);
+    mark(part, mesh);
+    part.objects.push(mesh);
+    const surface = {part, mesh, total, index, whole: null, from: 0};
+    surfaces.push(surface);
     part.sweep = () => {
+      const [position, normal, colour] = ['position', 'normal', 'color'].map(name => geometry.attributes[name].array);
       const line = centreLine(part, P, Q, part.now);
       const values = part.values ? part.values(line) : null;
       const colours = part.values !== part.painted || chosen === part || part.was || values;  // else they stay
@@ -330,18 +404,70 @@
         }
       }
       for (const name of ['position', 'normal', 'color'])
-        if (name !== 'color' || colours) geometry.attributes[name].needsUpdate = true;
+        if (name !== 'color' || colours) surface.whole.attributes[name].needsUpdate = true;
       geometry.boundingSphere = null;  // for clicks
     };
     part.update.push(part.sweep);
     part.anchor = () => part.now.r[Math.floor(count / 2)];
     part.points_ = () => part.now.r;
-    const ghost = new THREE.Line(new THREE.BufferGeometry().setFromPoints(part.reference.map(r => new THREE.Vector3(...r))),
-      new THREE.LineBasicMaterial({color: palette.ghost}));
-    ghosts.push({line: ghost, part});
-    world.add(ghost);
   }
-  const ghosts = [];
+  // The surfaces of all beams of a run are drawn by one call: the arrays of each are a stretch of those of all. So are the
+  // curves where they were at first.
+  const surfaces = [], joined = [];
+  let ghosts = null, stale = false;  // stale: what is visible is other than is drawn
+  const indices = (points, of) => new (points > 65535 ? THREE.Uint32BufferAttribute : THREE.Uint16BufferAttribute)(of, 1);
+  const sum = (list, of) => list.reduce((n, x) => n + of(x), 0);
+  function joinSurfaces() {
+    for (const run of new Set(surfaces.map(s => s.part.run))) {
+      const those = surfaces.filter(s => s.part.run === run), points = sum(those, s => s.total);
+      const geometry = new THREE.BufferGeometry();
+      geometry.setIndex(indices(points, sum(those, s => s.index.length)));
+      for (const name of ['position', 'normal', 'color']) {
+        const all = new Float32Array(3 * points);
+        geometry.setAttribute(name, new THREE.BufferAttribute(all, 3).setUsage(THREE.DynamicDrawUsage));
+        let from = 0;
+        for (const s of those) {
+          s.mesh.geometry.setAttribute(name, new THREE.BufferAttribute(all.subarray(3 * from, 3 * (from + s.total)), 3));
+          s.whole = geometry;
+          s.from = from;
+          from += s.total;
+        }
+      }
+      const mesh = new THREE.Mesh(geometry, those[0].mesh.material);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = those[0].mesh.renderOrder;
+      world.add(mesh);
+      joined.push({mesh, those});
+    }
+    const references = surfaces.flatMap(s => s.part.reference), curves = new THREE.BufferGeometry();
+    curves.setFromPoints(references.map(r => new THREE.Vector3(...r)));
+    curves.setIndex(indices(references.length, 2 * references.length));
+    ghosts = new THREE.LineSegments(curves, new THREE.LineBasicMaterial({color: palette.ghost}));
+    ghosts.frustumCulled = false;
+    world.add(ghosts);
+    stale = true;
+  }
+  function showSurfaces() {
+    stale = false;
+    const draw = (mesh, count) => {
+      mesh.geometry.index.needsUpdate = true;
+      mesh.geometry.setDrawRange(0, count);
+    };
+    for (const {mesh, those} of joined) {
+      let n = 0;
+      for (const s of those) if (s.part.visible) for (const i of s.index) mesh.geometry.index.array[n++] = s.from + i;
+      draw(mesh, n);
+    }
+    let n = 0, from = 0;
+    for (const {part} of surfaces) {
+      for (let i = 1; part.visible && i < part.reference.length; ++i) {
+        ghosts.geometry.index.array[n++] = from + i - 1;
+        ghosts.geometry.index.array[n++] = from + i;
+      }
+      from += part.reference.length;
+    }
+    draw(ghosts, n);
+  }
 
   // A point of a beam: {r, q} now.
   function onBeam(name, s) {
@@ -381,20 +507,19 @@
   const unitOf = part => unitAt(placeIn(refP, refQ, part.b || part.at || [0, 0, 0, 0, 0, 0, 0, 1]).r);
 
   function formOf(form, part) {
-    let geometry;
-    if (form.kind === 'box') geometry = box(...form.sides);
-    else if (form.kind === 'sphere') geometry = new THREE.SphereBufferGeometry(form.sides[0] / 2, 40, 28);
-    else if (form.kind === 'cylinder')
-      geometry = along(new THREE.CylinderBufferGeometry(form.sides[0] / 2, form.sides[0] / 2, form.sides[2], 48), 'z');
+    const colour = part.run ? part.colour : codeOf(form.colour) || part.colour;
+    let mesh;
+    if (form.kind === 'box') mesh = box(form.sides, colour);
+    else if (form.kind === 'sphere') mesh = ball(form.sides[0] / 2, colour, {}, 40);
+    else if (form.kind === 'cylinder') mesh = cylinder(form.sides[0] / 2, form.sides[2], 'z', colour, {}, 48);
     else {
       const indexed = new THREE.BufferGeometry();
       indexed.setAttribute('position', new THREE.BufferAttribute(new Float32Array(form.points), 3));
       indexed.setIndex(form.triangles);
-      geometry = indexed.toNonIndexed();  // its faces are flat
+      const geometry = indexed.toNonIndexed();  // its faces are flat
       geometry.computeVertexNormals();
+      mesh = new THREE.Mesh(geometry, material(colour, {side: THREE.DoubleSide}));
     }
-    const colour = part.run ? part.colour : codeOf(form.colour) || part.colour;
-    const mesh = new THREE.Mesh(geometry, material(colour, form.kind === 'mesh' ? {side: THREE.DoubleSide} : {}));
     mesh.position.set(form.pose[0], form.pose[1], form.pose[2]);
     mesh.quaternion.set(form.pose[3], form.pose[4], form.pose[5], form.pose[6]);
     return mesh;
@@ -410,28 +535,29 @@
       most = largest;
       part.facts.push(['not to scale', 'drawn smaller, for all else to be seen']);
     }
-    const solid = arms.length > 0 ? {transparent: true, opacity: 0.7} : {};
+    const glass = arms.length > 0 ? {transparent: true, opacity: 0.7} : {};
     const c = part.centre;
     for (const form of part.forms || []) group.add(formOf(form, part));
-    if (!part.forms) group.add(new THREE.Mesh(ball(0.6 * unit), material(part.colour)));
+    if (!part.forms) group.add(ball(0.6 * unit, part.colour));
     if (part.forms) {
       // What is stated is seen as it is.
     } else if (most > 0.02 * unit) {
       const side = part.box.map(s => Math.min(Math.max(s, 0.04 * most, 0.4 * unit), 1.5 * size));
-      const mesh = new THREE.Mesh(part.shape === 'box' ? box(...side) : part.shape === 'sphere' ? ball(side[0] / 2)
-        : along(new THREE.CylinderBufferGeometry(side[0] / 2, side[0] / 2, side[2], 40), 'z'), material(part.colour, solid));
+      const mesh = part.shape === 'box' ? box(side, part.colour, glass)
+        : part.shape === 'sphere' ? ball(side[0] / 2, part.colour, glass)
+        : cylinder(side[0] / 2, side[2], 'z', part.colour, glass, 40);
       mesh.position.set(c[0], c[1], c[2]);
       mesh.quaternion.set(c[3], c[4], c[5], c[6]);
       group.add(mesh);
     } else {
-      const mesh = new THREE.Mesh(ball(1.5 * unit), material(part.colour));
+      const mesh = ball(1.5 * unit, part.colour);
       mesh.position.set(c[0], c[1], c[2]);
       group.add(mesh);
     }
     for (const end of part.forms ? [] : [[0, 0, 0], ...arms]) {
       const d = minus(end, c.slice(0, 3)), arm = norm(d);
       if (arm < unit) continue;
-      const rod = new THREE.Mesh(cylinder(0.42 * unit, arm, 'y'), material(part.colour));
+      const rod = cylinder(0.42 * unit, arm, 'y', part.colour);
       rod.quaternion.setFromUnitVectors(e2, new THREE.Vector3(...times(1 / arm, d)));
       rod.position.set(...add(c.slice(0, 3), times(0.5, d)));
       group.add(rod);
@@ -443,38 +569,43 @@
     };
   }
 
-  const between = (object, a, b) => {  // a cylinder along y, of length 1, from a to b
+  const between = (object, a, b) => {  // a cylinder along y from a to b
     const d = minus(b, a), l = norm(d);
     object.visible = l > 1e-9 * size;
     if (!object.visible) return;
     object.position.set(...times(0.5, add(a, b)));
     object.quaternion.setFromUnitVectors(e2, way.set(...times(1 / l, d)));
-    object.scale.set(1, l, 1);
+    object.scale.y = l;
   };
 
   function makeJoint(part) {
     const kind = part.element, colour = part.colour, group = new THREE.Group(), unit = unitOf(part);
-    const mesh = geometry => group.add(new THREE.Mesh(geometry, material(colour)));
-    const axis = (length, name) => mesh(cylinder(0.28 * unit, length, name));
-    if (kind === 'revolute') mesh(cylinder(unit, 2.2 * unit, 'z')), axis(6 * unit, 'z');
-    else if (kind === 'cylindrical') mesh(cylinder(0.8 * unit, 3.4 * unit, 'z')), axis(8 * unit, 'z');
+    const disc = (radius, length, axis) => {
+      const mesh = cylinder(radius * unit, length * unit, axis, colour);
+      group.add(mesh);
+      return mesh;
+    };
+    const axis = (length, name) => disc(0.28, length, name);
+    const block = (x, y, z) => group.add(box([x * unit, y * unit, z * unit], colour));
+    const knob = radius => group.add(ball(radius * unit, colour));
+    if (kind === 'revolute') disc(1, 2.2, 'z'), axis(6, 'z');
+    else if (kind === 'cylindrical') disc(0.8, 3.4, 'z'), axis(8, 'z');
     else if (kind === 'screw') {
-      mesh(cylinder(0.8 * unit, 2.2 * unit, 'z'));
-      for (const z of [-1.6, -0.8, 0, 0.8, 1.6]) mesh(cylinder(1.1 * unit, 0.25 * unit, 'z').translate(0, 0, z * unit));
-      axis(8 * unit, 'z');
-    } else if (kind === 'prismatic') mesh(box(1.6 * unit, 1.6 * unit, 3.2 * unit)), axis(8 * unit, 'z');
-    else if (kind === 'universal') axis(5 * unit, 'z'), axis(5 * unit, 'x'), mesh(ball(0.7 * unit));
-    else if (kind === 'planar') mesh(cylinder(2.4 * unit, 0.3 * unit, 'z')), axis(4 * unit, 'z');
-    else if (kind === 'point_on_line') axis(14 * unit, 'z'), mesh(ball(0.8 * unit));
-    else if (kind === 'fixed') mesh(box(1.5 * unit, 1.5 * unit, 1.5 * unit));
-    else mesh(ball(1.1 * unit));
+      disc(0.8, 2.2, 'z');
+      for (const z of [-1.6, -0.8, 0, 0.8, 1.6]) disc(1.1, 0.25, 'z').position.z = z * unit;
+      axis(8, 'z');
+    } else if (kind === 'prismatic') block(1.6, 1.6, 3.2), axis(8, 'z');
+    else if (kind === 'universal') axis(5, 'z'), axis(5, 'x'), knob(0.7);
+    else if (kind === 'planar') disc(2.4, 0.3, 'z'), axis(4, 'z');
+    else if (kind === 'point_on_line') axis(14, 'z'), knob(0.8);
+    else if (kind === 'fixed') block(1.5, 1.5, 1.5);
+    else knob(1.1);
     put(part, group, o => stand(o, place(part.b)));
-    const link = put(part, new THREE.Mesh(cylinder(0.3 * unit, 1, 'y'), material(part.gap ? palette.gap : colour)),
-      o => between(o, place(part.a).r, place(part.b).r));
+    put(part, cylinder(0.3 * unit, 1, 'y', part.gap ? palette.gap : colour), o => between(o, place(part.a).r, place(part.b).r));
     if (part.gap) {
-      const end = put(part, new THREE.Mesh(ball(0.9 * unit), material(palette.gap)), o => stand(o, place(part.a)));
+      const end = ball(0.9 * unit, palette.gap);
       end.renderOrder = 1;
-      link.scale.x = link.scale.z = 1;
+      put(part, end, o => stand(o, place(part.a)));
     }
     part.anchor = () => place(part.b).r;
   }
@@ -503,20 +634,20 @@
       geometry.attributes.position.needsUpdate = true;
       geometry.boundingSphere = null;
     });
-    const knob = o => put(part, new THREE.Mesh(ball(0.7 * unit), material(part.colour)), m => stand(m, place(o)));
+    const knob = o => put(part, ball(0.7 * unit, part.colour), m => stand(m, place(o)));
     knob(part.a);
     knob(part.b);
     part.anchor = () => times(0.5, add(place(part.a).r, place(part.b).r));
   }
 
   function arrowObject(colour, heads, length, radius, before) {  // before: all else
-    const group = new THREE.Group(), m = material(colour, before ? {depthTest: false, transparent: true, opacity: 0.9} : {});
-    const shaft = new THREE.Mesh(cylinder(radius, length - 5 * radius, 'y'), m);
+    const group = new THREE.Group(), more = before ? {depthTest: false, transparent: true, opacity: 0.9} : {};
+    const shaft = cylinder(radius, length - 5 * radius, 'y', colour, more);
     shaft.position.y = -length / 2 - 2.5 * radius;
     group.add(shaft);
     if (before) shaft.renderOrder = 2;
     for (let i = 0; i < heads; ++i) {
-      const head = new THREE.Mesh(new THREE.ConeBufferGeometry(2.8 * radius, 6 * radius, 16), m);
+      const head = solid(shape('head', () => new THREE.ConeBufferGeometry(2.8, 6, 16)), [radius, radius, radius], colour, more);
       head.position.y = -3 * radius - 5 * radius * i;
       if (before) head.renderOrder = 2;
       group.add(head);
@@ -549,13 +680,15 @@
 
   function makeMark(part) {
     const unit = unitOf(part);
-    const geometry = part.kind === 'record' ? new THREE.OctahedronBufferGeometry(0.95 * unit)
-      : part.kind === 'mass' ? ball(1.2 * unit) : new THREE.TorusBufferGeometry(1.6 * unit, 0.25 * unit, 8, 24);
+    const equally = s => [s, s, s];
+    const mesh = part.kind === 'record' ? solid(shape('octahedron', () => new THREE.OctahedronBufferGeometry(1)), equally(0.95 * unit), part.colour)
+      : part.kind === 'mass' ? ball(1.2 * unit, part.colour)
+      : solid(shape('torus', () => new THREE.TorusBufferGeometry(1.6, 0.25, 8, 24)), equally(unit), part.colour);
     const where = () => {
       const h = poseOf(part);
       return part.offset ? {r: add(h.r, turn(h.q, part.offset)), q: h.q} : h;
     };
-    put(part, new THREE.Mesh(geometry, material(part.colour)), o => stand(o, where()));
+    put(part, mesh, o => stand(o, where()));
     part.anchor = () => where().r;
   }
 
@@ -723,8 +856,10 @@
   // ---- what is drawn ----------------------------------------------------------------------------------------------
   let chosen = null;
   for (const part of parts) {
-    if (part.kind === 'beam') makeBeam(part), part.sweep();
+    if (part.kind === 'beam') makeBeam(part);
   }
+  joinSurfaces();
+  for (const {part} of surfaces) part.sweep();
   for (const part of parts) {
     if (part.kind === 'body') makeBody(part);
     else if (part.kind === 'joint') makeJoint(part);
@@ -749,7 +884,7 @@
       if (!part || part.run || !(most > 0)) return;
       const object = arrowObject(palette.reaction, 1, 0.15 * size, 0.22 * unit, true);
       object.traverse(o => { o.userData.part = part.index; });
-      world.add(object);
+      inWorld(object);
       reactions.push(() => {
         const h = place(part.b), force = turn(h.q, of(frame, j)), l = norm(force);
         object.visible = by('reactions').checked && part.visible && l > 1e-6 * most;
@@ -762,6 +897,7 @@
     });
   }
   if (reactions.length === 0) by('reactions-label').hidden = true;
+  makeBatches();
 
   // Trails of what is recorded at places, and of bodies.
   const trails = [], runShown = [true, true];
@@ -877,7 +1013,9 @@
     for (const part of parts)
       if (part.kind !== 'beam' && part.visible) for (const update of part.update) update();
     for (const update of reactions) update();
-    for (const g of ghosts) g.line.visible = by('ghost').checked && g.part.visible;
+    ghosts.visible = by('ghost').checked;
+    if (stale) showSurfaces();
+    fillBatches();
     for (const t of trails) {
       t.line.visible = by('trails').checked && (!t.part.run || runShown[1]) && (t.part.run || runShown[0]);
       t.line.geometry.setDrawRange(0, Math.floor(frame / t.every) + 1);
@@ -909,6 +1047,7 @@
   function setVisible(part, visible) {
     part.visible = visible;
     for (const o of part.objects) o.visible = visible;
+    stale = true;
     if (part.checkbox) part.checkbox.checked = visible;
   }
   for (const kind of Object.keys(titles)) {
