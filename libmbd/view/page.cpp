@@ -362,10 +362,38 @@ class Overlay {
 
 }  // namespace
 
+namespace {
+
+// Seven digits of each.
+PageJson numbers_of(std::span<const double> values) {
+  PageJson all = PageJson::array();
+  for (const double v : values) all.push_back(std::stod(fmt::format("{:.7g}", v)));
+  return all;
+}
+
+// Outlines become the finer ones, with what their points say of stresses: upper halves by rows, of each point.
+void add_stresses(PageJson& drawing, const StressesOfOutlines& stresses) {
+  for (const auto& [section, of] : stresses) {
+    PageJson& outline = drawing["outlines"][section];
+    outline = PageJson::parse(outline_text(of.outline));
+    std::vector<double> halves, fibres;
+    for (const Mat6& A : of.von_mises)
+      for (Index i = 0; i < 6; ++i)
+        for (Index j = i; j < 6; ++j) halves.push_back(A(i, j));
+    for (const Vec6& b : of.fibres) fibres.insert(fibres.end(), b.data(), b.data() + 6);
+    outline["von_mises"] = numbers_of(halves);
+    if (!fibres.empty()) outline["fibres"] = numbers_of(fibres);
+  }
+}
+
+}  // namespace
+
 Page motion_page(const PageParts& parts, const Motion& motion, const History* history,
                  const PageOptions& options) {
+  PageJson drawing = PageJson::parse(motion.head).at("drawing");
+  if (options.stresses != nullptr) add_stresses(drawing, *options.stresses);
   return moving_page(
-      parts, PageJson::parse(motion.head).at("drawing"),
+      parts, std::move(drawing),
       {motion.file.string(), motion.blocks, motion.rows,
        [&motion](std::size_t row) { return read_motion_rows(motion, std::span(&row, 1)); }},
       history, nullptr, options);

@@ -9,12 +9,14 @@
 #include "libmbd/results/history.hpp"
 #include "libmbd/view/motion.hpp"
 #include "libmbd/view/page_parts.hpp"
+#include "libmbd/view/section_stresses.hpp"
 
 namespace mbd {
 
 struct PageOptions {
-  std::size_t most_bytes = 20'000'000;  // of the page
-  std::optional<int> frames = {};       // at most so many
+  std::size_t most_bytes = 20'000'000;           // of the page
+  std::optional<int> frames = {};                // at most so many
+  const StressesOfOutlines* stresses = nullptr;  // of the motion of one run: further colours
 };
 
 struct Page {

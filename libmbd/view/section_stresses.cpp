@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int most_divisions = 4;
 constexpr std::size_t usual_points = 20'000, most_points = 400'000;  // of a frame
+constexpr std::size_t least_rim = 12, most_rim = 48;
 constexpr double same_stiffness = 1e-6;
 
 // Of an element that is divided n times: its points, and cells of them.
@@ -74,6 +75,9 @@ struct Stressed {
   std::string beam;
   const Section* section = nullptr;
   std::size_t rings = 0;  // elements have their ends each
+  std::size_t intervals = 0;
+  std::string outline;            // of its section, as the drawing has it
+  std::array<double, 2> sides{};  // of that [m]
 };
 
 bool is_stressed(const Json& part) {
@@ -105,9 +109,82 @@ std::vector<Stressed> stressed_beams(const Scene& model, const Motion& motion) {
                       ": its section is not the one that was run; name the model as it was, or "
                       "run it again");
     const auto order = part.at("order").get<std::size_t>();
-    all.push_back({name, section, (part.at("s").size() - 1) / order * (order + 1)});
+    const std::size_t intervals = part.at("s").size() - 1;
+    Stressed& made = all.emplace_back();
+    made = {name, section, intervals / order * (order + 1), intervals, "", {}};
+    if (!part.contains("outline")) continue;  // its <shape> says what it is drawn as
+    made.outline = head.at("drawing").at("outlines").at(section->name).dump();
+    made.sides = {part.at("sides").at(0).at(0).get<double>(),
+                  part.at("sides").at(0).at(1).get<double>()};
   }
   return all;
+}
+
+// Points between those of the rim, at equal distances, an odd number of them: where a side is longer than its share.
+SectionOutline finer(const SectionOutline& outline, const std::array<double, 2>& sides,
+                     std::size_t points) {
+  const auto place = [&](std::size_t i) {
+    return Eigen::Vector2d(outline.rim[i][0] * sides[0] / 2.0, outline.rim[i][1] * sides[1] / 2.0);
+  };
+  const std::size_t n = outline.rim.size();
+  const auto next = [&](std::size_t i) { return static_cast<std::size_t>(outline.next[i]); };
+  double around = 0.0;
+  for (std::size_t i = 0; i < n; ++i) around += (place(next(i)) - place(i)).norm();
+  SectionOutline made = outline;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double share = (place(next(i)) - place(i)).norm() / around * static_cast<double>(points);
+    const int pieces = share < 1.5 ? 1 : 2 * static_cast<int>(std::ceil(share / 2.0));
+    std::size_t last = i;
+    for (int k = 1; k < pieces; ++k) {
+      const double u = static_cast<double>(k) / pieces;
+      const OutlinePoint &a = outline.rim[i], &b = outline.rim[next(i)];
+      made.next[last] = static_cast<int>(made.rim.size());
+      last = made.rim.size();
+      made.rim.push_back({(1 - u) * a[0] + u * b[0], (1 - u) * a[1] + u * b[1]});
+      made.next.push_back(outline.next[i]);
+    }
+  }
+  return made;
+}
+
+// Of the element that a point of an outline lies in, or else of the nearest node: outlines of curved edges are those of
+// coarser meshes.
+section::Influence influence_near(const section::StressField& field, const section::Point& point) {
+  if (const auto found = field.find(point); !found.empty()) return field.at(found.front());
+  section::Influence nearest;
+  double distance = 1e300;
+  field.each_node([&](int, const section::Point& at, const section::Influence& influence) {
+    if (const double d = (at - point).norm(); d < distance) distance = d, nearest = influence;
+  });
+  return nearest;
+}
+
+// A of von Mises' stress sqrt(s.A s), s = [11 22 33 23 13 12] in any axes.
+Mat6 von_mises_form() {
+  Mat6 A = Mat6::Zero();
+  A.topLeftCorner<3, 3>().setConstant(-0.5);
+  A.diagonal() << 1.0, 1.0, 1.0, 3.0, 3.0, 3.0;
+  return A;
+}
+
+bool has_plies(const section::StressField& field) {
+  return !std::ranges::all_of(field.mesh().materials, [](const section::MeshMaterial& material) {
+    return is_isotropic(material.stiffness);
+  });
+}
+
+OutlineStresses outline_stresses(const section::StressField& field, const Stressed& beam,
+                                 std::size_t points) {
+  OutlineStresses made;
+  made.outline = finer(outline_from(beam.outline), beam.sides, points);
+  const bool plies = has_plies(field);
+  for (const OutlinePoint& at : made.outline.rim) {
+    const section::Influence influence = influence_near(
+        field, section::Point(at[0] * beam.sides[0] / 2.0, at[1] * beam.sides[1] / 2.0));
+    made.von_mises.push_back(influence.stress.transpose() * von_mises_form() * influence.stress);
+    if (plies) made.fibres.push_back(influence.stress.row(0).transpose());
+  }
+  return made;
 }
 
 }  // namespace
@@ -153,8 +230,7 @@ StressesOfBeams stresses_of_beams(const Scene& model, const Motion& motion) {
     auto& field = fields[beam.section];
     if (field) continue;
     field = stress_field(model, *beam.section->shape, label(*beam.section));
-    for (const section::MeshMaterial& material : field->mesh().materials)
-      plies = plies || !is_isotropic(material.stiffness);
+    plies = plies || has_plies(*field);
   }
   const auto points = [&](int n) {
     std::size_t sum = 0;
@@ -177,6 +253,19 @@ StressesOfBeams stresses_of_beams(const Scene& model, const Motion& motion) {
   StressesOfBeams result;
   for (const Stressed& beam : beams) result[beam.beam] = made[beam.section];
   return result;
+}
+
+StressesOfOutlines stresses_of_outlines(const Scene& model, const Motion& motion) {
+  const std::vector<Stressed> beams = stressed_beams(model, motion);
+  std::size_t intervals = 1;
+  for (const Stressed& beam : beams) intervals += beam.intervals;
+  const std::size_t points = std::clamp(usual_points / (12 * intervals), least_rim, most_rim);
+  StressesOfOutlines made;
+  for (const Stressed& beam : beams)
+    if (const std::string& name = beam.section->name; !beam.outline.empty() && !made.contains(name))
+      made[name] = outline_stresses(
+          *stress_field(model, *beam.section->shape, label(*beam.section)), beam, points);
+  return made;
 }
 
 }  // namespace mbd

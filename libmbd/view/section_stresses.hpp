@@ -1,4 +1,5 @@
-// Stresses over sections that are stated by material, at points of their plane, to be swept along beams (vtk.hpp).
+// Stresses over sections that are stated by material, at points of their plane, to be swept along beams (vtk.hpp), and at
+// points of their outlines (page.hpp).
 #pragma once
 
 #include <array>
@@ -10,6 +11,7 @@
 #include "libmbd/scene/scene.hpp"
 #include "libmbd/section/stress.hpp"
 #include "libmbd/view/motion.hpp"
+#include "libmbd/view/outline.hpp"
 
 namespace mbd {
 
@@ -33,5 +35,20 @@ bool has_section_stresses(const Motion& motion);
 // Of these beams, by the model that was run. Throws Error where their sections in the model are not those of the motion, and
 // where there would be too many points.
 StressesOfBeams stresses_of_beams(const Scene& model, const Motion& motion);
+
+// Stresses on the surface of beams, at the points of a finer outline, by resultants S = [N Q2 Q3 M1 M2 M3].
+struct OutlineStresses {
+  SectionOutline
+      outline;  // up to some 48 points, fewer where there are many beams; its caps are not told of
+  std::vector<Mat6> von_mises;  // sqrt(S.A S) is von Mises' stress [1/m^4, 1/m^5, 1/m^6]
+  std::vector<Vec6>
+      fibres;  // b.S is the stress along them [1/m^2, 1/m^3]; empty where all is isotropic
+};
+
+// By the name of the section.
+using StressesOfOutlines = std::map<std::string, OutlineStresses>;
+
+// Of the same beams, and throws the same. Where elements meet at a point, that of one of them.
+StressesOfOutlines stresses_of_outlines(const Scene& model, const Motion& motion);
 
 }  // namespace mbd

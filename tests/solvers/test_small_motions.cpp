@@ -1,6 +1,7 @@
 // Small motions about a state that turns: the matrices of small_motions.hpp against differences of the residual along
 // motions u(t) = x exp(s t), whose velocities and accelerations are had by differences in time.
-// Mutations seen: V~ left out of C or of K; the scale of multipliers in solve_all; M Vdot~ left out of K.
+// Mutations seen: V~ left out of C or of K; the scale of multipliers in solve_all; M Vdot~ left out of K; what a pair's force
+// adds to its tangent (elements/pair/two_frames.hpp).
 #include "solvers/modes/small_motions.hpp"
 
 #include <gtest/gtest.h>
@@ -28,6 +29,8 @@ const std::string everything = R"(
   <spherical name="S" between="b.end d"/>
   <drive joint="R" rate="0"/>
   <spring name="k" between="ground d" at_a="0 0 1" stiffness="30" damping="2" length="1"/>
+  <bushing name="g" between="a.end d" at="1 0.6 0.3" stiffness="40 60 90" angular_stiffness="3 5 4" damping="1 2 1"
+    angular_damping="0.2 0.3 0.1"/>
   <load name="f" at="a.end" follower_force="3 -2 5"/>
   <gravity acceleration="0 0 -9.8"/>
   <static/><transient duration="1" step="1"/>

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -12,10 +11,10 @@
 #include "libmbd/language/reader.hpp"
 #include "libmbd/results/history.hpp"
 #include "libmbd/view/drawing.hpp"
-#include "libmbd/view/section_stresses.hpp"
 #include "libmbd/view/vtk.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/overrides.hpp"
+#include "tools/mbd/stress_options.hpp"
 #include "tools/mbd/view_command.hpp"
 
 namespace mbd {
@@ -26,42 +25,25 @@ namespace fs = std::filesystem;
 constexpr std::size_t usual_frames = 200;
 
 struct ExportArguments {
-  std::string what, vtk, frames, model;
-  bool stresses = false;
+  std::string what, vtk, frames;
+  StressOptions stresses;
   std::vector<std::string> set;
 };
 
-// By the model that was run. They are asked for, as they are most of a frame, forty times the rest of it in four_bar_boxes.
+// They are asked for, as they are most of a frame, forty times the rest of it in four_bar_boxes.
 StressesOfBeams stresses_of(const Motion& motion, const ExportArguments& arguments) {
-  const bool known = has_section_stresses(motion);
-  if (!arguments.stresses) {
-    if (known)
-      fmt::print("note: sections are stated by material: --stresses writes stresses over them\n");
-    return {};
-  }
-  if (!known)
-    throw Error(
-        "--stresses: no beam of this run has resultants and one section by material and shape");
-  const auto file =
-      arguments.model.empty()
-          ? nlohmann::json::parse(motion.head).at("drawing").at("file").get<std::string>()
-          : arguments.model;
-  try {
-    return stresses_of_beams(read_model(file, to_overrides(arguments.set)), motion);
-  } catch (const Error& error) {
-    throw Error(
-        fmt::format("--stresses: {} (--model FILE names the model that was run, --set what "
-                    "was set then)",
-                    error.what()));
-  }
+  if (arguments.stresses.asked) return stresses_of_beams(arguments.stresses, arguments.set, motion);
+  if (has_section_stresses(motion))
+    fmt::print("note: sections are stated by material: --stresses writes stresses over them\n");
+  return {};
 }
 
 VtkFiles export_results(const ExportArguments& arguments) {
-  if (!arguments.set.empty() && !arguments.stresses)
+  if (!arguments.set.empty() && !arguments.stresses.asked)
     throw Error("--set " + arguments.set.front() +
                 ": these are results; run the model with it, or name the model");
-  if (!arguments.model.empty() && !arguments.stresses)
-    throw Error("--model " + arguments.model + ": it is for --stresses; give that too");
+  if (!arguments.stresses.model.empty() && !arguments.stresses.asked)
+    throw Error("--model " + arguments.stresses.model + ": it is for --stresses; give that too");
   const fs::path given(arguments.what);
   const fs::path directory = fs::is_directory(given) ? given : given.parent_path();
   const Motion motion = read_motion(directory / "motion.bin");
@@ -74,7 +56,7 @@ VtkFiles export_results(const ExportArguments& arguments) {
 }
 
 VtkFiles export_model(const ExportArguments& arguments) {
-  if (arguments.stresses || !arguments.model.empty())
+  if (arguments.stresses.asked || !arguments.stresses.model.empty())
     throw Error(
         "--stresses: a model has none; run it with --motion and name the directory of its "
         "results");
@@ -122,13 +104,8 @@ void add_export_command(CLI::App& app, int& status) {
       ->check(not_empty, "", "")
       ->type_name("DIR");
   add_set_option(*command, arguments->set);
-  command->add_flag("--stresses", arguments->stresses,
-                    "of a run, also stresses over sections that are stated by material and shape");
-  command
-      ->add_option("--model", arguments->model,
-                   "with --stresses: the model that was run; default: the file it was read from")
-      ->check(not_empty, "", "")
-      ->type_name("FILE");
+  add_stress_options(*command, arguments->stresses,
+                     "of a run, also stresses over sections that are stated by material and shape");
   command
       ->add_option("--frames", arguments->frames, "at most N frames, evenly chosen; default: 200")
       ->check(not_empty, "", "")

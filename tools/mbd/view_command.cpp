@@ -24,6 +24,7 @@
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/image_files.hpp"
 #include "tools/mbd/overrides.hpp"
+#include "tools/mbd/stress_options.hpp"
 #include "tools/mbd/view_assets.hpp"
 
 namespace mbd {
@@ -37,6 +38,7 @@ struct ViewArguments {
   // pictures
   std::string image, animation, time, from, pixels, colour, scale, seconds;
   bool trails = false, bare = false;
+  StressOptions stresses;
 
   bool has_picture() const { return !image.empty() || !animation.empty(); }
 };
@@ -262,7 +264,7 @@ void draw(const ViewArguments& arguments, const Stage& stage) {
 // ---- commands -------------------------------------------------------------------------------------
 
 int view_results(const ViewArguments& arguments) {
-  if (!arguments.set.empty())
+  if (!arguments.set.empty() && !arguments.stresses.asked)
     throw Error("--set " + arguments.set.front() +
                 ": these are results; run the model with it, or name the model");
   const fs::path given(arguments.what);
@@ -279,7 +281,16 @@ int view_results(const ViewArguments& arguments) {
   const fs::path page =
       arguments.output.empty() ? directory / "view.html" : fs::path(arguments.output);
   check_page(page);
-  say(page, write_view(directory, page, options_of(arguments)));
+  say(page, write_view(directory, page, options_of(arguments),
+                       [&arguments](const Motion& motion) -> std::optional<StressesOfOutlines> {
+                         if (arguments.stresses.asked)
+                           return stresses_of_outlines(arguments.stresses, arguments.set, motion);
+                         if (has_section_stresses(motion))
+                           fmt::print(
+                               "note: sections are stated by material: --stresses shows "
+                               "stresses on their surface\n");
+                         return std::nullopt;
+                       }));
   return 0;
 }
 
@@ -391,8 +402,24 @@ int view_two(const ViewArguments& arguments) {
   return 0;
 }
 
+// Before anything is read.
+void check_stress_options(const ViewArguments& arguments) {
+  if (!arguments.stresses.asked && !arguments.stresses.model.empty())
+    throw Error("--model " + arguments.stresses.model + ": it is for --stresses; give that too");
+  if (!arguments.stresses.asked) return;
+  if (arguments.has_picture())
+    throw Error(
+        "--stresses is of the page, and --image and --animation make none; give them apart");
+  if (!arguments.beside.empty()) throw Error("--stresses is of the page of one run; name one");
+  if (!is_results(arguments.what))
+    throw Error(
+        "--stresses: a model has none; run it with --motion and name the directory of its "
+        "results");
+}
+
 int view(const ViewArguments& arguments) {
   check_picture_options(arguments);
+  check_stress_options(arguments);
   if (!arguments.has_picture()) require_pages();
   if (!arguments.beside.empty()) return view_two(arguments);
   return is_results(arguments.what) ? view_results(arguments) : view_model(arguments);
@@ -416,10 +443,14 @@ int frames_option(const std::string& text) {
   return count;
 }
 
-Page write_view(const fs::path& results, const fs::path& page, const PageOptions& options) {
+Page write_view(const fs::path& results, const fs::path& page, PageOptions options,
+                const StressesOf& stresses_of) {
   const Motion motion = read_motion(results / "motion.bin");
   const std::optional<History> history = history_beside(results);
   say_doubts(motion, history);
+  const std::optional<StressesOfOutlines> stresses =
+      stresses_of ? stresses_of(motion) : std::nullopt;
+  if (stresses) options.stresses = &*stresses;
   Page made = motion_page(view_assets(), motion, history ? &*history : nullptr, options);
   write_file(page, made.html);
   return made;
@@ -494,6 +525,10 @@ void add_view_command(CLI::App& app, int& status) {
                    "largest page [MB], for which frames are left out; default: 20")
       ->check(not_empty, "", "")
       ->type_name("MB");
+  add_stress_options(
+      *command, arguments->stresses,
+      "of a run, also colours by stresses on the surface of beams whose sections are "
+      "stated by material and shape");
   add_picture_options(*command, *arguments);
   set_examples(*command,
                "mbd view models/four_bar.xml\n"
@@ -501,6 +536,7 @@ void add_view_command(CLI::App& app, int& status) {
                "mbd view results/four_bar --frames 200 --out four_bar.html\n"
                "mbd view models/chain.xml --set N=5 --out chain.html\n"
                "mbd view results/fine results/coarse\n"
+               "mbd view results/four_bar_boxes --stresses\n"
                "mbd view models/four_bar.xml --image four_bar.svg\n"
                "mbd view results/four_bar --image bent.png --time 9 --from 30,20 --colour M\n"
                "mbd view results/four_bar --animation four_bar.webp --time 6:16 --trails");

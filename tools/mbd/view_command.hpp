@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "libmbd/view/page.hpp"
@@ -18,7 +20,9 @@ void require_pages();
 int frames_option(const std::string& text);
 
 // The page of motion.bin, and of history.csv or path.csv if there is one beside it, in a directory of results.
+// `stresses`: what pages tell of them, if anything.
+using StressesOf = std::function<std::optional<StressesOfOutlines>(const Motion&)>;
 Page write_view(const std::filesystem::path& results, const std::filesystem::path& page,
-                const PageOptions& options);
+                PageOptions options, const StressesOf& stresses = {});
 
 }  // namespace mbd

@@ -374,12 +374,14 @@
     part.objects.push(mesh);
     const surface = {part, mesh, total, index, whole: null, from: 0};
     surfaces.push(surface);
+    const around = outline ? D.outlines[part.outline].next.flatMap((j, i) => [i, j]) : [];  // points of the outline, of the ring
     part.sweep = () => {
       const [position, normal, colour] = ['position', 'normal', 'color'].map(name => geometry.attributes[name].array);
       const line = centreLine(part, P, Q, part.now);
       const values = part.values ? part.values(line) : null;
-      const colours = part.values !== part.painted || chosen === part || part.was || values;  // else they stay
-      part.painted = part.values;
+      const over = chosen !== part && part.over ? part.over() : null;  // stresses differ around a section
+      const colours = (part.values || part.over) !== part.painted || chosen === part || part.was || values || over;  // else they stay
+      part.painted = part.values || part.over;
       part.was = chosen === part;
       const plain = tint.setHex(chosen === part ? palette.chosen : part.run ? palette.second : part.paint || (part.rigid ? palette.body : palette.beam));
       flat[0] = plain.r, flat[1] = plain.g, flat[2] = plain.b;
@@ -400,7 +402,9 @@
           normal[o] = cap ? cap * b10 : g[2] * b20 + g[3] * b30;
           normal[o + 1] = cap ? cap * b11 : g[2] * b21 + g[3] * b31;
           normal[o + 2] = cap ? cap * b12 : g[2] * b22 + g[3] * b32;
-          if (c) colour[o] = c[0], colour[o + 1] = c[1], colour[o + 2] = c[2];
+          if (over && !cap) shade(over(at, around[i]), shaded);
+          const paint = over && !cap ? shaded : c;
+          if (paint) colour[o] = paint[0], colour[o + 1] = paint[1], colour[o + 2] = paint[2];
         }
       }
       for (const name of ['position', 'normal', 'color'])
@@ -802,6 +806,35 @@
       const one = part.compliance.length === 1;
       return spread(part.stations, resultant(f, part, (r, i, o) => energyOf(part.compliance[one ? 0 : i], r, o)), part.fine, part.shown);
     }};
+  // Stresses on the surface: how(S, data, o), S the six resultants at a point of the curve, o where what is known of a
+  // point of the outline begins. End faces have none.
+  const onSurface = (key, per, how) => {
+    const of = part => {
+      const outline = part.outline && !part.run ? D.outlines[part.outline] : null;
+      return outline && outline[key] && part.stations && part.stations.length ? outline[key] : null;
+    };
+    return {beams: true, of, count: part => D.outlines[part.outline].next.length, at: (part, f) => {
+      const data = of(part), lines = [];
+      part.six = part.six || Array.from({length: 6}, () => new Float64Array(part.fine.length));
+      for (let c = 0; c < 6; ++c) lines.push(spread(part.stations, resultant(f, part, (r, i, o) => r[o + c]), part.fine, part.six[c]));
+      return (k, i) => how(lines, k, data, per * i);
+    }};
+  };
+  if (motion && motion.resultant && D.outlines) {
+    const known = Object.values(D.outlines);
+    if (known.some(o => o.von_mises))
+      quantities.von_mises = {label: 'von Mises stress', unit: 'Pa', surface: onSurface('von_mises', 21, (S, k, A, o) => {
+        let sum = 0;
+        for (let i = 0; i < 6; ++i) for (let j = i; j < 6; ++j) sum += (i === j ? 1 : 2) * A[o++] * S[i][k] * S[j][k];
+        return Math.sqrt(Math.max(0, sum));
+      })};
+    if (known.some(o => o.fibres))
+      quantities.fibres = {label: 'stress along fibres', unit: 'Pa', surface: onSurface('fibres', 6, (S, k, b, o) => {
+        let sum = 0;
+        for (let i = 0; i < 6; ++i) sum += b[o + i] * S[i][k];
+        return sum;
+      })};
+  }
   const scratchP = refP.slice(), scratchQ = refQ.slice();
   function displaced(line, part, by = 1) {  // of the curve that is drawn
     for (let k = 0; k < part.shown.length; ++k) {
@@ -817,6 +850,16 @@
       if (quantity.exact) load(f, 0, scratchP, scratchQ);
       for (const p of parts) {
         if (p.kind !== 'beam' || p.run) continue;
+        if (quantity.surface) {
+          if (!quantity.surface.of(p)) continue;
+          const at = quantity.surface.at(p, f), around = quantity.surface.count(p);
+          for (let k = 0; k < p.fine.length; ++k)
+            for (let i = 0; i < around; ++i) {
+              const v = at(k, i);
+              low = Math.min(low, v), high = Math.max(high, v);
+            }
+          continue;
+        }
         const values = quantity.exact
           ? displaced(centreLine(p, scratchP, scratchQ, p.scratch), p) : quantity.of(p, f);
         for (const v of values || []) low = Math.min(low, v), high = Math.max(high, v);
@@ -831,13 +874,19 @@
   function colourBy(name) {
     const quantity = coloured = quantities[name];
     by('legend').hidden = by('now-label').hidden = !quantity;
-    for (const p of parts) p.values = null;
+    for (const p of parts) p.values = p.over = null;
     if (quantity) {
-      const some = [], every = Math.max(1, Math.floor(frames / 120));  // of the run
+      const some = [];  // of the run
+      let every = Math.max(1, Math.floor(frames / 120));
+      if (quantity.surface) {  // no more points than some seconds have room for
+        const points = sum(parts.filter(p => p.kind === 'beam' && quantity.surface.of(p)), p => p.fine.length * quantity.surface.count(p));
+        every = Math.max(every, Math.ceil(frames * points / 5e6));
+      }
       for (let f = 0; f < frames; f += every) some.push(f);
       range(quantity, [...some, frames - 1]);
       for (const p of parts)
-        if (p.kind === 'beam' && !p.run && !(quantity.beams && !(p.stations && p.stations.length)))
+        if (p.kind === 'beam' && quantity.surface) p.over = quantity.surface.of(p) ? () => quantity.surface.at(p, frame) : null;
+        else if (p.kind === 'beam' && !p.run && !(quantity.beams && !(p.stations && p.stations.length)))
           p.values = line => quantity.exact
             ? displaced(line, p, scale || 1) : quantity.of(p, frame);
       by('legend-title').textContent = quantity.label + ' [' + quantity.unit + ']';
