@@ -181,8 +181,6 @@ class KluPencilSolver final : public PencilSolver {
     factorizations_ = 0;
     blocks_.analyze(graph);
     scalars_ = blocks_.columns.scalars();
-    real_.assign(scalars_.Ai.size(), 0.0);
-    complex_.assign(scalars_.Ai.size(), 0.0);
     symbolic_ = klu_analyze(blocks_.columns.n, scalars_.Ap.data(), scalars_.Ai.data(), &common_);
   }
 
@@ -195,68 +193,49 @@ class KluPencilSolver final : public PencilSolver {
   FactorStatus factor(double s, double x, std::complex<double> z) override {
     ++factorizations_;
     singular_row_ = -1;
-    if (blocks_.columns.n == 0) return FactorStatus::ok;
-    if (symbolic_ == nullptr) return FactorStatus::singular;
-    const auto& P = blocks_.P;
-    const std::complex<double> z1 = s * z, z2 = s * z * z;
-    const double x1 = s * x, x2 = s * x * x;
-    for (std::size_t i = 0; i < real_.size(); ++i) {
-      if (scalars_.between_nodes[i] != 0) {
-        real_[i] = s * P[0][i] + x1 * P[1][i] + x2 * P[2][i];
-        complex_[i] = s * P[0][i] + z1 * P[1][i] + z2 * P[2][i];
-      } else {
-        real_[i] = P[0][i];
-        complex_[i] = P[0][i];
-      }
-    }
-    int* const Ap = scalars_.Ap.data();
-    int* const Ai = scalars_.Ai.data();
-    double* const C = reinterpret_cast<double*>(complex_.data());  // pairs, as the standard says
-    if (numeric_real_ != nullptr && numeric_complex_ != nullptr) {
-      if (klu_refactor(Ap, Ai, real_.data(), symbolic_, numeric_real_, &common_) == 1 &&
-          common_.status == KLU_OK &&
-          klu_z_refactor(Ap, Ai, C, symbolic_, numeric_complex_, &common_) == 1 &&
-          common_.status == KLU_OK && pivots_hold())
-        return FactorStatus::ok;
-    }
-    free_numeric();
-    numeric_real_ = klu_factor(Ap, Ai, real_.data(), symbolic_, &common_);
-    if (numeric_real_ != nullptr && common_.status == KLU_OK)
-      numeric_complex_ = klu_z_factor(Ap, Ai, C, symbolic_, &common_);
-    if (numeric_complex_ == nullptr || common_.status != KLU_OK) {
-      singular_row_ = common_.singular_col >= 0 && common_.singular_col < blocks_.columns.n
-                          ? common_.singular_col
-                          : -1;
-      free_numeric();
-      refuse_size(common_, blocks_.columns.n);
-      return FactorStatus::singular;
-    }
-    remember_pivots();
-    return FactorStatus::ok;
+    const FactorStatus status = factor_part(real_, s, x);
+    return status == FactorStatus::ok ? factor_part(complex_, s, z) : status;
+  }
+  FactorStatus factor_real(double s, double x) override {
+    ++factorizations_;
+    singular_row_ = -1;
+    free_numeric(complex_);
+    return factor_part(real_, s, x);
+  }
+  FactorStatus factor_complex(double s, std::complex<double> z) override {
+    ++factorizations_;
+    singular_row_ = -1;
+    free_numeric(real_);
+    return factor_part(complex_, s, z);
   }
 
   Index singular_row() const override { return singular_row_; }
 
-  void solve(std::span<double> b) const override {
-    if (blocks_.columns.n == 0) return;
-    if (numeric_real_ == nullptr ||
-        klu_solve(symbolic_, numeric_real_, blocks_.columns.n, 1, b.data(), &common_) != 1)
-      std::fill(b.begin(), b.end(), std::numeric_limits<double>::quiet_NaN());
+  void solve(std::span<double> b) const override { solve_columns(b, 1); }
+  void solve(std::span<std::complex<double>> b) const override { solve_columns(b, 1); }
+  // KLU reads its factors once for four columns.
+  void solve_columns(std::span<double> B, Index columns) const override {
+    const int n = blocks_.columns.n;
+    if (n == 0) return;
+    if (real_.numeric == nullptr ||
+        klu_solve(symbolic_, real_.numeric, n, static_cast<int>(columns), B.data(), &common_) != 1)
+      std::fill(B.begin(), B.end(), std::numeric_limits<double>::quiet_NaN());
   }
-  void solve(std::span<std::complex<double>> b) const override {
-    if (blocks_.columns.n == 0) return;
-    if (numeric_complex_ == nullptr ||
-        klu_z_solve(symbolic_, numeric_complex_, blocks_.columns.n, 1,
-                    reinterpret_cast<double*>(b.data()), &common_) != 1)
-      std::fill(b.begin(), b.end(), std::numeric_limits<double>::quiet_NaN());
+  void solve_columns(std::span<std::complex<double>> B, Index columns) const override {
+    const int n = blocks_.columns.n;
+    if (n == 0) return;
+    if (complex_.numeric == nullptr ||
+        klu_z_solve(symbolic_, complex_.numeric, n, static_cast<int>(columns),
+                    reinterpret_cast<double*>(B.data()), &common_) != 1)
+      std::fill(B.begin(), B.end(), std::numeric_limits<double>::quiet_NaN());
   }
 
   double reciprocal_condition() const override {
     if (blocks_.columns.n == 0) return 1.0;
-    if (numeric_real_ == nullptr) return 0.0;
+    if (real_.numeric == nullptr) return 0.0;
     // KLU's interface is not const-correct.
-    if (klu_condest(const_cast<int*>(scalars_.Ap.data()), const_cast<double*>(real_.data()),
-                    symbolic_, numeric_real_, &common_) != 1)
+    if (klu_condest(const_cast<int*>(scalars_.Ap.data()), const_cast<double*>(real_.values.data()),
+                    symbolic_, real_.numeric, &common_) != 1)
       return 0.0;
     return common_.condest > 0.0 ? 1.0 / common_.condest : 0.0;
   }
@@ -266,44 +245,97 @@ class KluPencilSolver final : public PencilSolver {
   }
 
  private:
-  void free_numeric() {
-    if (numeric_real_ != nullptr) klu_free_numeric(&numeric_real_, &common_);
-    if (numeric_complex_ != nullptr) klu_z_free_numeric(&numeric_complex_, &common_);
+  // E(x) or E(z).
+  template <class T>
+  struct Part {
+    std::vector<T> values;
+    klu_numeric* numeric = nullptr;
+    std::vector<double> pivots;  // of the last full factorisation, sizes
+  };
+
+  void free_numeric(Part<double>& part) {
+    if (part.numeric != nullptr) klu_free_numeric(&part.numeric, &common_);
+  }
+  void free_numeric(Part<std::complex<double>>& part) {
+    if (part.numeric != nullptr) klu_z_free_numeric(&part.numeric, &common_);
   }
   void release() {
-    free_numeric();
+    free_numeric(real_);
+    free_numeric(complex_);
     if (symbolic_ != nullptr) klu_free_symbolic(&symbolic_, &common_);
   }
 
-  void sizes_of_pivots(std::vector<double>& sizes) const {
-    const auto n = static_cast<std::size_t>(blocks_.columns.n);
-    const auto* R = static_cast<const double*>(numeric_real_->Udiag);
-    const auto* C = static_cast<const double*>(numeric_complex_->Udiag);
-    sizes.resize(2 * n);
-    for (std::size_t i = 0; i < n; ++i) {
-      sizes[i] = std::abs(R[i]);
-      sizes[n + i] = std::hypot(C[2 * i], C[2 * i + 1]);
-    }
+  bool refactor(Part<double>& part) {
+    return klu_refactor(scalars_.Ap.data(), scalars_.Ai.data(), part.values.data(), symbolic_,
+                        part.numeric, &common_) == 1;
   }
-  void remember_pivots() { sizes_of_pivots(pivots_); }
-  bool pivots_hold() {
-    sizes_of_pivots(now_);
-    for (std::size_t i = 0; i < pivots_.size(); ++i)
-      if (!(now_[i] >= shrunk_pivot * pivots_[i])) return false;
+  bool refactor(Part<std::complex<double>>& part) {
+    return klu_z_refactor(scalars_.Ap.data(), scalars_.Ai.data(), numbers(part), symbolic_,
+                          part.numeric, &common_) == 1;
+  }
+  void factor_anew(Part<double>& part) {
+    part.numeric =
+        klu_factor(scalars_.Ap.data(), scalars_.Ai.data(), part.values.data(), symbolic_, &common_);
+  }
+  void factor_anew(Part<std::complex<double>>& part) {
+    part.numeric =
+        klu_z_factor(scalars_.Ap.data(), scalars_.Ai.data(), numbers(part), symbolic_, &common_);
+  }
+  static double* numbers(Part<std::complex<double>>& part) {
+    return reinterpret_cast<double*>(part.values.data());  // pairs, as the standard says
+  }
+
+  // A refactorisation keeps the pivots of the last full one; where they have become poor it is done anew.
+  template <class T>
+  FactorStatus factor_part(Part<T>& part, double s, T x) {
+    if (blocks_.columns.n == 0) return FactorStatus::ok;
+    if (symbolic_ == nullptr) return FactorStatus::singular;
+    const auto& P = blocks_.P;
+    const T x1 = s * x, x2 = s * x * x;
+    part.values.resize(scalars_.Ai.size());
+    for (std::size_t i = 0; i < part.values.size(); ++i)
+      part.values[i] =
+          scalars_.between_nodes[i] != 0 ? s * P[0][i] + x1 * P[1][i] + x2 * P[2][i] : T(P[0][i]);
+    if (part.numeric != nullptr && refactor(part) && common_.status == KLU_OK && pivots_hold(part))
+      return FactorStatus::ok;
+    free_numeric(part);
+    factor_anew(part);
+    if (part.numeric == nullptr || common_.status != KLU_OK) {
+      singular_row_ = common_.singular_col >= 0 && common_.singular_col < blocks_.columns.n
+                          ? common_.singular_col
+                          : -1;
+      free_numeric(real_);
+      free_numeric(complex_);
+      refuse_size(common_, blocks_.columns.n);
+      return FactorStatus::singular;
+    }
+    sizes_of_pivots(part, part.pivots);
+    return FactorStatus::ok;
+  }
+
+  template <class T>
+  void sizes_of_pivots(const Part<T>& part, std::vector<double>& sizes) const {
+    const auto* U = static_cast<const T*>(part.numeric->Udiag);
+    sizes.resize(static_cast<std::size_t>(blocks_.columns.n));
+    for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::abs(U[i]);
+  }
+  template <class T>
+  bool pivots_hold(const Part<T>& part) {
+    sizes_of_pivots(part, now_);
+    for (std::size_t i = 0; i < now_.size(); ++i)
+      if (!(now_[i] >= shrunk_pivot * part.pivots[i])) return false;
     return true;
   }
 
   mutable klu_common common_;
   klu_symbolic* symbolic_ = nullptr;
-  klu_numeric* numeric_real_ = nullptr;
-  klu_numeric* numeric_complex_ = nullptr;
   long factorizations_ = 0;
   Index singular_row_ = -1;
   PencilBlocks blocks_;
   BlockColumns::Scalars scalars_;
-  std::vector<double> real_;
-  std::vector<std::complex<double>> complex_;
-  std::vector<double> pivots_, now_;
+  Part<double> real_;
+  Part<std::complex<double>> complex_;
+  std::vector<double> now_;
 };
 
 }  // namespace

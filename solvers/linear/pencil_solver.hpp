@@ -28,16 +28,35 @@ class PencilSolver {
   // Factorises E(x) and E(z) with the scale s. On `singular`, singular_row() names the unknown with the worst
   // pivot, or is -1.
   virtual FactorStatus factor(double s, double x, std::complex<double> z) = 0;
+  // One of the two, where the other is not needed: it may be lost.
+  virtual FactorStatus factor_real(double s, double x) { return factor(s, x, x); }
+  virtual FactorStatus factor_complex(double s, std::complex<double> z) {
+    return factor(s, z.real(), z);
+  }
   virtual Index singular_row() const = 0;
 
   // b := E(x)^-1 b, b := E(z)^-1 b. NaN if the last factorisation was not ok.
   virtual void solve(std::span<double> b) const = 0;
   virtual void solve(std::span<std::complex<double>> b) const = 0;
+  // The same of several, one after the other in B.
+  virtual void solve_columns(std::span<double> B, Index columns) const { each(B, columns); }
+  virtual void solve_columns(std::span<std::complex<double>> B, Index columns) const {
+    each(B, columns);
+  }
 
   // Estimate of 1/(|E(x)| |E(x)^-1|) for the real x.
   virtual double reciprocal_condition() const = 0;
 
   virtual LinearFacts facts() const { return {}; }
+
+ private:
+  template <class T>
+  void each(std::span<T> B, Index columns) const {
+    for (Index i = 0; i < columns; ++i) {
+      const std::size_t n = B.size() / static_cast<std::size_t>(columns);
+      solve(B.subspan(static_cast<std::size_t>(i) * n, n));
+    }
+  }
 };
 
 std::unique_ptr<PencilSolver> make_klu_pencil_solver();

@@ -1,13 +1,11 @@
 #include "solvers/modes/eigenmodes.hpp"
 
-#include <Spectra/GenEigsSolver.h>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include "libmbd/core/stop.hpp"
 #include "solvers/statics/stability.hpp"
@@ -17,19 +15,16 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr Index few = 120;           // unknowns of T: all its eigenvalues are found
-constexpr double infinite = 1e-13;   // theta of an infinite eigenvalue, of the largest
-constexpr double converged = 1e-12;  // of Arnoldi's method: residual, relative
-constexpr double loosest = 1e-6;
-constexpr Index usual_restarts = 30, most_restarts = 1000;
-constexpr double tiny = 1e-4;     // |l| that is not well seen, of the shift
-constexpr double unseen = 1e-14;  // share of what cancels in K that is round-off
+constexpr double infinite = 1e-13;  // theta of an infinite eigenvalue, of the largest
+constexpr double tiny = 1e-4;       // |l| that is not well seen, of the shift
+constexpr double unseen = 1e-14;    // share of what cancels in K that is round-off
 // Of what cancels: twice the most that was seen on cantilevers of 139 to 4000 elements (as little as a sixtieth of it is lost).
 constexpr double share_lost = 1e-16;
-constexpr int most_starts = 40;
 
-// T of (2) or (3). Motions are measured in lengths of the scene and radians, w in those times `omega`.
-class ShiftInvert {
+// T of (2) or (3). Motions are measured in lengths of the scene and radians, w in those times `omega`. Of (2) vectors are
+// weighed by the mass: T is symmetric in that where K is, and what is left of a vector beside the motions that are known has
+// no share in the softest of them, which round-off makes most of.
+class ShiftInvert final : public WeightedOperator {
  public:
   ShiftInvert(const MotionPencil& motions, Complex shift, double omega)
       : motions_(motions),
@@ -44,33 +39,37 @@ class ShiftInvert {
   bool first_order() const { return first_order_; }
   // Complex arithmetic is needed, and done in real vectors [Re; Im]: T has each eigenvalue and its conjugate then.
   bool is_doubled() const { return first_order_ && shift_.imag() != 0.0; }
-  Index size() const {
+  Index size() const override {
     return (first_order_ ? 2 : 1) * (is_doubled() ? 2 : 1) * motions_.motions();
   }
 
-  VecX operator()(const VecX& x) const {
+  Eigen::MatrixXd weigh(const Eigen::MatrixXd& X) const override {
+    if (first_order_) return X;
+    return scale_.asDiagonal() * motions_.mass_times(Eigen::MatrixXd(scale_.asDiagonal() * X));
+  }
+
+  Eigen::MatrixXd times(const Eigen::MatrixXd& X) const override {
     stop::check();
     if (is_doubled()) {
-      const Index half = x.size() / 2;
-      VecXc z(half);
-      z.real() = x.head(half);
-      z.imag() = x.tail(half);
-      z = first(z);
-      VecX y(x.size());
-      y << z.real(), z.imag();
-      return y;
+      const Index half = X.rows() / 2;
+      Eigen::MatrixXcd Z(half, X.cols());
+      Z.real() = X.topRows(half);
+      Z.imag() = X.bottomRows(half);
+      Z = first(Z);
+      Eigen::MatrixXd Y(X.rows(), X.cols());
+      Y << Z.real(), Z.imag();
+      return Y;
     }
-    if (first_order_) return first(x);
-    const VecX scaled = scale_.cwiseProduct(x);
-    VecX b = motions_.mass_times(scaled);
+    if (first_order_) return first(X);
+    Eigen::MatrixXd B = motions_.mass_times(Eigen::MatrixXd(scale_.asDiagonal() * X));
     if (shift_.imag() == 0.0) {
-      motions_.solve(b);
+      motions_.solve(B);
     } else {
-      VecXc c = b;  // Q(s) = K - |s|^2 M is real
-      motions_.solve(c);
-      b = c.real();
+      Eigen::MatrixXcd C = B;  // Q(s) = K - |s|^2 M is real
+      motions_.solve(C);
+      B = C.real();
     }
-    return b.cwiseQuotient(scale_);
+    return scale_.cwiseInverse().asDiagonal() * B;
   }
 
   // Eigenvalues of (1) that belong to one of T.
@@ -91,20 +90,21 @@ class ShiftInvert {
   }
 
  private:
-  // (3); Scalar is double or Complex.
-  template <class V>
-  V first(const V& z) const {
-    using Scalar = typename V::Scalar;
+  // (3); of real or complex numbers.
+  template <class Columns>
+  Columns first(const Columns& z) const {
+    using Scalar = typename Columns::Scalar;
     const Index n = motions_.motions();
     const Scalar s = scalar<Scalar>();
-    const V x = z.head(n).cwiseProduct(scale_), w = omega_ * z.tail(n).cwiseProduct(scale_);
-    V b = motions_.mass_times(V(w + s * x));
+    const Columns x = scale_.asDiagonal() * z.topRows(n),
+                  w = omega_ * (scale_.asDiagonal() * z.bottomRows(n));
+    Columns b = motions_.mass_times(Columns(w + s * x));
     b += motions_.rate_times(x);
     b = -b;
     motions_.solve(b);
-    V result(2 * n);
-    result.head(n) = b.cwiseQuotient(scale_);
-    result.tail(n) = (x + s * b).cwiseQuotient(scale_) / omega_;
+    Columns result(2 * n, z.cols());
+    result.topRows(n) = scale_.cwiseInverse().asDiagonal() * b;
+    result.bottomRows(n) = scale_.cwiseInverse().asDiagonal() * ((x + s * b) / omega_);
     return result;
   }
   template <class Scalar>
@@ -121,151 +121,13 @@ class ShiftInvert {
   VecX scale_;
 };
 
-// T between the orthogonal complements of a subspace.
-class Deflated {
- public:
-  using Scalar = double;
-  Deflated(const ShiftInvert& T, const Eigen::MatrixXd& Q) : T_(T), Q_(Q) {}
-  Index rows() const { return T_.size(); }
-  Index cols() const { return T_.size(); }
-  void perform_op(const double* x_in, double* y_out) const {
-    VecX x = Eigen::Map<const VecX>(x_in, rows());
-    project(x);
-    VecX y = T_(x);
-    project(y);
-    Eigen::Map<VecX>(y_out, rows()) = y;
-  }
-  void project(VecX& x) const {
-    if (Q_.cols() > 0) x -= Q_ * (Q_.transpose() * x);
-  }
-
- private:
-  const ShiftInvert& T_;
-  const Eigen::MatrixXd& Q_;
-};
-
-struct Pairs {
-  VecXc values;  // the largest first
-  Eigen::MatrixXcd vectors;
-  std::vector<double> residuals;
-  bool all = false;  // there are no others
-  std::string failure;
-};
-
-// By size, the largest first.
-std::vector<Index> order_of(const VecXc& values) {
-  std::vector<Index> order(static_cast<std::size_t>(values.size()));
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return std::abs(values(a)) > std::abs(values(b)); });
-  return order;
-}
-
-// Eigenpairs of T in the span of orthonormal columns that it maps into itself.
-Pairs within(const ShiftInvert& T, const Eigen::MatrixXd& Q) {
-  Pairs pairs;
-  Eigen::MatrixXd TQ(Q.rows(), Q.cols());
-  for (Index i = 0; i < Q.cols(); ++i) TQ.col(i) = T(Q.col(i));
-  const Eigen::MatrixXd H = Q.transpose() * TQ;
-  const Eigen::EigenSolver<Eigen::MatrixXd> dense(H);
-  if (dense.info() != Eigen::Success) {
-    pairs.failure = "the eigenvalues of a small dense matrix do not converge";
-    return pairs;
-  }
-  const std::vector<Index> order = order_of(dense.eigenvalues());
-  pairs.values.resize(Q.cols());
-  pairs.vectors.resize(Q.rows(), Q.cols());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const auto i = static_cast<Index>(k);
-    const VecXc y = dense.eigenvectors().col(order[k]);
-    const Complex theta = dense.eigenvalues()(order[k]);
-    pairs.values(i) = theta;
-    pairs.vectors.col(i) = Q * y;
-    const VecXc left = TQ * y - theta * pairs.vectors.col(i);
-    pairs.residuals.push_back(left.norm() / (std::abs(theta) * pairs.vectors.col(i).norm() +
-                                             std::numeric_limits<double>::min()));
-  }
-  return pairs;
-}
-
-// Adds what of the columns is independent of Q.
-void extend(Eigen::MatrixXd& Q, const Eigen::MatrixXcd& vectors) {
-  constexpr double independent = 1e-6;
-  for (Index i = 0; i < vectors.cols(); ++i)
-    for (VecX x : {VecX(vectors.col(i).real()), VecX(vectors.col(i).imag())}) {
-      if (!(x.norm() > independent * vectors.col(i).norm())) continue;
-      x.normalize();
-      for (int twice = 0; twice < 2; ++twice)
-        if (Q.cols() > 0) x -= Q * (Q.transpose() * x);
-      if (!(x.norm() > independent)) continue;
-      Q.conservativeResize(vectors.rows(), Q.cols() + 1);
-      Q.col(Q.cols() - 1) = x.normalized();
-    }
-}
-
-// The `wanted` largest eigenvalues of T, or more.
-Pairs largest(const ShiftInvert& T, Index wanted) {
-  const Index n = T.size();
-  wanted = std::min(wanted, n);
-  if (n <= few || 3 * wanted >= n) {
-    Pairs pairs = within(T, Eigen::MatrixXd::Identity(n, n));
-    pairs.all = true;
-    return pairs;
-  }
-  std::mt19937 random(1);  // the same start in every run
-  std::uniform_real_distribution<double> number(-1.0, 1.0);
-  Eigen::MatrixXd Q(n, 0);
-  Pairs pairs;
-  for (int start = 0; start < most_starts; ++start) {
-    Deflated op(T, Q);
-    const Index left = n - Q.cols();
-    const Index ask = std::min(start == 0 ? wanted : Index{4}, left - 2);
-    if (ask < 1) break;
-    const Index dimension = std::min(std::max(2 * ask + 1, Index{20}), left);
-    Spectra::GenEigsSolver<Deflated> arnoldi(op, ask, dimension);
-    VecX x(n);
-    for (double& entry : x) entry = number(random);
-    x = T(x);  // into the null space of the constraints
-    op.project(x);
-    if (!x.allFinite()) {
-      pairs.failure = "the matrix of the shift is singular";
-      return pairs;
-    }
-    if (!(x.norm() > 0.0)) break;
-    // Of the smaller eigenvalues of T round-off of the larger ones is a larger share, and more restarts do not help.
-    for (double tolerance = converged;; tolerance *= 100.0) {
-      arnoldi.init(x.data());
-      const bool is_last = tolerance > loosest / 100.0;
-      arnoldi.compute(Spectra::SortRule::LargestMagn, is_last ? most_restarts : usual_restarts,
-                      tolerance);
-      if (is_last || arnoldi.eigenvalues().size() >= ask) break;
-    }
-    const VecXc found = arnoldi.eigenvalues();
-    if (found.size() == 0) {
-      if (start == 0) pairs.failure = "Arnoldi's method does not converge";
-      return pairs;
-    }
-    const double nothing = pairs.values.size() > 0
-                               ? std::abs(pairs.values(std::min(wanted, pairs.values.size()) - 1))
-                               : 0.0;
-    // What is as large as the last of those wanted may be its twin.
-    const bool more = found.cwiseAbs().maxCoeff() > (1.0 - 1e-9) * nothing;
-    if (!more && pairs.values.size() >= wanted) return pairs;
-    const Index before = Q.cols();
-    extend(Q, arnoldi.eigenvectors());
-    if (Q.cols() == before) return pairs;
-    pairs = within(T, Q);
-    if (!pairs.failure.empty()) return pairs;
-  }
-  return pairs;
-}
-
 // Modes near a shift that has been factored, of which conjugates are left out.
 ModesFound modes_at(const MotionPencil& motions, Complex shift, double omega, int count) {
   ModesFound result;
   const ShiftInvert T(motions, shift, omega);
   const Index each = T.first_order() ? 2 : 1;  // of T: conjugates, or their doubles
-  const Pairs pairs = largest(T, each * count + (T.first_order() ? 2 : 1));
+  const EigenPairs pairs =
+      largest_eigenpairs(T, each * count + (T.first_order() ? 2 : 1), result.work);
   result.failure = pairs.failure;
   if (!pairs.failure.empty() || pairs.values.size() == 0) return result;
   const double most = std::abs(pairs.values(0));
@@ -375,6 +237,7 @@ struct ModeSearch {
   const ModeOptions& options;
   const int wanted = options.count;
   double fastest = 0.0, omega = 0.0;  // of all motions; of those that are looked for
+  KrylovWork work = {};
 
   ModesFound run() {
     ModesFound result;
@@ -390,6 +253,7 @@ struct ModeSearch {
     result = options.near > 0.0 ? near_frequency() : slowest();
     if (result.modes.size() > static_cast<std::size_t>(wanted))
       result.modes.resize(static_cast<std::size_t>(wanted));
+    result.work = work;
     return result;
   }
 
@@ -402,6 +266,7 @@ struct ModeSearch {
 
   ModesFound at(Complex shift, int count) {
     ModesFound found = find_modes_near(motions, shift, omega, count);
+    work += found.work;
     sort(found.modes);
     return found;
   }
@@ -424,7 +289,7 @@ struct ModeSearch {
                      [&](const Mode& mode) { return is_hidden(motions, sizes, mode, 0.0); });
     if (options.free_motions == FreeMotions::none) return is_clear ? result : at(omega, wanted);
     if (!is_clear) {
-      double shift = omega;
+      double shift = beneath_the_seen(result.modes);
       result = about_slowest(shift);
       if (!result.failure.empty()) return result;
       see_far_below(result, shift);
@@ -434,6 +299,16 @@ struct ModeSearch {
     sort(result.modes);
     leave_independent_rigid_ones(result.modes);
     return result;
+  }
+
+  // A shift of the size of the slowest motion that is not hidden, which 1e-3 of the fastest is far from in a fine mesh; that where
+  // nothing is seen.
+  double beneath_the_seen(const std::vector<Mode>& modes) const {
+    double slowest = std::numeric_limits<double>::infinity();
+    for (const Mode& mode : modes)
+      if (!is_hidden(motions, sizes, mode, 0.0))
+        slowest = std::min(slowest, 0.5 * std::abs(mode.eigenvalue));
+    return std::isfinite(slowest) && slowest > 0.0 ? slowest : omega;
   }
 
   // With a shift, from the one given, of the size of the slowest motion that is answered.

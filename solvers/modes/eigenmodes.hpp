@@ -4,9 +4,7 @@
 // with x in the null space of B, and w = l x, an operator T on motions,
 //   C = 0:  T x = Q(s)^-1 M x,                  1/theta = s^2 - l^2                                  (2)
 //   else:   T [x; w] = [x'; x + s x'],  Q(s) x' = -(M w + C x + s M x),   1/theta = l - s            (3)
-// Its largest eigenvalues theta belong to the l nearest to s: by Arnoldi's method with implicit restarts (Spectra),
-// or all of them (Eigen) where there are few unknowns. Repeated eigenvalues, of which one start vector finds one
-// each, are found by starting again beside the invariant subspace that is known, until nothing larger turns up.
+// Its largest eigenvalues theta belong to the l nearest to s: krylov.hpp, which finds repeated ones as well.
 // s = 0, or i times the frequency asked for; small and positive where motions are free, which makes Q(0) singular.
 #pragma once
 
@@ -14,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "solvers/modes/krylov.hpp"
 #include "solvers/modes/small_motions.hpp"
 
 namespace mbd {
@@ -49,7 +48,8 @@ struct ModeOptions {
 struct ModesFound {
   std::vector<Mode>
       modes;  // by distance from `near`, the nearest first; fewer than asked for where there are no more
-  std::string failure;  // empty: none
+  std::string failure;   // empty: none
+  KrylovWork work = {};  // of all shifts that were tried
 };
 
 // The `count` eigenvalues nearest to a shift [1/s], or more; of conjugate pairs one. `expected` scales (3), a typical

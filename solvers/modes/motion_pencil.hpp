@@ -9,6 +9,8 @@ namespace mbd {
 
 using VecXc = Eigen::VectorXcd;
 
+// Functions of several motions take them as columns.
+
 class MotionPencil {
  public:
   virtual ~MotionPencil() = default;
@@ -17,18 +19,31 @@ class MotionPencil {
   virtual double length_scale() const = 0;  // displacements over it are compared with rotations [m]
   virtual bool is_damped_or_turns() const = 0;  // C is not zero
 
-  // M x, C x: of motions alone.
-  virtual VecX mass_times(const VecX& x) const = 0;
-  virtual VecXc mass_times(const VecXc& x) const = 0;
-  virtual VecX rate_times(const VecX& x) const = 0;
-  virtual VecXc rate_times(const VecXc& x) const = 0;
+  // M X, C X: of motions alone.
+  virtual Eigen::MatrixXd mass_times(const Eigen::MatrixXd& X) const = 0;
+  virtual Eigen::MatrixXd rate_times(const Eigen::MatrixXd& X) const = 0;
+  Eigen::MatrixXcd mass_times(const Eigen::MatrixXcd& X) const {
+    return joined(mass_times(Eigen::MatrixXd(X.real())), mass_times(Eigen::MatrixXd(X.imag())));
+  }
+  Eigen::MatrixXcd rate_times(const Eigen::MatrixXcd& X) const {
+    return joined(rate_times(Eigen::MatrixXd(X.real())), rate_times(Eigen::MatrixXd(X.imag())));
+  }
+  VecXc mass_times(const VecXc& x) const { return mass_times(Eigen::MatrixXcd(x)); }
 
   // Factors Q(s). False if it is singular.
   virtual bool factor(double s) = 0;
   virtual bool factor(std::complex<double> s) = 0;
-  // What comes from factor() is that of its argument's type. x = Q^-1 [b; 0]: the motions alone.
-  virtual void solve(VecX& b) const = 0;
-  virtual void solve(VecXc& b) const = 0;
+  // What comes from factor() is that of its argument's type. X = Q^-1 [B; 0]: the motions alone.
+  virtual void solve(Eigen::MatrixXd& B) const = 0;
+  virtual void solve(Eigen::MatrixXcd& B) const = 0;
+
+ private:
+  static Eigen::MatrixXcd joined(const Eigen::MatrixXd& real, const Eigen::MatrixXd& imaginary) {
+    Eigen::MatrixXcd all(real.rows(), real.cols());
+    all.real() = real;
+    all.imag() = imaginary;
+    return all;
+  }
 };
 
 }  // namespace mbd

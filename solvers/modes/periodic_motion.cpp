@@ -179,56 +179,44 @@ bool PeriodicMotion::factor(Complex s) {
 }
 
 // Motions of all instants among all unknowns, and back.
-template <class V>
-V PeriodicMotion::solve_with(const V& b) const {
-  V all = V::Zero(instants() * unknowns_);
+template <class Columns>
+Columns PeriodicMotion::solve_with(const Columns& B) const {
+  Columns all = Columns::Zero(instants() * unknowns_, B.cols());
   for (Index i = 0; i < instants(); ++i)
-    all.segment(i * unknowns_, motions_) = b.segment(i * motions_, motions_);
-  if constexpr (std::is_same_v<V, VecX>)
+    all.middleRows(i * unknowns_, motions_) = B.middleRows(i * motions_, motions_);
+  if constexpr (std::is_same_v<Columns, Eigen::MatrixXd>)
     all = solvers_->real.solve(all).eval();
   else
     all = solvers_->complex.solve(all).eval();
-  V x(b.size());
+  Columns X(B.rows(), B.cols());
   for (Index i = 0; i < instants(); ++i)
-    x.segment(i * motions_, motions_) = all.segment(i * unknowns_, motions_);
-  return x;
+    X.middleRows(i * motions_, motions_) = all.middleRows(i * unknowns_, motions_);
+  return X;
 }
 
-void PeriodicMotion::solve(VecX& b) const { b = solve_with(b); }
-void PeriodicMotion::solve(VecXc& b) const { b = solve_with(b); }
+void PeriodicMotion::solve(Eigen::MatrixXd& B) const { B = solve_with(B); }
+void PeriodicMotion::solve(Eigen::MatrixXcd& B) const { B = solve_with(B); }
 
-VecX PeriodicMotion::mass_times(const VecX& x) const {
-  VecX y(x.size());
+Eigen::MatrixXd PeriodicMotion::mass_times(const Eigen::MatrixXd& X) const {
+  Eigen::MatrixXd Y(X.rows(), X.cols());
   for (Index i = 0; i < instants(); ++i)
-    y.segment(i * motions_, motions_) =
-        M_[static_cast<std::size_t>(i)] * x.segment(i * motions_, motions_);
-  return y;
+    Y.middleRows(i * motions_, motions_) =
+        M_[static_cast<std::size_t>(i)] * X.middleRows(i * motions_, motions_);
+  return Y;
 }
 
 // l (2 M D + C) is what is linear in l.
-VecX PeriodicMotion::rate_times(const VecX& x) const {
-  using Columns = Eigen::Map<const Eigen::MatrixXd>;
-  const Eigen::MatrixXd dx = Columns(x.data(), motions_, instants()) * D_.transpose();
-  VecX y(x.size());
-  for (Index i = 0; i < instants(); ++i)
-    y.segment(i * motions_, motions_) =
-        C_[static_cast<std::size_t>(i)] * x.segment(i * motions_, motions_) +
-        2.0 * (M_[static_cast<std::size_t>(i)] * dx.col(i));
-  return y;
-}
-
-VecXc PeriodicMotion::mass_times(const VecXc& x) const {
-  VecXc y(x.size());
-  y.real() = mass_times(VecX(x.real()));
-  y.imag() = mass_times(VecX(x.imag()));
-  return y;
-}
-
-VecXc PeriodicMotion::rate_times(const VecXc& x) const {
-  VecXc y(x.size());
-  y.real() = rate_times(VecX(x.real()));
-  y.imag() = rate_times(VecX(x.imag()));
-  return y;
+Eigen::MatrixXd PeriodicMotion::rate_times(const Eigen::MatrixXd& X) const {
+  using Instants = Eigen::Map<const Eigen::MatrixXd>;
+  Eigen::MatrixXd Y(X.rows(), X.cols());
+  for (Index k = 0; k < X.cols(); ++k) {
+    const Eigen::MatrixXd dx = Instants(X.col(k).data(), motions_, instants()) * D_.transpose();
+    for (Index i = 0; i < instants(); ++i)
+      Y.block(i * motions_, k, motions_, 1) =
+          C_[static_cast<std::size_t>(i)] * X.block(i * motions_, k, motions_, 1) +
+          2.0 * (M_[static_cast<std::size_t>(i)] * dx.col(i));
+  }
+  return Y;
 }
 
 VecX PeriodicMotion::harmonics(const VecXc& p) const {

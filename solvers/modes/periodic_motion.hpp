@@ -63,14 +63,14 @@ class PeriodicMotion final : public MotionPencil {
   Index motions() const override { return instants() * motions_; }
   double length_scale() const override { return system_.length_scale(); }
   bool is_damped_or_turns() const override { return true; }
-  VecX mass_times(const VecX& x) const override;
-  VecXc mass_times(const VecXc& x) const override;
-  VecX rate_times(const VecX& x) const override;
-  VecXc rate_times(const VecXc& x) const override;
+  using MotionPencil::mass_times;
+  using MotionPencil::rate_times;
+  Eigen::MatrixXd mass_times(const Eigen::MatrixXd& X) const override;
+  Eigen::MatrixXd rate_times(const Eigen::MatrixXd& X) const override;
   bool factor(double s) override;
   bool factor(std::complex<double> s) override;
-  void solve(VecX& b) const override;
-  void solve(VecXc& b) const override;
+  void solve(Eigen::MatrixXd& B) const override;
+  void solve(Eigen::MatrixXcd& B) const override;
 
  private:
   struct Solvers;
@@ -84,8 +84,8 @@ class PeriodicMotion final : public MotionPencil {
   double tail(const std::vector<State>& states) const;  // of the harmonics of velocities
   template <class Scalar>
   Eigen::SparseMatrix<Scalar> assemble(Scalar s) const;
-  template <class V>
-  V solve_with(const V& b) const;
+  template <class Columns>
+  Columns solve_with(const Columns& B) const;
 
   const System& system_;
   double period_;

@@ -90,13 +90,6 @@ void SmallMotions::accelerate() {
   });
 }
 
-VecXc SmallMotions::times(const Eigen::SparseMatrix<double>& A, const VecXc& x) {
-  VecXc y(A.rows());
-  y.real() = A * x.real();
-  y.imag() = A * x.imag();
-  return y;
-}
-
 Eigen::SparseMatrix<double> SmallMotions::nonzeros(int power) const {
   std::vector<Eigen::Triplet<double>> entries;
   each_block([&](const auto& block, int row, int column) {
@@ -152,23 +145,21 @@ void SmallMotions::hold(Index motion) {
   }
 }
 
-bool SmallMotions::factor(double s) { return pencil_->factor(scale_, s, s) == FactorStatus::ok; }
+bool SmallMotions::factor(double s) { return pencil_->factor_real(scale_, s) == FactorStatus::ok; }
 bool SmallMotions::factor(std::complex<double> s) {
-  return pencil_->factor(scale_, s.real(), s) == FactorStatus::ok;
+  return pencil_->factor_complex(scale_, s) == FactorStatus::ok;
 }
 
-void SmallMotions::solve(VecX& b) const {
-  VecX all = VecX::Zero(unknowns());
-  all.head(motions_) = scale_ * b;
-  pencil_->solve({all.data(), static_cast<std::size_t>(all.size())});
-  b = all.head(motions_);
+template <class Columns>
+void SmallMotions::solve_columns(Columns& B) const {
+  Columns all = Columns::Zero(unknowns(), B.cols());
+  all.topRows(motions_) = scale_ * B;
+  pencil_->solve_columns({all.data(), static_cast<std::size_t>(all.size())}, all.cols());
+  B = all.topRows(motions_);
 }
-void SmallMotions::solve(VecXc& b) const {
-  VecXc all = VecXc::Zero(unknowns());
-  all.head(motions_) = scale_ * b;
-  pencil_->solve({all.data(), static_cast<std::size_t>(all.size())});
-  b = all.head(motions_);
-}
+template void SmallMotions::solve_columns(Eigen::MatrixXd&) const;
+template void SmallMotions::solve_columns(Eigen::MatrixXcd&) const;
+
 void SmallMotions::solve_all(VecX& b) const {
   b.head(motions_) *= scale_;
   pencil_->solve({b.data(), static_cast<std::size_t>(b.size())});

@@ -42,10 +42,10 @@ class SmallMotions final : public MotionPencil {
   double stiffness() const { return stiffness_; }  // largest entry of K [N/m] (largest_stiffness)
   double mass() const { return mass_; }            // the same of M [kg]
 
-  VecX mass_times(const VecX& x) const override { return M_ * x; }
-  VecXc mass_times(const VecXc& x) const override { return times(M_, x); }
-  VecX rate_times(const VecX& x) const override { return C_ * x; }
-  VecXc rate_times(const VecXc& x) const override { return times(C_, x); }
+  using MotionPencil::mass_times;
+  using MotionPencil::rate_times;
+  Eigen::MatrixXd mass_times(const Eigen::MatrixXd& X) const override { return M_ * X; }
+  Eigen::MatrixXd rate_times(const Eigen::MatrixXd& X) const override { return C_ * X; }
 
   // (1) as matrices, of motions and multipliers; without zeros.
   const Eigen::SparseMatrix<double>& mass_matrix() const { return M_; }
@@ -64,11 +64,12 @@ class SmallMotions final : public MotionPencil {
 
   bool factor(double s) override;
   bool factor(std::complex<double> s) override;
-  void solve(VecX& b) const override;
-  void solve(VecXc& b) const override;
+  void solve(Eigen::MatrixXd& B) const override { solve_columns(B); }
+  void solve(Eigen::MatrixXcd& B) const override { solve_columns(B); }
   // x = Q^-1 b, of all unknowns; scaled rows and multipliers are this function's business.
   void solve_all(VecX& b) const;
   double reciprocal_condition() const { return pencil_->reciprocal_condition(); }
+  long factorizations() const { return pencil_->facts().factorizations; }
 
  private:
   Eigen::SparseMatrix<double> nonzeros(int power) const;
@@ -77,7 +78,8 @@ class SmallMotions final : public MotionPencil {
   void each_block(const Change& change) const;
   void turn_axes(std::span<const Mat6> W_hat);
   void accelerate();
-  static VecXc times(const Eigen::SparseMatrix<double>& A, const VecXc& x);
+  template <class Columns>
+  void solve_columns(Columns& B) const;
 
   const System& system_;
   std::unique_ptr<PencilSolver> pencil_;

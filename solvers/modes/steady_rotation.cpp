@@ -65,8 +65,7 @@ bool solve_at(SmallMotions& motions, const SteadyRotation& rotation, const Newto
     ++counters.factorizations;
     if (k == 0) norm.set_floor(state, motions.stiffness());
     // No torque acts about the axis where nothing holds the angle, so what holds it in the tangent feels none.
-    const VecX z = turning(motions, rotation, state);
-    if (is_free_to_turn(motions, z)) motions.hold(most_turned(z));
+    hold_free_turn(motions, rotation);
     VecX x = -motions.residual().tail(motions.unknowns());
     if (!motions.factor(0.0)) {
       failure = "the tangent is singular";
@@ -97,6 +96,11 @@ bool solve_at(SmallMotions& motions, const SteadyRotation& rotation, const Newto
 }
 
 }  // namespace
+
+void hold_free_turn(SmallMotions& motions, const SteadyRotation& rotation) {
+  const VecX z = turning(motions, rotation, motions.state());
+  if (is_free_to_turn(motions, z)) motions.hold(most_turned(z));
+}
 
 Vec6 SteadyRotation::twist(const Pose<double>& H) const {
   const Vec3 w = rate * axis;
@@ -210,7 +214,9 @@ VecX answer_to(VecX force, SmallMotions& motions, const Turned& turned) {
     }
   };
   each_node([](const Mat6& Ad, const auto& f) -> Vec6 { return Ad.transpose() * f; });
-  motions.solve(force);
+  Eigen::MatrixXd answer = force;
+  motions.solve(answer);
+  force = answer.col(0);
   each_node([](const Mat6& Ad, const auto& u) -> Vec6 { return Ad * u; });
   return force;
 }

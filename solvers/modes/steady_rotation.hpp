@@ -50,6 +50,10 @@ struct SteadyReport {
 SteadyReport find_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation,
                                   double from, const NewtonOptions& options, State& state);
 
+// Where no constraint holds the angle about the axis, as a drive does, K is singular in turning axes: a spring is added to it,
+// which feels nothing of what has no torque about the axis. Until the next about().
+void hold_free_turn(SmallMotions& motions, const SteadyRotation& rotation);
+
 // Rows of State::lambda that hold the angle of the rotation itself, by drives.
 using IsDriven = std::function<bool(Index)>;
 

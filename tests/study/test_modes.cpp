@@ -207,6 +207,30 @@ TEST(Modes, SayWhatRoundOffLeavesUnknown) {
   EXPECT_EQ(to_text(coarse).find("round-off"), std::string::npos);
 }
 
+// What is at rest at its round-off is not iterated further: products of the inverse and one vector, of which there are 182 here
+// and 382 of 3000 elements, where the slowest modes are hidden in round-off. (With Arnoldi's method of one vector and a tolerance
+// below round-off they were 208, and 1309.) Mutations: at_rest = 0 (1000 restarts); the shift of free motions from 1e-3 of the
+// fastest (1525 of 5550 elements).
+TEST(Modes, OfManyElementsCostFewSolutions) {
+  for (const int elements : {500, 2600}) {
+    ModesOptions options;
+    options.count = 50;
+    const ModesStudy study = study_modes(
+        read(fmt::format(
+            R"(<section name="s"><stiffness EA="1e9" GA2="3e8" GA3="3e8" GJ="1e6" EI2="1e6" EI3="2e6"/>
+            <mass per_length="10" inertia="0.03 0.01 0.02"/></section>
+            <beam name="b" section="s" from="0 0 0" to="100 0 0" normal="0 0 1" elements="{}" order="3"/>
+            <fixed name="f" between="ground b.start"/><static/>)",
+            elements)),
+        options);
+    ASSERT_EQ(study.modes.size(), 50U);
+    EXPECT_LE(study.work.products, elements == 500 ? 200 : 450);
+    EXPECT_LE(study.work.restarts, 2);
+    // Residuals are those of the inverse, which is known better than its eigenvalues.
+    for (const NamedMode& mode : study.modes) EXPECT_LT(mode.residual, 1e-9) << mode.name;
+  }
+}
+
 TEST(Modes, AreNamed) {
   const std::vector<NamedMode> modes = modes_of(cantilever(8, 5), 12);
   const double twist = 0.5 * pi / 1.5 * std::sqrt(80.0 / 0.05),

@@ -23,10 +23,19 @@ namespace {
 struct CampbellArguments {
   std::string model, output, rates;
   RotationArguments rotation;
-  std::vector<std::string> set, without;
+  std::vector<std::string> set, without, unbalance, probes;
   int points = 61, count = 8;
   bool quiet = false;
 };
+
+// PLACE=VALUE.
+Unbalance unbalance_of(const std::string& text, const Scene& scene) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error("--unbalance " + text + ": give a place and mass times distance, PLACE=VALUE");
+  return {text.substr(0, equals),
+          option_value("unbalance", text.substr(equals + 1), "kg.m", scene)};
+}
 
 int draw_campbell(const CampbellArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set));
@@ -41,6 +50,9 @@ int draw_campbell(const CampbellArguments& arguments) {
   options.to = option_value("rates", arguments.rates.substr(colon + 1), "rad/s", scene);
   options.points = arguments.points;
   options.count = arguments.count;
+  for (const std::string& one : arguments.unbalance)
+    options.unbalance.push_back(unbalance_of(one, scene));
+  options.probes = arguments.probes;
   if (!(options.from >= 0.0) || !(options.to > options.from))
     throw Error("--rates " + arguments.rates + ": give two that rise and are not negative");
   if (options.points < 2 || options.points > 100000)
@@ -64,8 +76,10 @@ int draw_campbell(const CampbellArguments& arguments) {
   make_directory(output);
   write_file(output / "campbell.csv", to_csv(study));
   write_file(output / "campbell.svg", campbell_svg(study));
+  if (!study.responses.empty()) write_file(output / "unbalance.csv", unbalance_csv(study));
   if (!arguments.quiet)
-    fmt::print("{}\nwritten to {}: campbell.svg, campbell.csv\n", to_text(study), output.string());
+    fmt::print("{}\nwritten to {}: campbell.svg, campbell.csv{}\n", to_text(study), output.string(),
+               study.responses.empty() ? "" : ", unbalance.csv");
   return InterruptHandler::flag() ? interrupted_status : 0;
 }
 
@@ -89,6 +103,19 @@ void add_campbell_command(CLI::App& app, int& status) {
                    "quickly; default: 61")
       ->type_name("N");
   command->add_option("-n,--count", arguments->count, "how many modes; default: 8")->type_name("N");
+  command
+      ->add_option(
+          "-u,--unbalance", arguments->unbalance,
+          "mass times distance from the axis, in kg.m or with units, of a place that turns: "
+          "its response at the same rates, linear, amplitude and phase; may be repeated, "
+          "negative where it is opposite")
+      ->type_name("PLACE=VALUE")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--probe", arguments->probes,
+                   "where the response to --unbalance is wanted besides; may be repeated")
+      ->type_name("PLACE")
+      ->allow_extra_args(false);
   add_set_option(*command, arguments->set);
   add_without_option(*command, arguments->without);
   command
@@ -98,7 +125,9 @@ void add_campbell_command(CLI::App& app, int& status) {
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd campbell models/shaft.xml --rates 0:81 --without gravity\n"
-               "mbd campbell models/shaft.xml --rates \"0:600 rpm\" --without gravity --count 4",
+               "mbd campbell models/shaft.xml --rates \"0:600 rpm\" --without gravity --count 4\n"
+               "mbd campbell models/shaft.xml --rates 0:81 --without gravity -s d=0 --unbalance "
+               "shaft@0.5=\"20 g.cm\"",
                "Exit status: 0 all went well; 1 an error; 130 interrupted, with what was done "
                "written; 100 and\n"
                "more: wrong use of the command.");

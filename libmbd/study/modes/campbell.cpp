@@ -32,6 +32,7 @@ struct Candidate {
   double weight = 0.0;    // x^H M x
   double orbit = 0.0;
   bool has_orbit = false;
+  double round_off = 0.0;
   std::string name;
 
   Candidate conjugate() const {
@@ -91,6 +92,7 @@ class Follower {
       c.weight = std::abs(c.shape.dot(c.momentum));
       c.has_orbit = mode.orbit.has_value();
       c.orbit = mode.orbit.value_or(0.0);
+      c.round_off = mode.round_off;
       c.name = std::move(mode.name);
       if (c.weight > 0.0) result.push_back(std::move(c));
     }
@@ -98,6 +100,8 @@ class Follower {
   }
   std::vector<Candidate> begin(double rate);
   void keep(double rate);
+  void respond();
+  void note_round_off();
   std::optional<Found> found_at(double next, double rate, const std::vector<Candidate>& last);
   void go_through(std::vector<Candidate> last, double& rate);
   void take(double rate, double next, const std::vector<Candidate>& last, const Found& found);
@@ -166,6 +170,7 @@ CampbellPoint Follower::point(double rate, const Candidate& c, double overlap) c
   p.orbit = c.orbit;
   p.overlap = overlap;
   p.has_orbit = c.has_orbit;
+  p.round_off = c.round_off;
   const double sense = c.orbit > 0.0 ? 1.0 : -1.0;
   if (motions_.axes() == ModeAxes::resting) {
     if (c.has_orbit) p.inertial = sense * c.eigenvalue.imag();
@@ -263,10 +268,27 @@ std::vector<Candidate> Follower::begin(double rate) {
   return first;
 }
 
-// Turns there already.
+// Turns there already; what is assembled is not used after it.
 void Follower::keep(double rate) {
   study_.rates.push_back(rate);
   study_.displacements.push_back(motions_.largest_displacement().first);
+  if (!options_.unbalance.empty()) respond();
+}
+
+// At the places of the unbalance, each once, and those that are asked for.
+void Follower::respond() {
+  std::vector<std::string> places;
+  const auto add = [&](const std::string& place) {
+    if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+  };
+  for (const Unbalance& one : options_.unbalance) add(one.place);
+  for (const std::string& probe : options_.probes) add(probe);
+  if (study_.responses.empty())
+    for (const std::string& place : places) study_.responses.push_back({place, {}});
+  const auto orbits = response_to_unbalance(motions_, rotation_, options_.unbalance, places);
+  if (!orbits) return;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    study_.responses[k].orbits.push_back((*orbits)[k]);
 }
 
 // The modes at `next` that go on from those at `rate`; none, with a note, where that ends.
@@ -333,6 +355,21 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
   }
 }
 
+// Where digits are lost that a reader would believe.
+void Follower::note_round_off() {
+  constexpr double believed = 1e-6;
+  double worst = believed;
+  std::size_t branch = study_.branches.size();
+  for (std::size_t b = 0; b < study_.branches.size(); ++b)
+    for (const CampbellPoint& p : study_.branches[b].points)
+      if (p.round_off > worst) worst = p.round_off, branch = b;
+  if (branch < study_.branches.size())
+    study_.notes.push_back(fmt::format(
+        "round-off leaves about {:.0e} of mode {} unknown, in whose stiffness nearly all cancels: "
+        "fewer elements, of a higher order, keep more digits",
+        worst, branch + 1));
+}
+
 CampbellStudy Follower::go() {
   double rate = std::max(options_.from, first_rate * (options_.to - options_.from));
   std::vector<Candidate> first = begin(rate);
@@ -346,6 +383,7 @@ CampbellStudy Follower::go() {
         "the overlap of a mode with itself a step before falls to {:.2f} at {:.6g} rad/s: which is "
         "which is not sure there",
         least_, least_at_));
+  note_round_off();
   std::stable_sort(study_.special.begin(), study_.special.end(),
                    [](const SpecialSpeed& a, const SpecialSpeed& b) { return a.rate < b.rate; });
   return std::move(study_);
@@ -356,6 +394,8 @@ CampbellStudy Follower::go() {
 CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options) {
   if (!(options.from >= 0.0) || !(options.to > options.from) || !std::isfinite(options.to))
     throw Error("rates: give two that rise and are not negative");
+  if (!options.probes.empty() && options.unbalance.empty())
+    throw Error("a response is asked for, and there is no unbalance");
   if (options.points < 2 || options.count < 1)
     throw Error("a Campbell diagram needs two points and one mode at least");
   const stop::Scope scope(options.interrupted);

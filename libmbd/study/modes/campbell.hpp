@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "libmbd/study/modes/modes.hpp"
+#include "libmbd/study/modes/unbalance.hpp"
 
 namespace mbd {
 
@@ -23,6 +24,8 @@ struct CampbellOptions {
   double from = 0.0, to = 0.0;            // rates [rad/s], from < to, not negative
   int points = 61;                        // evenly spaced, at least
   int count = 8;                          // modes, the slowest at the first rate
+  std::vector<Unbalance> unbalance = {};  // whose response is found at the same rates
+  std::vector<std::string> probes = {};   // where, besides where it is
   std::function<void(std::size_t done, std::size_t all)> progress = {};
   const std::atomic<bool>* interrupted = nullptr;
 };
@@ -35,8 +38,9 @@ struct CampbellPoint {
   // backward. Empty where orbits are nearer to lines than to circles, and where there are none.
   std::optional<double> inertial = {};
   bool has_orbit = false;
-  double orbit = 0.0;    // as NamedMode::orbit, of this eigenvalue
-  double overlap = 1.0;  // with the point before
+  double orbit = 0.0;      // as NamedMode::orbit, of this eigenvalue
+  double overlap = 1.0;    // with the point before
+  double round_off = 0.0;  // as Mode::round_off
 };
 
 struct CampbellBranch {
@@ -59,6 +63,11 @@ struct CampbellStudy {
       displacements;  // of the node that moves most from the reference configuration, there [m]
   std::vector<CampbellBranch> branches;
   std::vector<SpecialSpeed> special;  // by rate
+  struct Response {
+    std::string place;
+    std::vector<Orbit> orbits;  // by rate; none where the equations are singular
+  };
+  std::vector<Response> responses;  // to unbalance
   std::vector<std::string> notes;
 };
 
@@ -68,6 +77,8 @@ CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options)
 std::string to_text(const CampbellStudy& study);
 // One row a rate and branch.
 std::string to_csv(const CampbellStudy& study);
+// One row a rate and place of responses to unbalance.
+std::string unbalance_csv(const CampbellStudy& study);
 std::string campbell_svg(const CampbellStudy& study);
 
 }  // namespace mbd

@@ -39,6 +39,16 @@ bool grows_or_decays(const CampbellStudy& study) {
   return most > round_off * frequency;
 }
 
+constexpr double degree = std::numbers::pi / 180.0;
+
+std::string words_of_response(const CampbellStudy::Response& response) {
+  const auto most = std::ranges::max_element(response.orbits, {}, &Orbit::major);
+  if (most == response.orbits.end()) return "no response to unbalance of " + response.place;
+  return fmt::format(
+      "response to unbalance of {}: at most {:.6g} m, at {:.6g} rad/s, {:.1f} degrees behind it",
+      response.place, most->major(), most->rate, most->lag() / degree);
+}
+
 }  // namespace
 
 std::string to_text(const CampbellStudy& study) {
@@ -66,20 +76,35 @@ std::string to_text(const CampbellStudy& study) {
     text += fmt::format("{}: {:.13g} rad/s ({:.8g} rpm), mode {}\n", words_of_kind(special.kind),
                         special.rate, special.rate * 30.0 / std::numbers::pi, special.branch + 1);
   if (study.special.empty()) text += "no critical speed in this range\n";
+  for (const CampbellStudy::Response& response : study.responses)
+    text += words_of_response(response) + '\n';
   for (const std::string& note : study.notes) text += "note: " + note + "\n";
   return text;
 }
 
 std::string to_csv(const CampbellStudy& study) {
   std::string text =
-      "rate,mode,re_eigenvalue,im_eigenvalue,inertial_frequency,orbit,overlap,name\n"
-      "# rad/s,-,1/s,rad/s,rad/s,-,-,-\n";
+      "rate,mode,re_eigenvalue,im_eigenvalue,inertial_frequency,orbit,overlap,round_off,name\n"
+      "# rad/s,-,1/s,rad/s,rad/s,-,-,-,-\n";
   for (std::size_t b = 0; b < study.branches.size(); ++b)
     for (const CampbellPoint& p : study.branches[b].points)
-      text += fmt::format("{:.17g},{},{:.17g},{:.17g},{},{:.6f},{:.6f},{}\n", p.rate, b + 1,
+      text += fmt::format("{:.17g},{},{:.17g},{:.17g},{},{:.6f},{:.6f},{:.3g},{}\n", p.rate, b + 1,
                           p.eigenvalue.real(), p.eigenvalue.imag(),
                           p.inertial ? fmt::format("{:.17g}", *p.inertial) : "", p.orbit, p.overlap,
-                          study::csv_cell(study.branches[b].name));
+                          p.round_off, study::csv_cell(study.branches[b].name));
+  return text;
+}
+
+std::string unbalance_csv(const CampbellStudy& study) {
+  std::string text =
+      "rate,place,major,minor,lag,re_forward,im_forward,re_backward,im_backward\n"
+      "# rad/s,-,m,m,deg,m,m,m,m\n";
+  for (const CampbellStudy::Response& response : study.responses)
+    for (const Orbit& o : response.orbits)
+      text += fmt::format("{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n",
+                          o.rate, study::csv_cell(response.place), o.major(), o.minor(),
+                          o.lag() / degree, o.forward.real(), o.forward.imag(), o.backward.real(),
+                          o.backward.imag());
   return text;
 }
 
@@ -162,6 +187,19 @@ plot::Panel displacements(const CampbellStudy& study) {
   return made;
 }
 
+// `value` of all orbits of each place.
+template <class Value>
+plot::Panel of_responses(const CampbellStudy& study, plot::Panel made, const Value& value) {
+  for (const CampbellStudy::Response& response : study.responses) {
+    plot::Curve curve;
+    curve.plain = true;
+    curve.label = response.place;
+    for (const Orbit& orbit : response.orbits) curve.trace.add({orbit.rate, value(orbit)});
+    made.curves.push_back(std::move(curve));
+  }
+  return made;
+}
+
 }  // namespace
 
 std::string campbell_svg(const CampbellStudy& study) {
@@ -178,6 +216,15 @@ std::string campbell_svg(const CampbellStudy& study) {
   if (std::any_of(study.displacements.begin(), study.displacements.end(),
                   [](double moved) { return moved > 0.0; }))
     panels.push_back(displacements(study));
+  if (!study.responses.empty()) {
+    plot::Panel size = panel("Response to unbalance: half the long axis of the orbit", "[m]");
+    size.y_log = true;
+    panels.push_back(
+        of_responses(study, std::move(size), [](const Orbit& o) { return o.major(); }));
+    panels.push_back(of_responses(study,
+                                  panel("Response to unbalance: how far it is behind", "[deg]"),
+                                  [](const Orbit& o) { return o.lag() / degree; }));
+  }
   plot::Layout layout;
   layout.title = study.model + ": Campbell diagram";
   return plot::to_svg(panels, layout);

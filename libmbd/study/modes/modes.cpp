@@ -211,6 +211,7 @@ void MotionsOfScene::turn(const SteadyRotation& rotation) {
 
 std::vector<NamedMode> MotionsOfScene::modes(const ModeOptions& options) {
   ModesFound found = find_modes(*motions_, options);
+  work_ += found.work;
   if (!found.failure.empty()) throw Error(scene_.source, "modes: " + found.failure);
   std::vector<NamedMode> result;
   for (Mode& mode : found.modes) {
@@ -361,6 +362,7 @@ ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
   mode_options.count = options.count;
   mode_options.near = options.near;
   study.modes = scene_motions.modes(mode_options);
+  study.work = scene_motions.work();
   if (options.near == 0.0)
     std::stable_sort(study.modes.begin(), study.modes.end(), [](const Mode& a, const Mode& b) {
       return std::abs(a.eigenvalue) < std::abs(b.eigenvalue);

@@ -54,6 +54,7 @@ struct ModesStudy {
   std::vector<std::string> nodes;   // names, the ground left out
   std::vector<Pose<double>> poses;  // of the nodes in equilibrium
   std::vector<NamedMode> modes;     // by frequency where `near` is 0, else by distance from it
+  KrylovWork work;                  // that found them
   std::vector<std::string> notes;
 };
 
@@ -77,6 +78,7 @@ class MotionsOfScene {
 
   // As find_modes(), named. Throws Error where it fails.
   std::vector<NamedMode> modes(const ModeOptions& options);
+  const KrylovWork& work() const { return work_; }  // of all modes() so far
 
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
@@ -107,6 +109,7 @@ class MotionsOfScene {
   std::vector<Quaternion<double>> axes_of_node_;  // section axes in its frame
   std::vector<std::string> part_names_;
   std::vector<std::string> notes_;
+  KrylovWork work_;
 };
 
 // `motions`: directory that gets a directory mode_1, mode_2 … with a motion.bin for each mode; empty: none.

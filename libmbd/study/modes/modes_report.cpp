@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -42,6 +43,28 @@ std::string damping(const NamedMode& mode) {
                        std::abs(mode.eigenvalue.real()));
   const double ratio = mode.damping_ratio();
   return std::abs(ratio) < round_off ? "0" : fmt::format("{:.4g} %", 100.0 * ratio);
+}
+
+// Without its last brace.
+std::string open_object(const Json& object) {
+  std::string text = object.dump(1);
+  while (text.back() == '}' || text.back() == '\n') text.pop_back();
+  return text;
+}
+
+// A line a node, written as it is made: of 1e5 unknowns the tree of numbers is larger than all that found them.
+void append_shape(const ModesStudy& study, const NamedMode& mode, std::string& text) {
+  const auto out = std::back_inserter(text);
+  for (std::size_t n = 0; n < study.nodes.size(); ++n) {
+    const Eigen::Matrix3d R = study.poses[n].p.toRotationMatrix();
+    text += n > 0 ? ",\n  [" : "\n  [";
+    for (Index part = 0; part < 6; part += 3) {
+      const Eigen::Vector3cd x = R * mode.shape.segment<3>(static_cast<Index>(6 * n) + part);
+      for (Index k = 0; k < 3; ++k)
+        fmt::format_to(out, "{}[{},{}]", part + k > 0 ? "," : "", x(k).real(), x(k).imag());
+    }
+    text += ']';
+  }
 }
 
 }  // namespace
@@ -131,8 +154,9 @@ std::string to_json(const ModesStudy& study) {
                      {"position", {H.r(0), H.r(1), H.r(2)}},
                      {"orientation", {H.p.w(), H.p.x(), H.p.y(), H.p.z()}}});
   }
-  Json& modes = json["modes"] = Json::array();
-  for (const NamedMode& mode : study.modes) {
+  std::string text = open_object(json) + ",\n \"modes\": [";
+  for (std::size_t i = 0; i < study.modes.size(); ++i) {
+    const NamedMode& mode = study.modes[i];
     Json one;
     one["name"] = mode.name;
     one["eigenvalue"] = {mode.eigenvalue.real(), mode.eigenvalue.imag()};
@@ -147,19 +171,11 @@ std::string to_json(const ModesStudy& study) {
     Json& parts = one["parts"] = Json::array();
     for (const auto& [part, share] : mode.parts)
       parts.push_back({{"name", part}, {"share", share}});
-    Json& shape = one["shape"] = Json::array();
-    for (std::size_t n = 0; n < study.nodes.size(); ++n) {
-      const Eigen::Matrix3d R = study.poses[n].p.toRotationMatrix();
-      Json row = Json::array();
-      for (Index part = 0; part < 6; part += 3) {
-        const Eigen::Vector3cd x = R * mode.shape.segment<3>(static_cast<Index>(6 * n) + part);
-        for (Index k = 0; k < 3; ++k) row.push_back({x(k).real(), x(k).imag()});
-      }
-      shape.push_back(std::move(row));
-    }
-    modes.push_back(std::move(one));
+    text += (i > 0 ? ",\n" : "\n") + open_object(one) + ",\n \"shape\": [";
+    append_shape(study, mode, text);
+    text += "]}";
   }
-  return json.dump(1) + "\n";
+  return text + "]\n}\n";
 }
 
 }  // namespace mbd
