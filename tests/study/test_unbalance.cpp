@@ -82,12 +82,13 @@ TEST(Unbalance, OfAnEccentricMassInTime) {
   constexpr double k3 = 3.2e5, c3 = 900.0;
   for (const double W : {80.0, 140.0}) {
     const double turn = 2.0 * pi / W;
-    const Scene scene = read(rotor(k3, c3, fmt::format(R"(center="0 {} 0")", e),
-                                   fmt::format(R"(<drive joint="R" rate="{0}"/>
+    const Scene scene =
+        read(rotor(k3, c3, fmt::format(R"(center="0 {} 0" angular_velocity="{} 0 0")", e, W),
+                   fmt::format(R"(<drive joint="R" rate="{0}"/>
           <transient duration="{1:.17g}" method="radau" tolerance="1e-9" output="{2:.17g}"/>
           <record name="D" at="housing" quantities="displacement"/>
           <record name="angle" joint="R" quantities="angle"/>)",
-                                               W, 31.0 * turn, turn / 32.0)));
+                               W, 31.0 * turn, turn / 32.0)));
     const History history = run_to_table(scene);
     ASSERT_TRUE(history.report.complete()) << history.report.failure;
     const Table& table = history.table;
