@@ -157,9 +157,9 @@ TEST_F(RunFileTest, IsClosedByAnInterrupt) {
 // A file that may not grow ends the run with its name, and holds what was written before.
 TEST_F(RunFileTest, SaysThatTheDiskIsFull) {
   write_text(file("long.xml"), long_run);
-  const Output output =
-      bash("cd " + quote(directory_.path().string()) + "; trap '' XFSZ; ulimit -f 1500; exec " +
-           quote(mbd_program) + " run long.xml --hdf5 -q -o out --set T=20 every=1e-3 --no-estimate");
+  const Output output = bash("cd " + quote(directory_.path().string()) +
+                             "; trap '' XFSZ; ulimit -f 1500; exec " + quote(mbd_program) +
+                             " run long.xml --hdf5 -q -o out --set T=20 every=1e-3 --no-estimate");
   EXPECT_EQ(output.status, 1) << output.text;
   expect_says(output.text, {"cannot be written (File too large)"});
   EXPECT_LE(fs::file_size(file("out/run.h5")), 1'536'000U);
