@@ -207,27 +207,33 @@ TEST(Modes, SayWhatRoundOffLeavesUnknown) {
   EXPECT_EQ(to_text(coarse).find("round-off"), std::string::npos);
 }
 
-// What is at rest at its round-off is not iterated further: products of the inverse and one vector, of which there are 182 here
-// and 382 of 3000 elements, where the slowest modes are hidden in round-off. (With Arnoldi's method of one vector and a tolerance
-// below round-off they were 208, and 1309.) Mutations: at_rest = 0 (1000 restarts); the shift of free motions from 1e-3 of the
-// fastest (1525 of 5550 elements).
+// What is at rest at its round-off is not iterated further: products of the inverse and one vector, of which there are 182 here, and
+// 382 of 3000 elements, where the slowest modes are hidden in round-off. (With Arnoldi's method of one vector and a tolerance below
+// round-off they were 208, and 1309.) Mutation seen: where modes are hidden, the search of a shift begun at 1e-3 of the fastest (1049
+// products). Not seen: at_rest = 0; vectors not weighed by the mass (residuals three times as large).
 TEST(Modes, OfManyElementsCostFewSolutions) {
-  for (const int elements : {500, 2600}) {
+  struct Case {
+    int elements, count;
+    const char* damping;
+    long products, restarts;
+  };
+  for (const Case& c : {Case{500, 50, "", 200, 0}, Case{3000, 50, "", 450, 2},
+                        Case{500, 20, R"(<damping stiffness_proportional="1e-6"/>)", 300, 9}}) {
     ModesOptions options;
-    options.count = 50;
+    options.count = c.count;
     const ModesStudy study = study_modes(
         read(fmt::format(
             R"(<section name="s"><stiffness EA="1e9" GA2="3e8" GA3="3e8" GJ="1e6" EI2="1e6" EI3="2e6"/>
-            <mass per_length="10" inertia="0.03 0.01 0.02"/></section>
+            <mass per_length="10" inertia="0.03 0.01 0.02"/>{}</section>
             <beam name="b" section="s" from="0 0 0" to="100 0 0" normal="0 0 1" elements="{}" order="3"/>
             <fixed name="f" between="ground b.start"/><static/>)",
-            elements)),
+            c.damping, c.elements)),
         options);
-    ASSERT_EQ(study.modes.size(), 50U);
-    EXPECT_LE(study.work.products, elements == 500 ? 200 : 450);
-    EXPECT_LE(study.work.restarts, 2);
+    ASSERT_EQ(study.modes.size(), static_cast<std::size_t>(c.count));
+    EXPECT_LE(study.work.products, c.products) << c.elements << c.damping;
+    EXPECT_LE(study.work.restarts, c.restarts) << c.elements << c.damping;
     // Residuals are those of the inverse, which is known better than its eigenvalues.
-    for (const NamedMode& mode : study.modes) EXPECT_LT(mode.residual, 1e-9) << mode.name;
+    for (const NamedMode& mode : study.modes) EXPECT_LT(mode.residual, 1e-8) << mode.name;
   }
 }
 
@@ -299,6 +305,9 @@ TEST(Modes, RepeatedAreAllFound) {
     EXPECT_NEAR(modes[static_cast<std::size_t>(i)].eigenvalue.imag(), wanted, 1e-8 * wanted) << i;
   }
   EXPECT_GT(modes[2 * n].eigenvalue.imag(), 5.0 * modes[0].eigenvalue.imag());
+  // Those of one frequency alone, five times as often as a block has vectors.
+  for (const NamedMode& mode : modes_of(read(text), 2 * n))
+    EXPECT_NEAR(mode.eigenvalue.imag(), modes[0].eigenvalue.imag(), 1e-8 * mode.eigenvalue.imag());
 }
 
 // A frequency asked for is found from the middle of the spectrum.

@@ -1,6 +1,7 @@
 // Response to unbalance against Jeffcott's rotor in closed form, on bearings that are alike in all directions (turning axes would
 // be enough) and on unequal ones, and against the motion of an eccentric mass in time.
-// Seen: 0.5 W for W^2 in the force; the sign of e3; C left out of (1) of unbalance.hpp.
+// Mutations seen: half the force; e3 the other way; 1.0001 W in the equations; an unbalance of what rests taken. Not seen: a free spin
+// that nothing holds (its motion moves no point of the axis).
 #include "libmbd/study/modes/unbalance.hpp"
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include <numbers>
 
 #include "libmbd/study/modes/campbell.hpp"
+#include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_unbalance {
@@ -93,7 +95,7 @@ TEST(Unbalance, OfAnEccentricMassInTime) {
     ASSERT_TRUE(history.report.complete()) << history.report.failure;
     const Table& table = history.table;
     Complex forward = 0.0, backward = 0.0;
-    const std::size_t rows = table.rows();
+    const std::size_t rows = table.rows() - 1;  // that of the end may lie beside the others
     ASSERT_GT(rows, 32U * 30U);
     for (std::size_t row = rows - 32; row < rows; ++row) {
       const Complex w(table["D.displacement.2"][row], table["D.displacement.3"][row]);
@@ -106,9 +108,9 @@ TEST(Unbalance, OfAnEccentricMassInTime) {
     const Orbit& orbit = result.responses.at(0).orbits.at(0);
     ASSERT_NEAR(orbit.rate, W, 1e-9);
     const double size = std::abs(orbit.forward);
-    EXPECT_LT(std::abs(orbit.forward - forward), 1e-4 * size) << W;
-    EXPECT_LT(std::abs(orbit.backward - backward), 1e-4 * size) << W;
-    EXPECT_GT(std::abs(orbit.backward), 0.05 * size) << "no ellipse";
+    EXPECT_LT(std::abs(orbit.forward - forward), 1e-5 * size) << W;
+    EXPECT_LT(std::abs(orbit.backward - backward), 1e-5 * size) << W;
+    EXPECT_GT(std::abs(orbit.backward), 0.3 * size) << "no ellipse";
   }
 }
 
@@ -133,6 +135,7 @@ TEST(Unbalance, OfAFlexibleShaftInTurningAxes) {
                                               options);
   EXPECT_EQ(result.axes, ModeAxes::turning);
   ASSERT_EQ(result.responses.size(), 3U);
+  ASSERT_GE(result.responses[0].orbits.size(), 6U);
   for (const Orbit& orbit : result.responses[0].orbits) {
     const double W2 = orbit.rate * orbit.rate, wanted = e * W2 / (w2 - W2);
     EXPECT_NEAR(orbit.forward.real(), wanted, 1e-5 * std::abs(wanted)) << orbit.rate;

@@ -54,7 +54,7 @@ struct Across {
 
 double Orbit::lag() const {
   const double angle = -std::arg(forward);
-  return angle < -0.5 * std::numbers::pi ? angle + 2.0 * std::numbers::pi : angle;
+  return angle < -0.5 * std::numbers::pi ? angle + 2.0 * std::numbers::pi : angle + 0.0;  // not -0
 }
 
 Vec3 first_across(const Vec3& axis) {
