@@ -126,7 +126,7 @@ void add_campbell_command(CLI::App& app, int& status) {
   set_examples(*command,
                "mbd campbell models/shaft.xml --rates 0:81 --without gravity\n"
                "mbd campbell models/shaft.xml --rates \"0:600 rpm\" --without gravity --count 4\n"
-               "mbd campbell models/shaft.xml --rates 0:80 --without gravity -s d=0 --unbalance "
+               "mbd campbell models/shaft.xml --rates 0:80 --without gravity -s d=0 -u "
                "shaft@0.5=\"20 g.cm\"",
                "Exit status: 0 all went well; 1 an error; 130 interrupted, with what was done "
                "written; 100 and\n"
