@@ -131,7 +131,6 @@ const std::vector<ThirdParty>& third_parties() {
       {"klu.h", {"solvers/linear/"}, true, true},
       {"suitesparse/klu.h", {"solvers/linear/"}, true, true},
       {"dmumps_c.h", {"solvers/linear/"}, true, true},
-      {"Spectra/", {"solvers/modes/"}, true, true},
       {"kinsol/", {"solvers/statics/"}, true, true},
       {"ida/", {"solvers/time/"}, true, true},
       {"nvector/", {"solvers/newton/sundials.hpp"}, false, true},

@@ -73,4 +73,11 @@ double von_mises(const Vec6& s) {
                    3.0 * (s(3) * s(3) + s(4) * s(4) + s(5) * s(5)));
 }
 
+Mat6 von_mises_form() {
+  Mat6 A = Mat6::Zero();
+  A.topLeftCorner<3, 3>().setConstant(-0.5);
+  A.diagonal() << 1.0, 1.0, 1.0, 3.0, 3.0, 3.0;
+  return A;
+}
+
 }  // namespace mbd::section

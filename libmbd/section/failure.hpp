@@ -33,5 +33,7 @@ double failure_index(Criterion criterion, const Vec6& stress, const Strengths& s
 
 // The stress of von Mises [Pa], along any axes.
 double von_mises(const Vec6& stress);
+// A of its square s.A s, for stresses that are linear in something.
+Mat6 von_mises_form();
 
 }  // namespace mbd::section

@@ -360,10 +360,6 @@ class Overlay {
   std::array<std::vector<double>, 2> keys_, still_;
 };
 
-}  // namespace
-
-namespace {
-
 // Seven digits of each.
 PageJson numbers_of(std::span<const double> values) {
   PageJson all = PageJson::array();

@@ -9,6 +9,7 @@
 #include "libmbd/material/shaped_sections.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
+#include "libmbd/section/failure.hpp"
 #include "libmbd/section/material.hpp"
 
 namespace mbd {
@@ -159,14 +160,6 @@ section::Influence influence_near(const section::StressField& field, const secti
   return nearest;
 }
 
-// A of von Mises' stress sqrt(s.A s), s = [11 22 33 23 13 12] in any axes.
-Mat6 von_mises_form() {
-  Mat6 A = Mat6::Zero();
-  A.topLeftCorner<3, 3>().setConstant(-0.5);
-  A.diagonal() << 1.0, 1.0, 1.0, 3.0, 3.0, 3.0;
-  return A;
-}
-
 bool has_plies(const section::StressField& field) {
   return !std::ranges::all_of(field.mesh().materials, [](const section::MeshMaterial& material) {
     return is_isotropic(material.stiffness);
@@ -181,7 +174,8 @@ OutlineStresses outline_stresses(const section::StressField& field, const Stress
   for (const OutlinePoint& at : made.outline.rim) {
     const section::Influence influence = influence_near(
         field, section::Point(at[0] * beam.sides[0] / 2.0, at[1] * beam.sides[1] / 2.0));
-    made.von_mises.push_back(influence.stress.transpose() * von_mises_form() * influence.stress);
+    made.von_mises.push_back(influence.stress.transpose() * section::von_mises_form() *
+                             influence.stress);
     if (plies) made.fibres.push_back(influence.stress.row(0).transpose());
   }
   return made;

@@ -38,11 +38,12 @@ StressesOfBeams stresses_of_beams(const Scene& model, const Motion& motion);
 
 // Stresses on the surface of beams, at the points of a finer outline, by resultants S = [N Q2 Q3 M1 M2 M3].
 struct OutlineStresses {
-  SectionOutline
-      outline;  // up to some 48 points, fewer where there are many beams; its caps are not told of
-  std::vector<Mat6> von_mises;  // sqrt(S.A S) is von Mises' stress [1/m^4, 1/m^5, 1/m^6]
-  std::vector<Vec6>
-      fibres;  // b.S is the stress along them [1/m^2, 1/m^3]; empty where all is isotropic
+  // Up to some 48 points, fewer where there are many beams; its caps are not told of.
+  SectionOutline outline;
+  // sqrt(S.A S) is von Mises' stress [1/m^4, 1/m^5, 1/m^6].
+  std::vector<Mat6> von_mises;
+  // b.S is the stress along them [1/m^2, 1/m^3]; empty where all is isotropic.
+  std::vector<Vec6> fibres;
 };
 
 // By the name of the section.

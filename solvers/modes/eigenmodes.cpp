@@ -15,9 +15,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double infinite = 1e-13;  // theta of an infinite eigenvalue, of the largest
-constexpr double tiny = 1e-4;       // |l| that is not well seen, of the shift
-constexpr double unseen = 1e-14;    // share of what cancels in K that is round-off
+constexpr double tiny = 1e-4;     // |l| that is not well seen, of the shift
+constexpr double unseen = 1e-14;  // share of what cancels in K that is round-off
 // Of what cancels: twice the most that was seen on cantilevers of 139 to 4000 elements (as little as a sixtieth of it is lost).
 constexpr double share_lost = 1e-16;
 
@@ -133,7 +132,7 @@ ModesFound modes_at(const MotionPencil& motions, Complex shift, double omega, in
   const double most = std::abs(pairs.values(0));
   for (Index i = 0; i < pairs.values.size(); ++i) {
     const Complex theta = pairs.values(i);
-    if (!(std::abs(theta) > infinite * most)) continue;
+    if (!(std::abs(theta) > least_share * most)) continue;  // l is infinite
     VecXc x = T.shape(pairs.vectors.col(i));
     const double whole = pairs.vectors.col(i).norm();
     // The conjugate of a doubled eigenvector is none.

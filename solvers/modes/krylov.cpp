@@ -25,7 +25,6 @@ constexpr Index spare =
 constexpr double converged = 1e-12;  // residual, relative
 constexpr double enough = 1e-6;      // of those that are spare
 constexpr double at_rest = 1e-6;     // residual that may be accepted if restarts do not improve it
-constexpr double nothing = 1e-13;    // theta of an infinite eigenvalue, of the largest
 constexpr double no_larger =
     1.0 - 1e-9;  // what is as large as the last of those wanted may be its twin
 constexpr long most_restarts = 1000;  // of a start
@@ -213,7 +212,7 @@ bool BlockKrylov::judge() {
     constexpr double margin = 3.0;
     const double theta = std::abs(values_(i)), error = By.col(i).norm();
     if (theta + margin * error > floor_) may_be_larger = true;
-    if (!(theta > nothing * largest) || theta + margin * error < floor_) continue;
+    if (!(theta > least_share * largest) || theta + margin * error < floor_) continue;
     const double round_off = 4.0 * std::numeric_limits<double>::epsilon() * largest;
     const double tolerance = i < wanted_ - spare_ ? converged : enough;
     if (!(error <= std::max(tolerance * theta, round_off))) worst = std::max(worst, error / theta);
@@ -333,7 +332,7 @@ EigenPairs largest_eigenpairs(const WeightedOperator& T, Index wanted, KrylovWor
   EigenPairs pairs;
   for (int start = 0; start < most_starts && Q.cols() < n; ++start) {
     const auto last = static_cast<std::size_t>(wanted - 1);
-    double floor = sizes.empty() ? 0.0 : nothing * sizes.front();
+    double floor = sizes.empty() ? 0.0 : least_share * sizes.front();
     if (last < sizes.size()) floor = std::max(floor, no_larger * sizes[last]);
     const bool is_first = start == 0;
     BlockKrylov krylov(T, Q,

@@ -42,6 +42,9 @@ struct KrylovWork {
   }
 };
 
+// Of the largest eigenvalue; what is smaller is round-off of 0.
+inline constexpr double least_share = 1e-13;
+
 struct EigenPairs {
   Eigen::VectorXcd values;  // the largest first
   Eigen::MatrixXcd vectors;

@@ -69,7 +69,6 @@ class SmallMotions final : public MotionPencil {
   // x = Q^-1 b, of all unknowns; scaled rows and multipliers are this function's business.
   void solve_all(VecX& b) const;
   double reciprocal_condition() const { return pencil_->reciprocal_condition(); }
-  long factorizations() const { return pencil_->facts().factorizations; }
 
  private:
   Eigen::SparseMatrix<double> nonzeros(int power) const;

@@ -42,8 +42,7 @@ VtkFiles export_results(const ExportArguments& arguments) {
   if (!arguments.set.empty() && !arguments.stresses.asked)
     throw Error("--set " + arguments.set.front() +
                 ": these are results; run the model with it, or name the model");
-  if (!arguments.stresses.model.empty() && !arguments.stresses.asked)
-    throw Error("--model " + arguments.stresses.model + ": it is for --stresses; give that too");
+  check_model_has_use(arguments.stresses);
   const fs::path given(arguments.what);
   const fs::path directory = fs::is_directory(given) ? given : given.parent_path();
   const Motion motion = read_motion(directory / "motion.bin");
@@ -56,10 +55,7 @@ VtkFiles export_results(const ExportArguments& arguments) {
 }
 
 VtkFiles export_model(const ExportArguments& arguments) {
-  if (arguments.stresses.asked || !arguments.stresses.model.empty())
-    throw Error(
-        "--stresses: a model has none; run it with --motion and name the directory of its "
-        "results");
+  check_no_stresses_of_model(arguments.stresses);
   if (!arguments.frames.empty())
     throw Error("--frames " + arguments.frames +
                 ": a model has no frames; run it with --motion and name the directory of its "

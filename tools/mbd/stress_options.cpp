@@ -43,6 +43,18 @@ void add_stress_options(CLI::App& command, StressOptions& options, const std::st
       ->type_name("FILE");
 }
 
+void check_model_has_use(const StressOptions& options) {
+  if (!options.asked && !options.model.empty())
+    throw Error("--model " + options.model + ": it is for --stresses; give that too");
+}
+
+void check_no_stresses_of_model(const StressOptions& options) {
+  if (options.asked || !options.model.empty())
+    throw Error(
+        "--stresses: a model has none; run it with --motion and name the directory of its "
+        "results");
+}
+
 StressesOfBeams stresses_of_beams(const StressOptions& options, const std::vector<std::string>& set,
                                   const Motion& motion) {
   return by_the_model(options, set, motion, [](const Scene& model, const Motion& of) {

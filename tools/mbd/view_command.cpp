@@ -404,17 +404,13 @@ int view_two(const ViewArguments& arguments) {
 
 // Before anything is read.
 void check_stress_options(const ViewArguments& arguments) {
-  if (!arguments.stresses.asked && !arguments.stresses.model.empty())
-    throw Error("--model " + arguments.stresses.model + ": it is for --stresses; give that too");
+  check_model_has_use(arguments.stresses);
   if (!arguments.stresses.asked) return;
   if (arguments.has_picture())
     throw Error(
         "--stresses is of the page, and --image and --animation make none; give them apart");
   if (!arguments.beside.empty()) throw Error("--stresses is of the page of one run; name one");
-  if (!is_results(arguments.what))
-    throw Error(
-        "--stresses: a model has none; run it with --motion and name the directory of its "
-        "results");
+  if (!is_results(arguments.what)) check_no_stresses_of_model(arguments.stresses);
 }
 
 int view(const ViewArguments& arguments) {

@@ -48,7 +48,7 @@ std::string damping(const NamedMode& mode) {
 // Without its last brace.
 std::string open_object(const Json& object) {
   std::string text = object.dump(1);
-  while (text.back() == '}' || text.back() == '\n') text.pop_back();
+  text.resize(text.size() - std::string_view("\n}").size());
   return text;
 }
 

@@ -196,7 +196,10 @@
   }
   const copy = (from, into, at) => {  // is any other than it was?
     let other = false;
-    for (let i = 0; i < from.length; ++i) if (into[at + i] !== from[i]) into[at + i] = Math.fround(from[i]), other = true;
+    for (let i = 0; i < from.length; ++i) {
+      const value = Math.fround(from[i]);  // as it is kept
+      if (into[at + i] !== value) into[at + i] = value, other = true;
+    }
     return other;
   };
   function fillBatches() {

@@ -25,7 +25,6 @@ class Mbd(CMakePackage):
     depends_on("cmake@3.25:", type="build")
     depends_on("cli11", type="build")
     depends_on("nlohmann-json@3:", type="build")
-    depends_on("spectra", type="build")
     depends_on("eigen@3.4")
     depends_on("fmt")
     depends_on("mumps~mpi+double+shared")
