@@ -529,7 +529,7 @@ void each_call_fails_once(const FaultyRuns& runs, const std::string& function,
       const Ended ended = runs.run(fmt::format("{} {} {}", function, status, n));
       if (ended.status == 0) {
         const mbd::History history = read_history(runs.out / "history.csv");
-        ASSERT_EQ(history.rows(), whole.rows());
+        ASSERT_GE(history.rows(), whole.rows());  // load steps may be divided
         for (std::size_t c = 0; c < whole.columns.size(); ++c)
           EXPECT_NEAR(history.values[c].back(), whole.values[c].back(), 2e-3)
               << whole.columns[c].name;
@@ -537,7 +537,8 @@ void each_call_fails_once(const FaultyRuns& runs, const std::string& function,
       }
       ASSERT_EQ(ended.status, 1) << ended.err;
       EXPECT_NE(ended.err, "");
-      if (status == no_memory && function.starts_with("klu")) {
+      if (status == no_memory && function.starts_with("klu") &&
+          function.find("solve") == std::string::npos) {
         EXPECT_NE(ended.err.find("out of memory"), std::string::npos) << ended.err;
       }
       EXPECT_EQ(fs::exists(runs.out / "history.csv"), fs::exists(runs.out / "report.json"))
