@@ -8,15 +8,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/core/error.hpp"
 #include "libmbd/language/reader.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/run/describe.hpp"
+#include "libmbd/run/run.hpp"
 #include "libmbd/scene/section_table.hpp"
 
 namespace mbd::test::test_costs {
@@ -113,6 +116,107 @@ TEST(CostsSlow, LoopsThatShareBodies) {
     EXPECT_GT(compiled.redundant.size(), static_cast<std::size_t>(2 * n));
   });
   EXPECT_LT(of_loops, 3.0);  // idle rows are chosen by dense algebra, up to 1000 of them
+}
+
+// Whole runs, of parts in one row, in a tree and in a grid.
+void run_of(const std::string& inside) {
+  const RunReport report =
+      run(read_model_text("<mbd name=\"m\">" + inside + "</mbd>"), {.estimate_error = false});
+  ASSERT_TRUE(report.complete()) << report.failure;
+}
+
+const char* const soft =
+    R"(<section name="s"><stiffness EA="1e5" GA2="4e4" GA3="4e4" GJ="80" EI2="100" EI3="100"/>
+    <mass per_length="1" inertia="2e-4 1e-4 1e-4"/></section>)";
+const char* const steps =
+    R"(<gravity acceleration="0 0 -9.81"/><transient duration="0.01" step="0.002" rho_infinity="0.5"/>)";
+
+std::string bar(const std::string& name, double x, double y, double to_x, double to_y) {
+  return fmt::format(
+      "<beam name=\"{}\" section=\"s\" from=\"{} {} 0\" to=\"{} {} 0\" normal=\"0 0 1\"/>", name, x,
+      y, to_x, to_y);
+}
+std::string weld(const std::string& a, const std::string& b) {
+  return fmt::format("<fixed name=\"{0}_{1}\" between=\"{2} {3}\"/>",
+                     a.substr(0, a.find('.')) + a.substr(a.find('.') + 1),
+                     b.substr(0, b.find('.')) + b.substr(b.find('.') + 1), a, b);
+}
+
+TEST(CostsSlow, RunsOfCantilevers) {
+  EXPECT_LT(exponent(400,
+                     [](int n) {
+                       run_of(soft +
+                              fmt::format(R"(<beam name="b" section="s" from="0 0 0" to="1 0 0"
+                           normal="0 0 1" elements="{}"/>)",
+                                          n) +
+                              R"(<fixed name="f" between="ground b.start"/>
+                              <load at="b.end" force="0 0 -100"/><static/>)");
+                     }),
+            near_linear);
+}
+
+TEST(CostsSlow, RunsOfChains) {
+  EXPECT_LT(exponent(250,
+                     [](int n) {
+                       std::string text;
+                       for (int i = 0; i < n; ++i)
+                         text += body(fmt::format("b{}", i), i) +
+                                 joint("spherical", fmt::format("j{}", i),
+                                       i == 0 ? "ground b0" : fmt::format("b{} b{}", i - 1, i),
+                                       i - 0.5);
+                       run_of(text + steps);
+                     }),
+            near_linear);
+}
+
+// Each beam has two at its end.
+TEST(CostsSlow, RunsOfTrees) {
+  EXPECT_LT(
+      exponent(120,
+               [](int n) {
+                 std::string text = soft;
+                 std::vector<std::array<double, 2>> end;
+                 for (int i = 0; i < n; ++i) {
+                   const auto parent = static_cast<std::size_t>((i - 1) / 2);
+                   const std::array<double, 2> from = i == 0 ? std::array{0.0, 0.0} : end[parent];
+                   end.push_back({from[0] + 1.0, from[1] + (i % 2 == 0 ? 1.0 : -1.0) / (1.0 + i)});
+                   const std::string name = fmt::format("b{}", i);
+                   text += bar(name, from[0], from[1], end.back()[0], end.back()[1]) +
+                           (i == 0 ? R"(<fixed name="f" between="ground b0.start"/>)"
+                                   : weld(fmt::format("b{}.end", parent), name + ".start"));
+                 }
+                 run_of(text + steps);
+               }),
+      near_linear);
+}
+
+// Squares of beams, k in a row, held along one side.
+TEST(CostsSlow, RunsOfGrids) {
+  EXPECT_LT(exponent(36,
+                     [](int n) {
+                       const int k = static_cast<int>(std::lround(std::sqrt(n)));
+                       std::string text = soft;
+                       for (int i = 0; i <= k; ++i)
+                         for (int j = 0; j <= k; ++j) {
+                           // Which ends meet at the node (i, j): each but the first is welded to the first.
+                           std::vector<std::string> ends;
+                           const std::string across = fmt::format("x{}y{}", i, j),
+                                             up = fmt::format("u{}y{}", i, j);
+                           if (i < k)
+                             text += bar(across, i, j, i + 1, j), ends.push_back(across + ".start");
+                           if (j < k)
+                             text += bar(up, i, j, i, j + 1), ends.push_back(up + ".start");
+                           if (i > 0) ends.push_back(fmt::format("x{}y{}.end", i - 1, j));
+                           if (j > 0) ends.push_back(fmt::format("u{}y{}.end", i, j - 1));
+                           if (i == 0)
+                             text += fmt::format("<fixed name=\"f{}\" between=\"ground {}\"/>", j,
+                                                 ends[0]);
+                           for (std::size_t e = 1; e < ends.size(); ++e)
+                             text += weld(ends[0], ends[e]);
+                         }
+                       run_of(text + R"(<load at="x0y0.end" force="0 0 -1"/><static/>)");
+                     }),
+            near_linear);
 }
 
 TEST(Costs, JointsInOnePlaceHaveALimit) {
