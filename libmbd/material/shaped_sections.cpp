@@ -164,7 +164,7 @@ class Shaped {
                             s_.curvature(1),
                             s_.curvature(2),
                             s_.tolerance};
-    all.push_back(s_.mesh_tolerance);
+    all.insert(all.end(), {s_.mesh_tolerance, s_.airfoil_tolerance});
     all.insert(all.end(), mesh_key_.begin(), mesh_key_.end());
     if (SectionShape::is_mesh(s_))
       for (const section::MeshMaterial& m : materials_) {
@@ -479,7 +479,9 @@ section::Converged analysed(const SectionShape& shape, Shaped& shaped) {
   static std::mutex mutex;
   static std::map<std::vector<double>, section::Converged> known;
   const int most_unknowns = reading_limits().section_unknowns;
-  const double tolerance = SectionShape::is_mesh(shape) ? shape.mesh_tolerance : shape.tolerance;
+  const double tolerance = SectionShape::is_mesh(shape)      ? shape.mesh_tolerance
+                           : SectionShape::is_airfoil(shape) ? shape.airfoil_tolerance
+                                                             : shape.tolerance;
   constexpr std::size_t most_known = 100;
   const section::Mesher mesher = shaped.mesher();
   const std::vector<double> key = shaped.key();

@@ -188,9 +188,8 @@ struct AirfoilWebScene {
       "A straight wall between two places of the contour of an airfoil. Its plies lie about the "
       "line between these, their normal to the right of who goes from the first to the second (b2 "
       "to the right, b3 up); it stands on the inner surfaces of the walls. On a border of two "
-      "sectors it stands on the one that is listed first, which then reaches to the far edge of "
-      "its "
-      "foot; on one that is bare, on the other."};
+      "sectors it stands on the thicker one (of alike ones on that which is listed first), which "
+      "then reaches to the far edge of its foot."};
   static void each_field(const auto& f) {
     using namespace field;
     using S = AirfoilWebScene;
@@ -251,7 +250,7 @@ struct SectionShape {
   BoxCorners corners = BoxCorners::mitred;
   double x2 = 0.0, x3 = 0.0, turn = 0.0;
   Vec3 curvature = Vec3::Zero();
-  double tolerance = 1e-5, mesh_tolerance = 1e-3;
+  double tolerance = 1e-5, mesh_tolerance = 1e-3, airfoil_tolerance = 1e-4;
   std::string file;   // of a mesh: beside the model, or an absolute path
   double unit = 1.0;  // and of an airfoil: length of one unit of its points
   std::vector<MeshRegionScene> regions;
@@ -276,7 +275,6 @@ struct SectionShape {
   static bool is_airfoil(const SectionShape& s) { return s.kind == Kind::airfoil; }
   static bool has_parts(const SectionShape& s) { return is_mesh(s) || is_airfoil(s); }
   static bool has_corners(const SectionShape& s) { return is_box(s) || is_airfoil(s); }
-  static bool is_drawn(const SectionShape& s) { return !is_mesh(s); }
   static bool is_simple(const SectionShape& s) { return !has_parts(s); }
   static bool may_be_plies(const SectionShape& s) { return is_simple(s) && !is_bar(s); }
 
@@ -316,11 +314,13 @@ struct SectionShape {
             "where the line from point to point turns by more there are corners; 0: straight lines "
             "between all points",
             Range{0.0, 3.141592653589793}, is_airfoil));
-    f(Field(&S::corners, "corners", "", preset,
-            "mitred: plies turn round them; butt: walls of a box across b3 go through, those "
-            "across b2 stand between them; of an airfoil, the wall before the corner goes through "
-            "(corners that point inward are mitred)",
-            has_corners));
+    f(Field(
+        &S::corners, "corners", "", preset,
+        "mitred: plies turn round them; butt: walls of a box across b3 go through, those "
+        "across b2 stand between them; of an airfoil, the wall of the sector that is listed first "
+        "goes through, in one sector the wall before the corner (corners that point inward are "
+        "mitred)",
+        has_corners));
     f(Field(&S::x2, "x2", "m", preset,
             "where its centre lies along b2 (of a C: its outer face and half its height; of a mesh "
             "or an airfoil: the origin of its points)"));
@@ -331,7 +331,10 @@ struct SectionShape {
             "which D and M take into account. They are not taken from the beam"));
     f(Field(&S::tolerance, "tolerance", pure_number, preset,
             "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
-            Range{1e-10, 0.1}, is_drawn));
+            Range{1e-10, 0.1}, is_simple));
+    f(Field(&S::airfoil_tolerance, "tolerance", pure_number, preset,
+            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_airfoil));
     f(Field(&S::mesh_tolerance, "tolerance", pure_number, preset,
             "the order of the elements is raised until every entry ij of D changes less, over "
             "sqrt(Dii Djj)",

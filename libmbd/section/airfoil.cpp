@@ -59,6 +59,10 @@ struct Wall {
   bool foot = false;
   End begin = End::plain, end = End::plain;
   std::vector<bool> marked_from, marked_to;  // at each depth
+  // What a corner takes from its inner surface, at either end; and whether that is so much that lines of elements across
+  // it lean as its ends do, all along, instead of standing upright next to them.
+  double cut_from = 0.0, cut_to = 0.0;
+  bool leaning = false;
 };
 
 struct Foot {
@@ -283,12 +287,19 @@ class Walls {
     webs_.push_back(std::move(web));
   }
 
-  // On the sector at u, or the first of those under it as they are listed.
+  // Of two sectors a web stands on the thicker one, else on the one that is listed first: beside the thinner one there would
+  // be no room for the plies of the other.
+  bool carries(int s, int other) const {
+    if (bare(s)) return false;
+    if (other < 0 || thickness(s) > thickness(other) + near_) return true;
+    return thickness(s) > thickness(other) - near_ && s < other;
+  }
+
   Foot foot(const AirfoilWeb& stated, const Web& web, double u) const {
     int on = -1;
     for (const int side : {1, -1}) {
       const int s = sector_at(u + side * 2.0 * near_ + contour_.period());
-      if (!bare(s) && (on < 0 || s < on)) on = s;
+      if (carries(s, on)) on = s;
     }
     if (on < 0)
       fail(stated, "web",
@@ -297,9 +308,8 @@ class Walls {
                        fraction_of(u)));
     Foot found = foot_on(stated, web, u, on);
     for (const Range& r : ranges_)
-      if (!bare(r.sector) && r.sector < on &&
-          (onward(found.low, r.from) < found.high - found.low ||
-           onward(found.low, r.to()) < found.high - found.low))
+      if (carries(r.sector, on) && (onward(found.low, r.from) < found.high - found.low ||
+                                    onward(found.low, r.to()) < found.high - found.low))
         on = r.sector;
     return on == found.sector ? found : foot_on(stated, web, u, on);
   }
@@ -424,8 +434,10 @@ class Walls {
       const bool outward =
           product(contour_.at(a.piece, a.to).tangent, contour_.at(b.piece, b.from).tangent) > 0.0;
       const bool butt = stated_.corners == Corners::butt && outward;
-      a.end = !butt ? End::mitred : contour_.reversed() ? End::standing : End::through;
-      b.begin = !butt ? End::mitred : contour_.reversed() ? End::through : End::standing;
+      // The one that is listed first; of one sector, the wall before the corner as points are listed.
+      const bool a_through = a.sector == b.sector ? !contour_.reversed() : a.sector < b.sector;
+      a.end = !butt ? End::mitred : a_through ? End::through : End::standing;
+      b.begin = !butt ? End::mitred : a_through ? End::standing : End::through;
     }
   }
 
@@ -469,15 +481,16 @@ class Walls {
     return is_end ? meet(wall, other, depth, theirs)[0] : meet(other, wall, theirs, depth)[1];
   }
 
-  Point point(const Wall& wall, double part, double depth) const {
-    return contour_.inside(wall.piece, u_at(wall, part, depth), depth);
-  }
   double u_at(const Wall& wall, double part, double depth) const {
-    return (1.0 - part) * end_at(wall, false, depth) + part * end_at(wall, true, depth);
+    if (part > 0.0 && part < 1.0 && !wall.leaning) return (1.0 - part) * wall.from + part * wall.to;
+    return part == 0.0 ? end_at(wall, false, depth)
+           : part == 1.0
+               ? end_at(wall, true, depth)
+               : (1.0 - part) * end_at(wall, false, depth) + part * end_at(wall, true, depth);
   }
 
-  void check_radii() const {
-    for (const Wall& wall : walls_) {
+  void check_radii() {
+    for (Wall& wall : walls_) {
       if (bare(wall.sector)) continue;
       const double depth = inner_of(wall.sector);
       constexpr int samples = 100;
@@ -490,7 +503,11 @@ class Walls {
                            "contour is {:.4g} {}; make them thinner there",
                            thickness(wall.sector), 1.0 / at.curvature, near_text(at.x)));
       }
-      if (!(end_at(wall, true, depth) - end_at(wall, false, depth) > near_))
+      const double from = end_at(wall, false, depth), to = end_at(wall, true, depth);
+      wall.cut_from = std::max(0.0, from - wall.from);
+      wall.cut_to = std::max(0.0, wall.to - to);
+      wall.leaning = wall.to - wall.from < 2.5 * (wall.cut_from + wall.cut_to);
+      if (!(to - from > near_))
         fail(sector(wall.sector), "sector",
              fmt::format("its plies are {:g} thick together and do not fit between the corners, "
                          "borders or webs {}, which are {:.4g} apart; make them thinner there",
@@ -540,30 +557,36 @@ class Walls {
 
   double longest() const { return std::max(50.0 * thinnest_, contour_.period() / 128.0); }
 
-  // Where the elements along a wall end, as parts of it.
+  // Where the elements along a wall end, as parts of it. One that ends at a corner is so long that its inner side is half of
+  // its outer one.
   std::vector<double> parts_of(const Wall& wall, int layers) const {
     if (wall.foot) return {0.0, 1.0};
     const double thick = inner_of(wall.sector), length = wall.to - wall.from;
     const auto has = [](const std::vector<bool>& marks) { return std::ranges::count(marks, true); };
-    const bool fine_from = has(wall.marked_from), fine_to = has(wall.marked_to);
+    const double cut_from = wall.leaning ? 0.0 : 2.0 * wall.cut_from,
+                 cut_to = wall.leaning ? 0.0 : 2.0 * wall.cut_to;
+    const double fine_from = has(wall.marked_from) > 0 ? std::max(thick, cut_from) : length,
+                 fine_to = has(wall.marked_to) > 0 ? std::max(thick, cut_to) : length;
     const auto size = [&](double u) {
       const double bend = std::abs(contour_.at(wall.piece, u).curvature);
-      double h = std::min(longest(), bend > 0.0 ? 0.6 / bend : length);
-      if (fine_from) h = std::min(h, thick + 1.5 * (u - wall.from));
-      if (fine_to) h = std::min(h, thick + 1.5 * (wall.to - u));
-      return h;
+      return std::min({longest(), bend > 0.0 ? 0.6 / bend : length,
+                       fine_from + 1.5 * (u - wall.from), fine_to + 1.5 * (wall.to - u)});
     };
     std::vector<double> ends{wall.from};
+    if (cut_from > 0.0) ends.push_back(wall.from + cut_from);
+    const double first = ends.back(), last = wall.to - cut_to;
     for (const double u : knots(wall, 1e-3 * thick * std::pow(0.2, layers - 1)))
-      if (u - wall.from > 0.3 * size(wall.from) && wall.to - u > 0.3 * size(wall.to))
-        ends.push_back(u);
+      if (u - first > 0.3 * size(first) && last - u > 0.3 * size(last)) ends.push_back(u);
+    if (cut_to > 0.0) ends.push_back(last);
     ends.push_back(wall.to);
     std::vector<double> parts{0.0};
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-      const std::vector<double> some = spaced(ends[i], ends[i + 1], size);
+      const bool is_end = i + 2 == ends.size(),
+                 whole = (i == 0 && cut_from > 0.0) || (is_end && cut_to > 0.0);
+      const std::vector<double> some =
+          whole ? std::vector<double>{ends[i], ends[i + 1]} : spaced(ends[i], ends[i + 1], size);
       for (std::size_t k = 1; k < some.size(); ++k)
-        parts.push_back(
-            i + 2 == ends.size() && k + 1 == some.size() ? 1.0 : (some[k] - wall.from) / length);
+        parts.push_back(is_end && k + 1 == some.size() ? 1.0 : (some[k] - wall.from) / length);
     }
     return parts;
   }
@@ -632,14 +655,16 @@ class Walls {
         const auto level = static_cast<std::size_t>(i);
         Cell cell = cell_of(*ply(wall.sector, i), wall.sector);
         const double a = parts[k], b = parts[k + 1], c = levels_[level], d = levels_[level + 1];
-        const Point middle = contour_.at(wall.piece, u_at(wall, 0.5 * (a + b), c)).normal;
-        const auto at = [a, b](double xi) { return (1 - xi) * a + xi * b; };
         const auto depth = [c, d](double eta) { return (1 - eta) * c + eta * d; };
-        cell.map = [this, &wall, at, depth](double xi, double eta) {
-          return point(wall, at(xi), depth(eta));
+        const auto u = [this, &wall, a, b, depth](double xi, double eta) {
+          return (1 - xi) * u_at(wall, a, depth(eta)) + xi * u_at(wall, b, depth(eta));
         };
-        cell.normal = [this, &wall, at, depth, middle](double xi, double eta) {
-          return normal_at(wall.piece, u_at(wall, at(xi), depth(eta)), middle);
+        const Point middle = contour_.at(wall.piece, u(0.5, 0.0)).normal;
+        cell.map = [this, &wall, u, depth](double xi, double eta) {
+          return contour_.inside(wall.piece, u(xi, eta), depth(eta));
+        };
+        cell.normal = [this, &wall, u, middle](double xi, double eta) {
+          return normal_at(wall.piece, u(xi, eta), middle);
         };
         const bool first = k == 0, last = k + 2 == parts.size();
         cell.marked = {first && wall.marked_from[level], last && wall.marked_to[level],

@@ -359,6 +359,8 @@ namespace {
 
 constexpr double round_off = 1e-11;
 
+}  // namespace
+
 // Errors of entries of D from its last two changes. D of a finite element method is too large by a matrix that is
 // positive semi-definite, so the diagonal says what the rest can be; a change of the rest may be small by luck.
 Mat6 error_of(const Mat6& d, const Mat6& now, const Mat6& before) {
@@ -383,8 +385,6 @@ Mat6 error_of(const Mat6& d, const Mat6& now, const Mat6& before) {
     }
   return result;
 }
-
-}  // namespace
 
 namespace {
 // From the level on where there is an estimate: from two changes, or where one will do from one.
@@ -417,18 +417,23 @@ Converged refine(const Mesher& mesher, const Vec3& curvature, double tolerance, 
 }
 }  // namespace
 
+std::vector<Fineness> levels_of(bool of_one_mesh) {
+  std::vector<Fineness> levels;
+  if (of_one_mesh)
+    for (int order = 1; order <= 8; ++order) levels.push_back({order, 1});
+  else  // beyond nine, grading comes near to round-off
+    for (int level = 0; level < 9; ++level) levels.push_back({level + 2, level + 1});
+  return levels;
+}
+
 Converged converge(const Mesher& mesher, const Vec3& curvature, double tolerance,
                    int most_unknowns) {
-  std::vector<Fineness> levels;  // beyond nine, grading comes near to round-off
-  for (int level = 0; level < 9; ++level) levels.push_back({level + 2, level + 1});
-  return refine(mesher, curvature, tolerance, most_unknowns, levels, 2);
+  return refine(mesher, curvature, tolerance, most_unknowns, levels_of(false), 2);
 }
 
 Converged converge_orders(const Mesher& mesher, const Vec3& curvature, double tolerance,
                           int most_unknowns) {
-  std::vector<Fineness> levels;
-  for (int order = 1; order <= 8; ++order) levels.push_back({order, 1});
-  return refine(mesher, curvature, tolerance, most_unknowns, levels, 1);
+  return refine(mesher, curvature, tolerance, most_unknowns, levels_of(true), 1);
 }
 
 }  // namespace mbd::section
