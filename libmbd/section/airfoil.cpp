@@ -191,7 +191,9 @@ class Walls {
                          "begin where the other ends",
                          sector_name(first), fraction_of(next + 0.5 * (a.to() - next))));
       if (a.to() < next - near_) {
-        const auto [x, y] = std::minmax({fraction_of(a.to()), fraction_of(next)});
+        double x = fraction_of(a.to()), y = fraction_of(next);
+        if (contour_.reversed()) std::swap(x, y);
+        if (y == 0.0) y = 1.0;
         fail(sector(a.sector), "sector",
              fmt::format("there is a hole beside it: no sector has the fractions from {:.6g} to "
                          "{:.6g} of the contour; give one, bare=\"on\" if there is no wall",
@@ -565,8 +567,10 @@ class Walls {
     const auto has = [](const std::vector<bool>& marks) { return std::ranges::count(marks, true); };
     const double cut_from = wall.leaning ? 0.0 : 2.0 * wall.cut_from,
                  cut_to = wall.leaning ? 0.0 : 2.0 * wall.cut_to;
-    const double fine_from = has(wall.marked_from) > 0 ? std::max(thick, cut_from) : length,
-                 fine_to = has(wall.marked_to) > 0 ? std::max(thick, cut_to) : length;
+    const bool is_fine_from = has(wall.marked_from) > 0 || bare(before(wall).sector),
+               is_fine_to = has(wall.marked_to) > 0 || bare(after(wall).sector);
+    const double fine_from = is_fine_from ? std::max(thick, cut_from) : length,
+                 fine_to = is_fine_to ? std::max(thick, cut_to) : length;
     const auto size = [&](double u) {
       const double bend = std::abs(contour_.at(wall.piece, u).curvature);
       return std::min({longest(), bend > 0.0 ? 0.6 / bend : length,

@@ -78,7 +78,7 @@ Contour::Contour(std::vector<Point> points, double corner_angle) : points_(std::
   period_ = u_.back();
   for (std::size_t i = 0; i < n; ++i)
     if (!(u_[i + 1] - u_[i] > 1e-9 * period_)) {
-      const auto [a, b] = std::minmax(number_at(i), number_at((i + 1) % n));
+      const auto [a, b] = std::minmax({number_at(i), number_at((i + 1) % n)});
       throw Error(
           fmt::format("points {} and {} are in one place, near x2 = {:g}, x3 = {:g}; leave "
                       "one of them out (the contour closes by itself)",
