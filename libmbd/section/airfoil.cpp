@@ -59,7 +59,7 @@ struct Wall {
   bool foot = false;
   End begin = End::plain, end = End::plain;
   std::vector<bool> marked_from, marked_to;  // at each depth
-  // What a corner takes from its inner surface, at either end; and whether that is so much that lines of elements across
+  // What a corner takes from it, at either end; and whether that is so much that lines of elements across
   // it lean as its ends do, all along, instead of standing upright next to them.
   double cut_from = 0.0, cut_to = 0.0;
   bool leaning = false;
@@ -72,7 +72,11 @@ struct Foot {
 };
 struct Web {
   Point from, to, normal;
-  std::vector<double> across;  // interfaces, from the middle along the normal
+  // Lines along it, from the middle along the normal: interfaces, and others within thick plies; of the cells between two
+  // of them, the plies.
+  std::vector<double> across;
+  std::vector<std::size_t> ply;
+  std::vector<bool> interface;
   std::array<Foot, 2> feet;
 };
 
@@ -96,9 +100,10 @@ class Walls {
   }
 
   Mesh mesh(Fineness fineness, const std::vector<MeshMaterial>& materials) const {
-    // Beyond these, rings come near to the distance at which nodes are one.
+    // The order does more than rings do (mbd section --accuracy), and beyond most_rings() they come near to the distance at
+    // which nodes are one.
     const int layers = fineness.layers;
-    fineness.layers = std::min(layers, most_rings());
+    fineness.layers = std::min((layers + 1) / 2, most_rings());
     return mesh_of(cells(layers), fineness, materials, 1e-12 * contour_.period());
   }
 
@@ -274,8 +279,7 @@ class Walls {
     const Point along = web.to - web.from;
     if (!(along.norm() > near_)) fail(stated, "web", "it begins and ends at one place");
     web.normal = Point(along(1), -along(0)) / along.norm();
-    web.across = {-0.5 * thickness_of(stated.layup)};
-    for (const Ply& p : stated.layup) web.across.push_back(web.across.back() + p.thickness);
+    draw_lines(stated.layup, web);
     web.feet = {foot(stated, web, from), foot(stated, web, to)};
     for (std::size_t other = 0; other < w; ++other) {
       const Web& o = webs_[other];
@@ -287,6 +291,26 @@ class Walls {
                          near_text(web.from + p * d)));
     }
     webs_.push_back(std::move(web));
+  }
+
+  // Plies that are much thicker than others have lines that follow what dies out next to those.
+  void draw_lines(const Layup& layup, Web& web) const {
+    double at = -0.5 * thickness_of(layup);
+    web.across = {at};
+    web.interface = {true};
+    const double start = std::min(2.0 * thinnest_, start_of(thickness_of(layup), layup));
+    for (std::size_t i = 0; i < layup.size(); ++i) {
+      const double thick = layup[i].thickness;
+      const std::vector<double> lines = spaced(0.0, thick, [&](double x) {
+        return std::max(0.1 * thick, start) + 1.5 * std::min(x, thick - x);
+      });
+      for (std::size_t k = 1; k < lines.size(); ++k) {
+        web.across.push_back(at + lines[k]);
+        web.ply.push_back(i);
+        web.interface.push_back(k + 1 == lines.size());
+      }
+      at += thick;
+    }
   }
 
   // Of two sectors a web stands on the thicker one, else on the one that is listed first: beside the thinner one there would
@@ -505,7 +529,9 @@ class Walls {
                            "contour is {:.4g} {}; make them thinner there",
                            thickness(wall.sector), 1.0 / at.curvature, near_text(at.x)));
       }
-      const double from = end_at(wall, false, depth), to = end_at(wall, true, depth);
+      // Blunt butt corners take more from the outer surface.
+      const double from = std::max(end_at(wall, false, depth), end_at(wall, false, 0.0)),
+                   to = std::min(end_at(wall, true, depth), end_at(wall, true, 0.0));
       wall.cut_from = std::max(0.0, from - wall.from);
       wall.cut_to = std::max(0.0, wall.to - to);
       wall.leaning = wall.to - wall.from < 2.5 * (wall.cut_from + wall.cut_to);
@@ -539,8 +565,10 @@ class Walls {
     }
     for (const Web& web : webs_)
       for (const Foot& f : web.feet)
-        for (const double u : f.u)
+        for (std::size_t line = 0; line < f.u.size(); ++line)
           for (Wall& wall : walls_) {
+            if (!web.interface[line]) continue;
+            const double u = f.u[line];
             if (wall.piece != f.piece || bare(wall.sector)) continue;
             const double p = contour_.period(), wrap = p * std::round((u - wall.from) / p);
             const double wrap_to = p * std::round((u - wall.to) / p);
@@ -559,18 +587,26 @@ class Walls {
 
   double longest() const { return std::max(50.0 * thinnest_, contour_.period() / 128.0); }
 
+  // Length of the elements where a wall ends: what plies do to each other there dies out over lengths from their thickness to
+  // that of the wall.
+  static double start_of(double thick, const Layup& layup) {
+    const double least = std::ranges::min_element(layup, {}, &Ply::thickness)->thickness;
+    return std::clamp(2.0 * least, 0.1 * thick, thick);
+  }
+
   // Where the elements along a wall end, as parts of it. One that ends at a corner is so long that its inner side is half of
   // its outer one.
   std::vector<double> parts_of(const Wall& wall, int layers) const {
     if (wall.foot) return {0.0, 1.0};
-    const double thick = inner_of(wall.sector), length = wall.to - wall.from;
+    const double thick = inner_of(wall.sector), length = wall.to - wall.from,
+                 start = start_of(thick, sector(wall.sector).layup);
     const auto has = [](const std::vector<bool>& marks) { return std::ranges::count(marks, true); };
     const double cut_from = wall.leaning ? 0.0 : 2.0 * wall.cut_from,
                  cut_to = wall.leaning ? 0.0 : 2.0 * wall.cut_to;
     const bool is_fine_from = has(wall.marked_from) > 0 || bare(before(wall).sector),
                is_fine_to = has(wall.marked_to) > 0 || bare(after(wall).sector);
-    const double fine_from = is_fine_from ? std::max(thick, cut_from) : length,
-                 fine_to = is_fine_to ? std::max(thick, cut_to) : length;
+    const double fine_from = is_fine_from ? std::max(start, cut_from) : length,
+                 fine_to = is_fine_to ? std::max(start, cut_to) : length;
     const auto size = [&](double u) {
       const double bend = std::abs(contour_.at(wall.piece, u).curvature);
       return std::min({longest(), bend > 0.0 ? 0.6 / bend : length,
@@ -711,18 +747,19 @@ class Walls {
     const Layup& layup = stated_.webs[w].layup;
     const double length = (web.to - web.from).norm(), thick = thickness_of(layup);
     std::vector<double> parts = spaced(0.0, length, [&](double x) {
-      return std::min(longest(), thick + 1.5 * std::min(x, length - x));
+      return std::min(longest(), start_of(thick, layup) + 1.5 * std::min(x, length - x));
     });
     for (double& x : parts) x /= length;
     parts.back() = 1.0;
     const double normal = std::atan2(web.normal(1), web.normal(0));
-    for (std::size_t j = 0; j < layup.size(); ++j)
+    for (std::size_t j = 0; j < web.ply.size(); ++j)
       for (std::size_t k = 0; k + 1 < parts.size(); ++k) {
         Cell cell;
-        cell.material = layup[j].material;
-        cell.angle = layup[j].angle;
+        const std::size_t ply = web.ply[j];
+        cell.material = layup[ply].material;
+        cell.angle = layup[ply].angle;
         cell.part = static_cast<int>(stated_.sectors.size() + w);
-        cell.name = fmt::format("ply {} of {}", j + 1, web_name(w));
+        cell.name = fmt::format("ply {} of {}", ply + 1, web_name(w));
         const double a = parts[k], b = parts[k + 1];
         cell.map = [this, &web, j, a, b](double xi, double eta) {
           const double part = (1 - eta) * a + eta * b;
@@ -731,7 +768,8 @@ class Walls {
         };
         cell.normal = [normal](double, double) { return normal; };
         const bool first = k == 0, last = k + 2 == parts.size();
-        cell.marked = {first, first, last, last};
+        const bool left = web.interface[j], right = web.interface[j + 1];
+        cell.marked = {first && left, first && right, last && right, last && left};
         all.push_back(std::move(cell));
       }
   }

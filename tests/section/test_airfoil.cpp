@@ -189,6 +189,14 @@ TEST(Airfoil, BareSectorsLeaveItOpen) {
   tail.bare = true;
   airfoil.sectors = {nose, tail};
   const section::Analysis found = analysis_of(airfoil, 4, 2);
+  // Its fraction is of the length of the curve, twice that of one side; the inner surface is shorter by t times the turn.
+  double length = 0.0;
+  constexpr int parts = 20000;
+  for (int k = 0; k < parts; ++k) {
+    const double r = 1.0 * k / parts, q = 1.0 * (k + 1) / parts;
+    length += 2.0 * std::hypot(q * q - r * r, naca(q) - naca(r));
+  }
+  EXPECT_NEAR(found.area / (0.4 * length * t - 0.5 * pi * t * t), 1.0, 1e-4);
   const double b = found.area / t;
   EXPECT_NEAR(1.0 / found.compliance(3, 3) / (shear * b * t * t * t / 3.0), 1.0 - 0.63 * t / b,
               3e-4);
@@ -243,6 +251,22 @@ TEST(Airfoil, ButtCornersAreThoseOfABox) {
       analysis_of(section::box(0.06, 0.04, two_plies, section::Corners::butt, materials()), 4, 4)
           .stiffness;
   EXPECT_LT(difference(analysis_of(airfoil, 5, 4).stiffness, box), 5e-5);
+}
+
+// Of one isotropic material the kind of its corners does not matter, whatever their angles: 90, 150 and 60 degrees inside, and
+// 240.
+TEST(Airfoil, CornersOfOneMaterialAreAlike) {
+  const double t = 2e-3;
+  Airfoil airfoil{{{0, 0}, {0.1, 0}, {0.15, 0.0866}, {0.1, 0.12}, {0.06, 0.08}, {0, 0.1}},
+                  0.0,
+                  section::Corners::mitred,
+                  {all_round({{0, t, 0}})},
+                  {}};
+  const section::Analysis mitred = analysis_of(airfoil, 5, 4);
+  airfoil.corners = section::Corners::butt;
+  const section::Analysis butt = analysis_of(airfoil, 5, 4);
+  EXPECT_LT(difference(butt.stiffness, mitred.stiffness), 2e-4);
+  EXPECT_NEAR(butt.area / mitred.area, 1.0, 1e-12);
 }
 
 // Two flanges and a web between them, whose normal is b2 when it goes up; and its first ply at the side of -b2.
@@ -363,6 +387,12 @@ TEST(Airfoil, StatedInOtherUnits) {
     <points>200 100  0 100  0 0  200 0</points>
     <repeat count="2"><sector from="0.5*i" to="0.5*i+0.5" layup="out"/></repeat>
     <web to="0.166666666667" from="0.666666666667" material="ud" thickness="0.2 cm" angle="20 deg"/></airfoil>)xml");
+  const Section backward = read_section(
+      R"xml(<airfoil corner_angle="0" tolerance="1e-2" x2="0.02" turn="0.1">
+    <points>0 0.1  0.2 0.1  0.2 0  0 0</points>
+    <sector to="5/6" layup="in"/><sector from="5/6" layup="in"/>
+    <web from="2/3" to="1/6" material="ud" thickness="2 mm" angle="20 deg"/></airfoil>)xml");
+  EXPECT_LT(difference(backward.stiffness, m.stiffness), 1e-8);
   EXPECT_LT(difference(mm.stiffness, m.stiffness), 1e-8);
   EXPECT_LT(difference(*mm.mass, *m.mass), 1e-9);
 }
