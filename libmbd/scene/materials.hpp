@@ -279,6 +279,29 @@ struct SectionShape {
   static bool may_be_plies(const SectionShape& s) { return is_simple(s) && !is_bar(s); }
 
   static constexpr field::ItemKind item{"", "A section by its dimensions."};
+  // Where it lies, and how well it is to be known: of every kind.
+  static void each_field_of_all(const auto& f) {
+    using namespace field;
+    using S = SectionShape;
+    f(Field(&S::x2, "x2", "m", preset,
+            "where its centre lies along b2 (of a C: its outer face and half its height; of a mesh "
+            "or an airfoil: the origin of its points)"));
+    f(Field(&S::x3, "x3", "m", preset, "where its centre lies along b3"));
+    f(Field(&S::turn, "turn", "rad", preset, "turns it about its centre, from b2 towards b3"));
+    f(Field(&S::curvature, "curvature", "1/m", preset,
+            "k1 k2 k3 of the stress-free reference line along b1 b2 b3: its twist and curvatures, "
+            "which D and M take into account. They are not taken from the beam"));
+    f(Field(&S::tolerance, "tolerance", pure_number, preset,
+            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_simple));
+    f(Field(&S::airfoil_tolerance, "tolerance", pure_number, preset,
+            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_airfoil));
+    f(Field(&S::mesh_tolerance, "tolerance", pure_number, preset,
+            "the order of the elements is raised until every entry ij of D changes less, over "
+            "sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_mesh));
+  }
   static void each_field(const auto& f) {
     using namespace field;
     using S = SectionShape;
@@ -321,24 +344,7 @@ struct SectionShape {
         "goes through, in one sector the wall before the corner (corners that point inward are "
         "mitred)",
         has_corners));
-    f(Field(&S::x2, "x2", "m", preset,
-            "where its centre lies along b2 (of a C: its outer face and half its height; of a mesh "
-            "or an airfoil: the origin of its points)"));
-    f(Field(&S::x3, "x3", "m", preset, "where its centre lies along b3"));
-    f(Field(&S::turn, "turn", "rad", preset, "turns it about its centre, from b2 towards b3"));
-    f(Field(&S::curvature, "curvature", "1/m", preset,
-            "k1 k2 k3 of the stress-free reference line along b1 b2 b3: its twist and curvatures, "
-            "which D and M take into account. They are not taken from the beam"));
-    f(Field(&S::tolerance, "tolerance", pure_number, preset,
-            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
-            Range{1e-10, 0.1}, is_simple));
-    f(Field(&S::airfoil_tolerance, "tolerance", pure_number, preset,
-            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
-            Range{1e-10, 0.1}, is_airfoil));
-    f(Field(&S::mesh_tolerance, "tolerance", pure_number, preset,
-            "the order of the elements is raised until every entry ij of D changes less, over "
-            "sqrt(Dii Djj)",
-            Range{1e-10, 0.1}, is_mesh));
+    each_field_of_all(f);
     f(Parts(&S::regions));
     f(Parts(&S::sectors));
     f(Parts(&S::webs));
