@@ -529,7 +529,7 @@ TEST(SectionAccuracy, SaysWhatItIs) {
       R"xml(<material name="m" E="70 GPa" nu="0.3"/><section name="s"><rectangle width="60 mm" height="20 mm" material="m"/></section>
 <section name="rod"><stiffness EA="1" GA2="2" GA3="3" GJ="4" EI2="5" EI3="6"/></section>)xml";
   const Scene scene = read(text);
-  const SectionAccuracy report = section_accuracy(scene, "s", 2.0).at(0);
+  const SectionAccuracy report = section_accuracy(scene, "s", 1.0).at(0);
   ASSERT_GT(report.trials.size(), 10u);
   const SectionAccuracy::Trial& finest = report.trials.back();
   ASSERT_TRUE(finest.believed);
