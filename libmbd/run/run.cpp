@@ -261,6 +261,9 @@ class Run {
                             "rows, or more memory",
                             report_.unknowns),
                 Failure::memory);
+    } catch (const Error& error) {  // of a solver, say, in the middle of it
+      if (report_.rows == 0) throw;
+      end_early(state, error.what(), error.kind());
     }
     report_.t = state.t;
     report_.load_factor = state.load_factor;

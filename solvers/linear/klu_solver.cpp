@@ -29,7 +29,7 @@ klu_common common_settings() {
 // others grow. (klu_rgrowth says it exactly, at nearly the price of the refactorisation.)
 constexpr double shrunk_pivot = 1e-3;
 
-// What is no property of the matrix: throws OutOfMemory.
+// What is no property of the matrix: throws OutOfMemory, or Error for what KLU calls invalid.
 void refuse_size(const klu_common& common, int n) {
   if (common.status == KLU_OUT_OF_MEMORY)
     throw OutOfMemory("out of memory: the factorisation of " + std::to_string(n) +
@@ -38,6 +38,9 @@ void refuse_size(const klu_common& common, int n) {
     throw OutOfMemory("the factors of " + std::to_string(n) +
                       " equations have more entries than KLU can count (2^31); take fewer elements "
                       "or bodies, or linear_solver=\"block\"");
+  if (common.status == KLU_INVALID)
+    throw Error("KLU refuses the matrix of " + std::to_string(n) +
+                " equations; this is a fault of libmbd: please report the model");
 }
 
 class KluSolver : public LinearSolver {
@@ -182,6 +185,7 @@ class KluPencilSolver final : public PencilSolver {
     blocks_.analyze(graph);
     scalars_ = blocks_.columns.scalars();
     symbolic_ = klu_analyze(blocks_.columns.n, scalars_.Ap.data(), scalars_.Ai.data(), &common_);
+    if (symbolic_ == nullptr && blocks_.columns.n > 0) refuse_size(common_, blocks_.columns.n);
   }
 
   std::span<const Slot> slots(int power) const override { return blocks_.slots(power); }

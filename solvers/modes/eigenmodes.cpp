@@ -15,6 +15,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
+// A residual that is none of an eigenvalue: about 0 a motion that nothing answers, a free spin, is in each solution to any share,
+// and need not be hidden itself.
+constexpr double blurred = 1e-7;
 constexpr double tiny = 1e-4;     // |l| that is not well seen, of the shift
 constexpr double unseen = 1e-14;  // share of what cancels in K that is round-off
 // Of what cancels: twice the most that was seen on cantilevers of 139 to 4000 elements (as little as a sixtieth of it is lost).
@@ -284,8 +287,9 @@ struct ModeSearch {
     ModesFound result = at(0.0, wanted);
     const bool is_clear =
         result.failure.empty() && result.modes.size() >= static_cast<std::size_t>(wanted) &&
-        std::none_of(result.modes.begin(), result.modes.end(),
-                     [&](const Mode& mode) { return is_hidden(motions, sizes, mode, 0.0); });
+        std::none_of(result.modes.begin(), result.modes.end(), [&](const Mode& mode) {
+          return mode.residual > blurred || is_hidden(motions, sizes, mode, 0.0);
+        });
     if (options.free_motions == FreeMotions::none) return is_clear ? result : at(omega, wanted);
     if (!is_clear) {
       double shift = beneath_the_seen(result.modes);
@@ -305,7 +309,7 @@ struct ModeSearch {
   double beneath_the_seen(const std::vector<Mode>& modes) const {
     double slowest = std::numeric_limits<double>::infinity();
     for (const Mode& mode : modes)
-      if (!is_hidden(motions, sizes, mode, 0.0))
+      if (mode.residual <= blurred && !is_hidden(motions, sizes, mode, 0.0))
         slowest = std::min(slowest, 0.5 * std::abs(mode.eigenvalue));
     return std::isfinite(slowest) && slowest > 0.0 ? slowest : omega;
   }
@@ -358,7 +362,8 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   for (Mode& mode : found.modes) {
     const double square = std::norm(mode.eigenvalue);
     if (!mode.rigid && square > 0.0)
-      mode.round_off = 0.5 * share_lost * cancelling(motions, sizes, mode) / square;
+      mode.round_off = std::max(0.5 * share_lost * cancelling(motions, sizes, mode) / square,
+                                mode.residual > blurred ? mode.residual : 0.0);
   }
   return found;
 }

@@ -10,9 +10,7 @@
 #include <sys/file.h>
 
 #include <atomic>
-#include <cmath>
 #include <filesystem>
-#include <set>
 #include <string>
 #include <thread>
 
@@ -21,7 +19,6 @@
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/run/run.hpp"
 #include "libmbd/text/files.hpp"
-#include "tests/support/faults.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -32,46 +29,6 @@ namespace fs = std::filesystem;
 
 std::string model_file(const char* name) {
   return std::string(MBD_SOURCE_DIR) + "/models/" + name + ".xml";
-}
-
-class FaultsSlow : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
-  }
-  Ended run(const std::string& fault, const char* model, const std::string& out) const {
-    const Fault one(MBD_FAULTS, fault);
-    return Program({"run", model_file(model), "--no-estimate", "-q", "-o",
-                    (directory_.path() / out).string()},
-                   directory_.path() / "program")
-        .wait();
-  }
-  std::set<std::string> files(const std::string& out) const {
-    std::set<std::string> names;
-    if (fs::exists(directory_.path() / out))
-      for (const auto& entry : fs::directory_iterator(directory_.path() / out))
-        names.insert(entry.path().filename());
-    return names;
-  }
-
-  TemporaryDirectory directory_;
-};
-
-// Allocations, some of each decade: told as what it is, or so late that the run is done.
-TEST_F(FaultsSlow, OfMemoryAreSaid) {
-  int said = 0;
-  for (double n = 1.0; n < 3e5; n *= 1.5) {
-    const std::string fault = fmt::format("malloc pendulum {}", std::lround(n));
-    const Ended ended = run(fault, "pendulum", "out");
-    SCOPED_TRACE(fault);
-    ASSERT_GE(ended.status, 0) << "a signal: " << ended.err;
-    if (ended.status == 0) continue;
-    EXPECT_EQ(ended.status, 1);
-    EXPECT_NE(ended.err, "");
-    said += ended.err.find("memory") != std::string::npos ? 1 : 0;
-    for (const std::string& left : files("out")) EXPECT_FALSE(left.ends_with(".part")) << left;
-  }
-  EXPECT_GT(said, 10);
 }
 
 // ---- requests to end ---------------------------------------------------------------------------

@@ -2,18 +2,24 @@
 // finding: a crash, another exception, undefined behaviour, a leak, more time or memory than tools/fuzz allows.
 //
 // No model begins with a letter. What does is, by that letter, something else that mbd reads (seeds/): e an expression, u a number
-// with its unit, c a table, r a report.json beside one, m a motion.bin, s what --set says. They share the time.
+// with its unit, c a table, r a report.json beside one, m a motion.bin, s what --set says; g is a seed of valid models
+// (tests/support/grammar.hpp), which run ten steps and are held against a second integrator. They share the time, or the
+// variable MBD_FUZZ_ONLY says the letter of one (x: models).
 //
 // The text is what LLVMFuzzerMutate makes of it or, half of the time, a Mutation of a model: random bytes alone
 // hardly ever come past the XML parser. <include> finds nothing: its files are looked up in a directory that does
 // not exist; a file elsewhere could only be read.
 
+#include <cctype>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 
 #include "libmbd/compile/model.hpp"
@@ -25,6 +31,7 @@
 #include "libmbd/scene/reading_limits.hpp"
 #include "libmbd/view/motion.hpp"
 #include "tests/fuzz/mutation.hpp"
+#include "tests/support/grammar.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 // Of libFuzzer; size of the result, at most `most`.
@@ -89,8 +96,24 @@ std::filesystem::path file_with(const char* name, const std::string& text) {
   return directory.path() / name;
 }
 
+// What libFuzzer makes of the bytes is another seed.
+void try_valid_model(const std::string& bytes) {
+  const mbd::test::Grammar grammar(std::hash<std::string>{}(bytes));
+  const mbd::test::GrammarTrial trial = mbd::test::try_two_integrators(grammar.text());
+  const std::string fault = trial.refusal.empty() ? trial.fault() : "refused: " + trial.refusal;
+  if (!fault.empty()) throw std::runtime_error(fault + "\n" + grammar.text());
+}
+
+// The letter of what this process is for; 0: of all.
+char only() {
+  static const char* const text = std::getenv("MBD_FUZZ_ONLY");
+  return text != nullptr ? text[0] : '\0';
+}
+
 void read_other(char what, const std::string& text) {
   switch (what) {
+    case 'g':
+      return try_valid_model(text);
     case 'e':
       return evaluate(text);
     case 'u':
@@ -130,7 +153,11 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t most, unsigned seed) {
-  const bool is_model = size == 0 || std::strchr("eucrms", data[0]) == nullptr || data[0] == 0;
+  if (only() != 0 && only() != 'x' && most > 1) {
+    if (size == 0) size = 1;
+    data[0] = static_cast<std::uint8_t>(only());
+  }
+  const bool is_model = size == 0 || std::strchr("eucrmsg", data[0]) == nullptr || data[0] == 0;
   if (!is_model) {  // it stays what it is
     const std::size_t rest = LLVMFuzzerMutate(data + 1, size - 1, most - 1);
     return rest + 1;
@@ -145,6 +172,9 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
     const std::string text = text_of(data, size);
+    const char letter =
+        text.empty() || std::isalpha(static_cast<unsigned char>(text[0])) == 0 ? 'x' : text[0];
+    if (only() != 0 && letter != only()) return 0;
     if (text.empty())
       read_model_and_compile(text);
     else

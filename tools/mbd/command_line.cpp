@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <memory>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/stop.hpp"
 #include "libmbd/language/manual.hpp"
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/report.hpp"
@@ -214,6 +217,18 @@ void set_examples(CLI::App& command, std::string_view examples, std::string_view
     at = end + 1;
   }
   command.footer(text + "\n" + std::string(exit_status));
+}
+
+void keep_memory_for_the_end() {
+  constexpr std::size_t size =
+      2 << 20;  // not touched, so it costs no memory as long as there is some
+  static std::atomic<void*> kept = std::malloc(size);
+  std::set_new_handler([] {
+    void* const mine = kept.exchange(nullptr);
+    if (mine == nullptr) throw std::bad_alloc();
+    std::free(mine);
+    stop::memory_is_low = true;
+  });
 }
 
 int say_no_memory() {

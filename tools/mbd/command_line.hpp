@@ -34,6 +34,11 @@ void set_examples(CLI::App& command, std::string_view examples,
 std::filesystem::path results_directory(const std::string& given, const std::string& model,
                                         std::string_view study = {});
 
+// To be called once, at the beginning. Keeps some memory for the end: the first allocation that fails gets it, and what runs then
+// ends at once (stop::memory_is_low), with rows and report in order. Without it, code that must not throw and yet asks for
+// memory, destructors of JSON among it, would abort the program.
+void keep_memory_for_the_end();
+
 // "Out of memory", said without asking for any; returns the exit status.
 int say_no_memory();
 

@@ -69,6 +69,7 @@ int run_commands(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   mbd::secure_streams();
+  mbd::keep_memory_for_the_end();
   try {
     return run_commands(argc, argv);
   } catch (const std::bad_alloc&) {  // before there is a command that could say so

@@ -69,6 +69,13 @@ std::string note_on_round_off(const std::vector<NamedMode>& modes) {
   constexpr double believed = 1e-6;
   const auto worst = std::ranges::max_element(modes, {}, &Mode::round_off);
   if (worst == modes.end() || !(worst->round_off > believed)) return "";
+  constexpr double none = 1e-7;  // a residual that is
+  if (worst->residual > none)
+    return fmt::format(
+        "of mode {} about {:.0e} is unknown: solutions near it are none, as something moves freely "
+        "that the mode does not need; "
+        "hold it, or ask for modes near a frequency (--near)",
+        worst - modes.begin() + 1, worst->round_off);
   return fmt::format(
       "round-off leaves about {:.0e} of mode {} unknown, in whose stiffness nearly all cancels: "
       "the mesh is finer than it "

@@ -107,7 +107,8 @@ std::string to_text(const ModesStudy& study) {
     if (study.rotation) row.push_back(whirl_words(study, mode));
     row.push_back(mode.name);
     rows.push_back(std::move(row));
-    unstable = unstable || mode.eigenvalue.real() > round_off * std::abs(mode.eigenvalue);
+    unstable = unstable || mode.eigenvalue.real() >
+                               std::max(round_off, mode.round_off) * std::abs(mode.eigenvalue);
   }
   study::table(text, rows);
   if (unstable) text += "\nnote: unstable: what grows leaves this state\n";
