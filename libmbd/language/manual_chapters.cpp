@@ -208,7 +208,7 @@ to the file that says so. That file is a model too; its own name is not used.
 - **Gears, racks, belts, cams, rolling wheels**: not there. A ratio between two angles can be had where both
   are driven by laws; a `<screw>` ties an angle to a displacement.
 - **Cables that go slack**: a `<spring>` with `force="x > 0 ? k*x : 0"`; a `<distance>` holds in pressure as well.
-- **Plates, shells, solids, sections from materials, temperature, wake and airfoil aerodynamics**: not there. Drag in
+- **Plates, shells, solids, temperature, wake and airfoil aerodynamics**: not there. Drag in
   a stream (`<drag>`), added mass, and loads that are expressions of time and place are.
 
 ```xml
@@ -297,7 +297,8 @@ equilibria damping does nothing.
   <record name="top" at="mast.end" quantities="displacement"/>
 </mbd>
 )xml"},
-    {"Sections from material", "material layup ply tube bar rectangle box I C mesh region",
+    {"Sections from material",
+     "material layup ply tube bar rectangle box I C mesh region airfoil points sector web",
      R"md(In place of `<stiffness>` and `<mass>` a section, or each of its stations, may have a shape. D and M
 are then computed when the model is read, by finite elements over the section with three displacements
 of warping a node; the mesh is refined until every entry ij of D changes by less than `tolerance`
@@ -319,6 +320,18 @@ A `<mesh>` is read from a file of Gmsh, each of whose physical surfaces is a `<r
 3 or 6 nodes, quadrilaterals 4, 8 or 9. Its elements stay, and their order is raised from 1 to 8 until D changes less than
 `tolerance`; where stresses are singular, make the mesh finer there. Overlapping or inverted elements, parts that
 are not joined along sides, and seams with two sets of nodes are refused.
+
+An `<airfoil>` has walls along a closed curve: `<points>` of its outer surface, listed all round from any of them and
+either way. Where the line from point to point turns by more than `corner_angle` there are corners, as at a sharp or blunt trailing
+edge; between them it is a cubic spline (60 deg: with 30 points or more a side the nose of an aerofoil is no corner). With
+`corner_angle="0"` it is a polygon. Fractions are those of the length of this curve from the first point on, in the order
+of the points. `<sector>`s cover it; where one is `bare="on"` the section is open. Interfaces of plies lie at constant distances
+inside the curve, so walls must be thinner than its radius. At corners plies turn on a line (mitred) or, `corners="butt"`, walls
+of the sector that is listed first go through. `<web>`s are straight and stand on the inner surfaces; elements of walls and
+webs meet by nodes. Refused, by name and place: contours that cross themselves, sectors that overlap or leave a hole, plies that
+do not fit, webs that end where there is no wall or on a corner, that cross, or that meet a wall at less than 15 degrees, walls that run
+into each other, pieces that are joined to nothing. A mesh gets finer at corners, feet of webs and borders of sectors;
+`tolerance` is 1e-4 there, as aerofoils with many plies are dear: `mbd section MODEL --accuracy` says what each tolerance costs.
 
 Stresses and strains in plies: `<record at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress tsai_wu"/>` at a
 point x2 x3 of the section, from the resultants there; `mbd section MODEL --stress "N Q2 Q3 M1 M2 M3"`, or `--run DIR
@@ -382,6 +395,14 @@ $EndElements
   <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
   <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
   <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+  <section name="spar"> <!-- a nose with a web, open behind it -->
+    <airfoil unit="1 mm" tolerance="1e-2">
+      <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+      <sector from_point="3" to_point="9" layup="wall"/>
+      <sector from_point="9" to_point="3" bare="on"/>
+      <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+    </airfoil>
+  </section>
   <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
   <fixed name="wall" between="ground arm.start"/>
   <load at="arm.end" force="0 0 -100"/>

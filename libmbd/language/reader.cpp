@@ -419,7 +419,20 @@ class Reader {
       if constexpr (requires { field.is_there; })
         if (field.is_there == nullptr || field.is_there(made)) read_field(item, made, field);
     });
-    each(item, [&](const Item& part) { made.regions.push_back(read<MeshRegionScene>(part)); });
+    each(item, [&](const Item& part) {
+      if (part.element().name == "points")
+        set_once(made.points, part, AirfoilPoints{part.source(), pairs(part)});
+      else if (part.element().name == "sector")
+        made.sectors.push_back(read<AirfoilSectorScene>(part));
+      else if (part.element().name == "web")
+        made.webs.push_back(read<AirfoilWebScene>(part));
+      else
+        made.regions.push_back(read<MeshRegionScene>(part));
+    });
+    if (SectionShape::is_airfoil(made)) {
+      if (!made.points) item.fail("it has no <points>; give those of its outer surface");
+      if (made.sectors.empty()) item.fail("it has no <sector>; give one or more, with plies");
+    }
     return made;
   }
 
@@ -781,15 +794,18 @@ class Reader {
 
   // Pairs, as text.
   static TableScene table(const Item& item) {
-    TableScene table{item.source(), {}, item.choice<Interpolation>("interpolation")};
+    return {item.source(), pairs(item), item.choice<Interpolation>("interpolation")};
+  }
+
+  static std::vector<std::array<double, 2>> pairs(const Item& item) {
     const std::vector<std::string_view> words = schema::words(item.xml().text);
     if (words.size() % 2 != 0)
       item.fail("has " + std::to_string(words.size()) +
                 " numbers, must have pairs; an expression contains no blanks");
+    std::vector<std::array<double, 2>> all;
     for (std::size_t k = 0; k + 1 < words.size(); k += 2)
-      table.points.push_back(
-          {item.evaluate("text", words[k]), item.evaluate("text", words[k + 1])});
-    return table;
+      all.push_back({item.evaluate("text", words[k]), item.evaluate("text", words[k + 1])});
+    return all;
   }
 
   // A law by a <table> in place of its attribute.

@@ -159,7 +159,7 @@ std::vector<Attribute> of(const JointKind& kind) {
 // As messages, manual and grammar list them; others follow, and the joints.
 constexpr std::string_view order =
     "mbd parameter include defaults material layup ply section station stiffness mass damping tube "
-    "bar rectangle box I C beam arc curve point "
+    "bar rectangle box I C mesh region airfoil points sector web beam arc curve point "
     "body shape drive motion load distributed rigid point_mass spring bushing matrix law "
     "joint_spring "
     "joint_torque table drag added_mass extension base_motion gravity static path mark stop "
@@ -195,7 +195,7 @@ std::vector<Element> elements_of_files() {
        "that kind have when they do not say otherwise.",
        {}},
       {"repeat",
-       "mbd repeat curve layup section",
+       "mbd repeat curve layup section airfoil",
        "Reads its contents several times.",
        {{"count", Kind::count, "", required, "how often its contents are read", Range{0.0, 1e6}},
         {"index", Kind::name, "", "i",
@@ -211,6 +211,14 @@ std::vector<Element> elements_of_sections() {
   return {
       element_of<PlyScene>("layup repeat defaults"),
       element_of<MeshRegionScene>("mesh defaults"),
+      {"points",
+       "airfoil",
+       "The points of the outer surface of an airfoil: x2 and x3 in turn, in its unit, all round; "
+       "three or more, the last not the first again.",
+       {},
+       "pairs of numbers"},
+      element_of<AirfoilSectorScene>("airfoil repeat defaults"),
+      element_of<AirfoilWebScene>("airfoil repeat defaults"),
       element_of<Station>("section repeat defaults"),
       {"stiffness", "section station defaults",
        "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "

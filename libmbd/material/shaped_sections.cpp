@@ -8,11 +8,13 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/reading_limits.hpp"
+#include "libmbd/section/airfoil.hpp"
 #include "libmbd/section/gmsh.hpp"
 #include "libmbd/text/spelling.hpp"
 
@@ -162,7 +164,7 @@ class Shaped {
                             s_.curvature(1),
                             s_.curvature(2),
                             s_.tolerance};
-    all.push_back(s_.mesh_tolerance);
+    all.insert(all.end(), {s_.mesh_tolerance, s_.airfoil_tolerance});
     all.insert(all.end(), mesh_key_.begin(), mesh_key_.end());
     if (SectionShape::is_mesh(s_))
       for (const section::MeshMaterial& m : materials_) {
@@ -191,41 +193,122 @@ class Shaped {
       fail("angle is of a material that is given by itself; those of plies stand in the layup");
     switch (s_.kind) {
       case SectionShape::Kind::tube: {
-        const section::Layup wall = wall_of(s_.layup, "layup", s_.thickness, "thickness");
+        const section::Layup wall = wall_of(own(s_.layup, s_.thickness), "layup", "thickness");
         return made(section::tube, s_.radius, wall);
       }
       case SectionShape::Kind::bar: {
-        const section::Layup whole = one_ply(s_.radius);
+        const section::Layup whole = one_ply(own({}, s_.radius));
         return made(section::bar, s_.radius, whole[0].material, s_.angle);
       }
       case SectionShape::Kind::rectangle: {
-        const section::Layup plies = wall_of(s_.layup, "layup", s_.own_height, "height");
+        const section::Layup plies = wall_of(own(s_.layup, s_.own_height), "layup", "height");
         return made(section::rectangle, s_.width, plies);
       }
       case SectionShape::Kind::box: {
-        const section::Layup wall = wall_of(s_.layup, "layup", s_.thickness, "thickness");
-        return made(
-            section::box, s_.width, s_.height, wall,
-            s_.corners == BoxCorners::butt ? section::Corners::butt : section::Corners::mitred);
+        const section::Layup wall = wall_of(own(s_.layup, s_.thickness), "layup", "thickness");
+        return made(section::box, s_.width, s_.height, wall, corners());
       }
       case SectionShape::Kind::mesh:
         return meshed();
+      case SectionShape::Kind::airfoil:
+        return of_contour();
       default:
         break;
     }
     const section::Layup flange =
-        wall_of(s_.flange, "flange", s_.flange_thickness, "flange_thickness");
-    const section::Layup web = wall_of(s_.web, "web", s_.web_thickness, "web_thickness");
+        wall_of(own(s_.flange, s_.flange_thickness), "flange", "flange_thickness");
+    const section::Layup web = wall_of(own(s_.web, s_.web_thickness), "web", "web_thickness");
     return made(s_.kind == SectionShape::Kind::I ? section::i_section : section::c_section,
                 s_.width, s_.height, flange, web);
   }
 
-  // What the room of sections refuses is told with the place of the shape.
+  section::Corners corners() const {
+    return s_.corners == BoxCorners::butt ? section::Corners::butt : section::Corners::mitred;
+  }
+
+  section::Mesher of_contour() {
+    section::Airfoil stated;
+    if (!s_.points) fail("it has no points; give those of its outer surface");
+    for (const auto& [x2, x3] : s_.points->all)
+      stated.points.emplace_back(s_.unit * x2, s_.unit * x3);
+    stated.corner_angle = s_.corner_angle;
+    stated.corners = corners();
+    for (const AirfoilSectorScene& sector : s_.sectors) {
+      section::AirfoilSector part{sector.source, {}, {}, sector.bare, {}};
+      std::tie(part.from, part.to) = places_of(sector);
+      if (!sector.bare)
+        part.layup = wall_of(part_of(sector), "layup", "thickness");
+      else if (!sector.layup.empty() || !sector.material.empty() || sector.thickness)
+        throw Error(sector.source,
+                    of_ + ", sector: it is bare and has plies; leave one of them out");
+      stated.sectors.push_back(std::move(part));
+    }
+    for (const AirfoilWebScene& web : s_.webs) {
+      section::AirfoilWeb part{web.source, {}, {}, wall_of(part_of(web), "layup", "thickness")};
+      std::tie(part.from, part.to) = places_of(web);
+      if (!(web.from || web.from_point) || !(web.to || web.to_point))
+        throw Error(web.source, of_ +
+                                    ", web: its ends are missing; give from and to, fractions of "
+                                    "the contour, or from_point and to_point");
+      stated.webs.push_back(std::move(part));
+    }
+    for (const section::Point& x : stated.points) mesh_key_.insert(mesh_key_.end(), {x(0), x(1)});
+    mesh_key_.push_back(s_.corner_angle);
+    for (const auto& part : stated.sectors) {
+      add_to_key(part);
+      mesh_key_.push_back(part.bare);
+    }
+    for (const auto& part : stated.webs) add_to_key(part);
+    return made(section::airfoil, stated);
+  }
+
+  void add_to_key(const auto& part) {
+    for (const section::ContourPlace& at : {part.from, part.to})
+      mesh_key_.insert(mesh_key_.end(), {static_cast<double>(at.point.value_or(0)), at.fraction});
+  }
+
+  // Of a sector or web: where it begins and ends.
+  std::pair<section::ContourPlace, section::ContourPlace> places_of(const auto& part) const {
+    for (const auto& [fraction, point, name] :
+         {std::tuple{part.from, part.from_point, "from"}, {part.to, part.to_point, "to"}})
+      if (fraction && point)
+        throw Error(part.source, fmt::format("{0}, {1}: {2} and {2}_point say the same; leave one "
+                                             "of them out",
+                                             of_, part.item.element, name));
+    return {{part.from_point, part.from.value_or(0.0)}, {part.to_point, part.to.value_or(1.0)}};
+  }
+
+  // Plies by the name of a layup, or one of a material; and who has them.
+  struct Wall {
+    const Source& source;
+    std::string who;
+    const std::string& layup;
+    const std::string& material;
+    std::optional<double> thickness;
+    double angle;
+  };
+  Wall own(const std::string& layup, const std::optional<double>& thickness) const {
+    return {s_.source, of_, layup, s_.material, thickness, s_.angle};
+  }
+  Wall part_of(const auto& part) const {
+    if (part.layup.empty() ? !std::isfinite(part.angle) : part.angle != 0.0)
+      throw Error(part.source,
+                  fmt::format("{}, {}: angle is of a material that is given by itself; "
+                              "those of plies stand in the layup",
+                              of_, part.item.element));
+    return {part.source,    fmt::format("{}, {}", of_, part.item.element),
+            part.layup,     part.material,
+            part.thickness, part.angle};
+  }
+
+  // What the room of sections refuses is told with the place of the shape, or of its part.
   template <class Make, class... Sizes>
   section::Mesher made(const Make& make, const Sizes&... sizes) const {
     const std::vector<section::MeshMaterial>& all = materials();
     try {
       return make(sizes..., all);
+    } catch (const section::PartError& error) {
+      throw Error(error.source, of_ + ", " + error.what());
     } catch (const Error& error) {
       fail(error.what());
     }
@@ -299,23 +382,25 @@ class Shaped {
     };
   }
 
-  // Plies by the name of a layup, or one of the material.
-  section::Layup wall_of(const std::string& layup, std::string_view layup_attribute,
-                         const std::optional<double>& thickness, std::string_view own_attribute) {
-    if (s_.material.empty() == layup.empty())
-      fail(fmt::format("give {}, or material and {}{}", layup_attribute, own_attribute,
-                       layup.empty() ? "" : "; not both"));
-    if (layup.empty()) {
-      if (!thickness)
-        fail(
+  section::Layup wall_of(const Wall& wall, std::string_view layup_attribute,
+                         std::string_view own_attribute) {
+    const auto refuse = [&wall](const std::string& what) {
+      throw Error(wall.source, wall.who + ": " + what);
+    };
+    if (wall.material.empty() == wall.layup.empty())
+      refuse(fmt::format("give {}, or material and {}{}", layup_attribute, own_attribute,
+                         wall.layup.empty() ? "" : "; not both"));
+    if (wall.layup.empty()) {
+      if (!wall.thickness)
+        refuse(
             fmt::format("attribute \"{}\" is missing: where there is a material and no layup, it "
                         "is of that [m]",
                         own_attribute));
-      return one_ply(*thickness);
+      return one_ply(wall);
     }
-    if (thickness)
-      fail(fmt::format("{} is that of the layup; leave one of them out", own_attribute));
-    const LayupScene& found = named(scene_.layups, layup, s_.source, of_, "layups");
+    if (wall.thickness)
+      refuse(fmt::format("{} is that of the layup; leave one of them out", own_attribute));
+    const LayupScene& found = named(scene_.layups, wall.layup, wall.source, wall.who, "layups");
     section::Layup plies;
     for (const PlyScene& ply : found.plies) {
       const section::Ply next{number_of(ply.material, ply.source, label(found) + ", ply"),
@@ -335,8 +420,9 @@ class Shaped {
     return plies;
   }
 
-  section::Layup one_ply(double thickness) {
-    layups_.push_back({{number_of(s_.material, s_.source, of_), thickness, s_.angle}});
+  section::Layup one_ply(const Wall& wall) {
+    layups_.push_back(
+        {{number_of(wall.material, wall.source, wall.who), *wall.thickness, wall.angle}});
     return layups_.back();
   }
 
@@ -393,7 +479,9 @@ section::Converged analysed(const SectionShape& shape, Shaped& shaped) {
   static std::mutex mutex;
   static std::map<std::vector<double>, section::Converged> known;
   const int most_unknowns = reading_limits().section_unknowns;
-  const double tolerance = SectionShape::is_mesh(shape) ? shape.mesh_tolerance : shape.tolerance;
+  const double tolerance = SectionShape::is_mesh(shape)      ? shape.mesh_tolerance
+                           : SectionShape::is_airfoil(shape) ? shape.airfoil_tolerance
+                                                             : shape.tolerance;
   constexpr std::size_t most_known = 100;
   const section::Mesher mesher = shaped.mesher();
   const std::vector<double> key = shaped.key();

@@ -4,6 +4,7 @@
 // angles and normals of plies are those of libmbd/section/material.hpp.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -136,10 +137,91 @@ struct MeshRegionScene {
   }
 };
 
+// A part of the contour of an airfoil, and a web between two places of it: plies, or a material and its thickness.
+struct AirfoilSectorScene {
+  Source source;
+  std::optional<double> from, to;           // of the contour's length, or
+  std::optional<int> from_point, to_point;  // numbers of points; neither: 0, 1
+  std::string layup, material;
+  std::optional<double> thickness;
+  double angle = 0.0;
+  bool bare = false;
+
+  static constexpr field::ItemKind item{
+      "sector",
+      "A part of the contour of an airfoil, in the order of its points: its plies lie inside the "
+      "contour, their normals point outward. Sectors cover the contour, none twice."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = AirfoilSectorScene;
+    f(Field(&S::from, "from", pure_number, optional,
+            "where it begins: fraction of the length of the contour, from its first point on "
+            "(default: 0)",
+            unit_interval));
+    f(Field(&S::to, "to", pure_number, optional,
+            "where it ends (default: 1); if that is not beyond from, it goes through the first "
+            "point",
+            unit_interval));
+    f(Field(&S::from_point, "from_point", "", optional,
+            "in place of from: the number of a point, 1 for the first", at_least_one));
+    f(Field(&S::to_point, "to_point", "", optional, "in place of to: the number of a point",
+            at_least_one));
+    f(Field(&S::layup, "layup", "", optional, "name of its layup"));
+    f(Field(&S::material, "material", "", optional, "name of its material, in place of plies"));
+    f(Field(&S::thickness, "thickness", "m", optional, "where it is of one material", positive));
+    f(Field(&S::angle, "angle", "rad", preset,
+            "theta of a material that is given by itself, as of a ply"));
+    f(Field(&S::bare, "bare", "", preset, "on: there is no wall, the section is open"));
+  }
+};
+
+struct AirfoilWebScene {
+  Source source;
+  std::optional<double> from, to;
+  std::optional<int> from_point, to_point;
+  std::string layup, material;
+  std::optional<double> thickness;
+  double angle = 0.0;
+
+  static constexpr field::ItemKind item{
+      "web",
+      "A straight wall between two places of the contour of an airfoil. Its plies lie about the "
+      "line between these, their normal to the right of who goes from the first to the second (b2 "
+      "to the right, b3 up); it stands on the inner surfaces of the walls. On a border of two "
+      "sectors it stands on the thicker one (of alike ones on that which is listed first), which "
+      "then reaches to the far edge of its foot."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = AirfoilWebScene;
+    f(Field(&S::from, "from", pure_number, optional,
+            "its first end: fraction of the length of the contour, from its first point on",
+            unit_interval));
+    f(Field(&S::to, "to", pure_number, optional, "its second end", unit_interval));
+    f(Field(&S::from_point, "from_point", "", optional,
+            "in place of from: the number of a point, 1 for the first", at_least_one));
+    f(Field(&S::to_point, "to_point", "", optional, "in place of to: the number of a point",
+            at_least_one));
+    f(Field(&S::layup, "layup", "", optional,
+            "name of its layup; from the inside, the first ply is the one its normal points away "
+            "from"));
+    f(Field(&S::material, "material", "", optional, "name of its material, in place of plies"));
+    f(Field(&S::thickness, "thickness", "m", optional, "where it is of one material", positive));
+    f(Field(&S::angle, "angle", "rad", preset,
+            "theta of a material that is given by itself, as of a ply"));
+  }
+};
+
+// The points of the outer surface of an airfoil, in units of the airfoil.
+struct AirfoilPoints {
+  Source source;
+  std::vector<std::array<double, 2>> all;
+};
+
 // A section by its dimensions, which gives D, and M unless a <mass> stands beside it. Its centre lies at (x2, x3) and it is turned about it.
 struct SectionShape {
-  enum class Kind { tube, bar, rectangle, box, I, C, mesh };
-  static constexpr std::string_view kinds[] = {"tube", "bar", "rectangle", "box", "I", "C", "mesh"};
+  enum class Kind { tube, bar, rectangle, box, I, C, mesh, airfoil };
+  static constexpr std::string_view kinds[] = {"tube", "bar", "rectangle", "box",
+                                               "I",    "C",   "mesh",      "airfoil"};
   static constexpr std::string_view docs[] = {
       "A tube: its plies lie round it, their normals point outward.",
       "A solid round bar of one material, whose N is b3.",
@@ -151,7 +233,11 @@ struct SectionShape {
       "A mesh of triangles and quadrilaterals in a file of Gmsh (.msh of format 2.2 or 4.1): x and "
       "y of the file are x2 "
       "and x3. Orders of the elements are raised until the tolerance is met; the mesh itself "
-      "stays."};
+      "stays.",
+      "An aerofoil, or any section of walls along a closed curve, with webs between them. <points> "
+      "are those of its outer surface, x2 and x3 in turn, all round from any of them, either way; "
+      "between corners they are joined by smooth curves (cubic splines). Plies lie inside, at "
+      "constant distances from the curve."};
 
   Source source;
   Kind kind = Kind::tube;
@@ -164,28 +250,58 @@ struct SectionShape {
   BoxCorners corners = BoxCorners::mitred;
   double x2 = 0.0, x3 = 0.0, turn = 0.0;
   Vec3 curvature = Vec3::Zero();
-  double tolerance = 1e-5, mesh_tolerance = 1e-3;
-  std::string file;  // of a mesh: beside the model, or an absolute path
-  double unit = 1.0;
+  double tolerance = 1e-5, mesh_tolerance = 1e-3, airfoil_tolerance = 1e-4;
+  std::string file;   // of a mesh: beside the model, or an absolute path
+  double unit = 1.0;  // and of an airfoil: length of one unit of its points
   std::vector<MeshRegionScene> regions;
+  double corner_angle = 1.0471975511965976;  // 60 deg
+  std::optional<AirfoilPoints> points;       // of an airfoil, which has them
+  std::vector<AirfoilSectorScene> sectors;   // at least one
+  std::vector<AirfoilWebScene> webs;
 
   static bool is_tube(const SectionShape& s) { return s.kind == Kind::tube; }
   static bool is_bar(const SectionShape& s) { return s.kind == Kind::bar; }
   static bool is_round(const SectionShape& s) { return is_tube(s) || is_bar(s); }
-  static bool is_wide(const SectionShape& s) { return !is_round(s) && s.kind != Kind::mesh; }
+  static bool is_wide(const SectionShape& s) { return !is_round(s) && !has_parts(s); }
   static bool is_rectangle(const SectionShape& s) { return s.kind == Kind::rectangle; }
   static bool is_high(const SectionShape& s) { return is_wide(s) && !is_rectangle(s); }
   static bool is_box(const SectionShape& s) { return s.kind == Kind::box; }
   static bool is_flanged(const SectionShape& s) { return s.kind == Kind::I || s.kind == Kind::C; }
   static bool has_layup(const SectionShape& s) {
-    return !is_flanged(s) && !is_bar(s) && s.kind != Kind::mesh;
+    return !is_flanged(s) && !is_bar(s) && !has_parts(s);
   }
   static bool is_wall(const SectionShape& s) { return is_tube(s) || is_box(s); }
   static bool is_mesh(const SectionShape& s) { return s.kind == Kind::mesh; }
-  static bool is_drawn(const SectionShape& s) { return !is_mesh(s); }
-  static bool may_be_plies(const SectionShape& s) { return is_drawn(s) && !is_bar(s); }
+  static bool is_airfoil(const SectionShape& s) { return s.kind == Kind::airfoil; }
+  static bool has_parts(const SectionShape& s) { return is_mesh(s) || is_airfoil(s); }
+  static bool has_corners(const SectionShape& s) { return is_box(s) || is_airfoil(s); }
+  static bool is_simple(const SectionShape& s) { return !has_parts(s); }
+  static bool may_be_plies(const SectionShape& s) { return is_simple(s) && !is_bar(s); }
 
   static constexpr field::ItemKind item{"", "A section by its dimensions."};
+  // Where it lies, and how well it is to be known: of every kind.
+  static void each_field_of_all(const auto& f) {
+    using namespace field;
+    using S = SectionShape;
+    f(Field(&S::x2, "x2", "m", preset,
+            "where its centre lies along b2 (of a C: its outer face and half its height; of a mesh "
+            "or an airfoil: the origin of its points)"));
+    f(Field(&S::x3, "x3", "m", preset, "where its centre lies along b3"));
+    f(Field(&S::turn, "turn", "rad", preset, "turns it about its centre, from b2 towards b3"));
+    f(Field(&S::curvature, "curvature", "1/m", preset,
+            "k1 k2 k3 of the stress-free reference line along b1 b2 b3: its twist and curvatures, "
+            "which D and M take into account. They are not taken from the beam"));
+    f(Field(&S::tolerance, "tolerance", pure_number, preset,
+            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_simple));
+    f(Field(&S::airfoil_tolerance, "tolerance", pure_number, preset,
+            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_airfoil));
+    f(Field(&S::mesh_tolerance, "tolerance", pure_number, preset,
+            "the order of the elements is raised until every entry ij of D changes less, over "
+            "sqrt(Dii Djj)",
+            Range{1e-10, 0.1}, is_mesh));
+  }
   static void each_field(const auto& f) {
     using namespace field;
     using S = SectionShape;
@@ -214,26 +330,24 @@ struct SectionShape {
     f(Field(&S::web_thickness, "web_thickness", "m", optional,
             "of its web, where it is of one material", positive, is_flanged));
     f(Field(&S::angle, "angle", "rad", preset,
-            "theta of a material that is given by itself, as of a ply", is_drawn));
-    f(Field(&S::corners, "corners", "", preset,
-            "mitred: plies turn round them; butt: walls across b3 go through, those across b2 "
-            "stand between them",
-            is_box));
-    f(Field(&S::x2, "x2", "m", preset,
-            "where its centre lies along b2 (of a C: its outer face and half its height)"));
-    f(Field(&S::x3, "x3", "m", preset, "where its centre lies along b3"));
-    f(Field(&S::turn, "turn", "rad", preset, "turns it about its centre, from b2 towards b3"));
-    f(Field(&S::curvature, "curvature", "1/m", preset,
-            "k1 k2 k3 of the stress-free reference line along b1 b2 b3: its twist and curvatures, "
-            "which D and M take into account. They are not taken from the beam"));
-    f(Field(&S::tolerance, "tolerance", pure_number, preset,
-            "the mesh is refined until every entry ij of D changes less, over sqrt(Dii Djj)",
-            Range{1e-10, 0.1}, is_drawn));
-    f(Field(&S::mesh_tolerance, "tolerance", pure_number, preset,
-            "the order of the elements is raised until every entry ij of D changes less, over "
-            "sqrt(Dii Djj)",
-            Range{1e-10, 0.1}, is_mesh));
+            "theta of a material that is given by itself, as of a ply", is_simple));
+    f(Field(&S::unit, "unit", "m", preset,
+            "length of one unit of its points: such as 1 mm, or the chord", positive, is_airfoil));
+    f(Field(&S::corner_angle, "corner_angle", "rad", preset,
+            "where the line from point to point turns by more there are corners; 0: straight lines "
+            "between all points",
+            Range{0.0, 3.141592653589793}, is_airfoil));
+    f(Field(
+        &S::corners, "corners", "", preset,
+        "mitred: plies turn round them; butt: walls of a box across b3 go through, those "
+        "across b2 stand between them; of an airfoil, the wall of the sector that is listed first "
+        "goes through, in one sector the wall before the corner (corners that point inward are "
+        "mitred)",
+        has_corners));
+    each_field_of_all(f);
     f(Parts(&S::regions));
+    f(Parts(&S::sectors));
+    f(Parts(&S::webs));
   }
 };
 

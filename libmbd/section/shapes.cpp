@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <string_view>
 #include <utility>
 
 #include "libmbd/core/error.hpp"
 #include "libmbd/core/spectral.hpp"
+#include "libmbd/section/places.hpp"
 
 namespace mbd::section {
 namespace {
@@ -28,34 +28,11 @@ struct Patch {
   std::string name;
 };
 
-// Nodes by their places, so that patches share those on common lines.
-class Nodes {
- public:
-  Nodes(std::vector<Point>& nodes, double size) : nodes_(nodes), cell_(1e-10 * size) {}
-
-  int at(const Point& x) {
-    const std::array<long, 2> key{index(x(0)), index(x(1))};
-    for (long i = -1; i <= 1; ++i)
-      for (long j = -1; j <= 1; ++j)
-        if (const auto it = known_.find({key[0] + i, key[1] + j}); it != known_.end())
-          if ((nodes_[static_cast<std::size_t>(it->second)] - x).norm() < 0.5 * cell_)
-            return it->second;
-    nodes_.push_back(x);
-    return known_[key] = static_cast<int>(nodes_.size()) - 1;
-  }
-
- private:
-  long index(double x) const { return std::lround(x / cell_); }
-  std::vector<Point>& nodes_;
-  double cell_;
-  std::map<std::array<long, 2>, int> known_;
-};
-
 Mesh mesh_of(const std::vector<Patch>& patches, int order,
              const std::vector<MeshMaterial>& materials, double size) {
   Mesh mesh;
   mesh.materials = materials;
-  Nodes nodes(mesh.nodes, size);
+  Places nodes(mesh.nodes, 1e-10 * size);
   const std::vector<double> places = gauss_lobatto_rule(order + 1).points;
   for (const Patch& patch : patches)
     for (std::size_t b = 0; b + 1 < patch.eta.size(); ++b)
@@ -382,6 +359,8 @@ namespace {
 
 constexpr double round_off = 1e-11;
 
+}  // namespace
+
 // Errors of entries of D from its last two changes. D of a finite element method is too large by a matrix that is
 // positive semi-definite, so the diagonal says what the rest can be; a change of the rest may be small by luck.
 Mat6 error_of(const Mat6& d, const Mat6& now, const Mat6& before) {
@@ -406,8 +385,6 @@ Mat6 error_of(const Mat6& d, const Mat6& now, const Mat6& before) {
     }
   return result;
 }
-
-}  // namespace
 
 namespace {
 // From the level on where there is an estimate: from two changes, or where one will do from one.
@@ -440,18 +417,23 @@ Converged refine(const Mesher& mesher, const Vec3& curvature, double tolerance, 
 }
 }  // namespace
 
+std::vector<Fineness> levels_of(bool of_one_mesh) {
+  std::vector<Fineness> levels;
+  if (of_one_mesh)
+    for (int order = 1; order <= 8; ++order) levels.push_back({order, 1});
+  else  // beyond nine, grading comes near to round-off
+    for (int level = 0; level < 9; ++level) levels.push_back({level + 2, level + 1});
+  return levels;
+}
+
 Converged converge(const Mesher& mesher, const Vec3& curvature, double tolerance,
                    int most_unknowns) {
-  std::vector<Fineness> levels;  // beyond nine, grading comes near to round-off
-  for (int level = 0; level < 9; ++level) levels.push_back({level + 2, level + 1});
-  return refine(mesher, curvature, tolerance, most_unknowns, levels, 2);
+  return refine(mesher, curvature, tolerance, most_unknowns, levels_of(false), 2);
 }
 
 Converged converge_orders(const Mesher& mesher, const Vec3& curvature, double tolerance,
                           int most_unknowns) {
-  std::vector<Fineness> levels;
-  for (int order = 1; order <= 8; ++order) levels.push_back({order, 1});
-  return refine(mesher, curvature, tolerance, most_unknowns, levels, 1);
+  return refine(mesher, curvature, tolerance, most_unknowns, levels_of(true), 1);
 }
 
 }  // namespace mbd::section

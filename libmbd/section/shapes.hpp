@@ -76,6 +76,12 @@ struct Converged {
 Converged converge(const Mesher& mesher, const Vec3& curvature = Vec3::Zero(),
                    double tolerance = 1e-6, int most_unknowns = 200'000);
 
+// The meshes of converge(), coarse to fine, or (of_one_mesh) those of converge_orders().
+std::vector<Fineness> levels_of(bool of_one_mesh);
+
+// The estimate of converge(), of each entry of D: `now` is |D - that of the mesh before|, `before` the same one mesh earlier.
+Mat6 error_of(const Mat6& d, const Mat6& now, const Mat6& before);
+
 // The same with orders 1, 2, 3, ... (8 at most) of the elements of one mesh, of which `mesher` heeds the order only. The first two
 // orders know twice their change.
 Converged converge_orders(const Mesher& mesher, const Vec3& curvature, double tolerance,

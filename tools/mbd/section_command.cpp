@@ -16,6 +16,7 @@
 #include "libmbd/results/history.hpp"
 #include "libmbd/run/describe_section.hpp"
 #include "libmbd/run/describe_stress.hpp"
+#include "libmbd/run/section_accuracy.hpp"
 #include "libmbd/run/section_picture.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/text/files.hpp"
@@ -30,7 +31,8 @@ struct SectionArguments {
   std::string model, name, csv, stress, run, record, point, image, colour;
   std::optional<double> station;
   std::vector<std::string> set;
-  bool json = false;
+  bool json = false, accuracy = false;
+  std::optional<double> budget;
 };
 
 // So many numbers, separated by blanks.
@@ -111,7 +113,34 @@ void recover(const SectionArguments& arguments) {
              section_picture(scene, report.section, arguments.station, worst(report), quantity));
 }
 
+void study(const SectionArguments& arguments) {
+  if (!arguments.stress.empty() || !arguments.run.empty() || !arguments.record.empty() ||
+      !arguments.point.empty() || arguments.station || !arguments.image.empty() ||
+      !arguments.colour.empty())
+    throw Error(
+        "--accuracy is of D; --stress, --run, --record, --point, --station, --image and --colour "
+        "are "
+        "of stresses; leave one or the other out");
+  const double budget = arguments.budget.value_or(60.0);
+  if (!(budget >= 0.1) || !(budget <= 1e6))
+    throw Error(fmt::format("--budget {:g}: give seconds, 0.1 to 1e6", budget));
+  const Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  const std::vector<SectionAccuracy> all = section_accuracy(scene, arguments.name, budget);
+  if (!arguments.csv.empty()) write_file(arguments.csv, to_csv(all));
+  if (arguments.json) {
+    fmt::print("{}", to_json(all));
+    return;
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    fmt::print("{}{}", i == 0 ? "" : "\n", to_text(all[i]));
+}
+
 void describe(const SectionArguments& arguments) {
+  if (arguments.accuracy) {
+    study(arguments);
+    return;
+  }
+  if (arguments.budget) throw Error("--budget is of --accuracy; give that, or leave it out");
   if (!arguments.stress.empty() || !arguments.run.empty() || !arguments.record.empty()) {
     recover(arguments);
     return;
@@ -188,10 +217,19 @@ void add_section_command(CLI::App& app, int& status) {
                    "this file, as CSV")
       ->type_name("FILE");
   add_stress_options(*command, *arguments);
+  command->add_flag(
+      "--accuracy", arguments->accuracy,
+      "what the accuracy of D costs: errors and CPU seconds of many meshes and orders, "
+      "and the cheapest for 1e-2 to 1e-6");
+  command
+      ->add_option("--budget", arguments->budget,
+                   "of --accuracy: seconds for each section; default: 60")
+      ->type_name("SECONDS");
   set_examples(*command,
                "mbd section models/shaft_tube.xml\n"
                "mbd section models/four_bar_boxes.xml box16 --json\n"
                "mbd section models/shaft_tube.xml tube --out tube.csv\n"
+               "mbd section models/four_bar_boxes.xml box16 --accuracy\n"
                "mbd section models/shaft_tube.xml tube --stress \"0 0 1000 0 500 0\"\n"
                "mbd section models/shaft_tube.xml tube --stress \"0 0 0 1 0 0\" --image s.svg "
                "--colour LT");

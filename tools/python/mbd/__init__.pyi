@@ -270,13 +270,14 @@ class Scene(Element):
           elements of that kind have when they do not say otherwise.
           Stands in <mbd>. Holds <material>, <layup>, <ply>, <section>, <station>,
           <stiffness>, <mass>, <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>,
-          <beam>, <arc>, <curve>, <point>, <body>, <shape>, <drive>, <motion>, <load>,
-          <distributed>, <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>,
-          <joint_torque>, <drag>, <added_mass>, <extension>, <base_motion>, <gravity>,
-          <static>, <path>, <mark>, <stop>, <transient>, <record>, <motion_output>,
-          <plot>, <expect>, <region>, <input>, <function>, <controller>, <mesh>,
-          <fixed>, <rigid_link>, <revolute>, <prismatic>, <cylindrical>, <screw>,
-          <universal>, <spherical>, <planar>, <point_on_line>, <distance>.
+          <mesh>, <region>, <airfoil>, <sector>, <web>, <beam>, <arc>, <curve>, <point>,
+          <body>, <shape>, <drive>, <motion>, <load>, <distributed>, <rigid>,
+          <point_mass>, <spring>, <bushing>, <joint_spring>, <joint_torque>, <drag>,
+          <added_mass>, <extension>, <base_motion>, <gravity>, <static>, <path>, <mark>,
+          <stop>, <transient>, <record>, <motion_output>, <plot>, <expect>, <input>,
+          <function>, <controller>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
+          <cylindrical>, <screw>, <universal>, <spherical>, <planar>, <point_on_line>,
+          <distance>.
 
         For example:
           <mbd name="balls" version="1">
@@ -374,6 +375,14 @@ class Scene(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -417,6 +426,14 @@ class Scene(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -430,7 +447,8 @@ class Scene(Element):
         """<section>
           Stiffness and mass of a cross-section, axes b1 (along the beam) b2 b3.
           Stands in <mbd>, <repeat>, <defaults>. Holds <station>, <stiffness>, <mass>,
-          <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>, <repeat>, <mesh>.
+          <damping>, <tube>, <bar>, <rectangle>, <box>, <I>, <C>, <mesh>, <airfoil>,
+          <repeat>.
 
         Attributes:
           name               name, required
@@ -1821,13 +1839,14 @@ class Scene(Element):
     def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
         """<repeat>
           Reads its contents several times.
-          Stands in <mbd>, <repeat>, <curve>, <layup>, <section>. Holds <material>,
-          <layup>, <ply>, <section>, <station>, <beam>, <arc>, <curve>, <point>, <body>,
-          <drive>, <motion>, <load>, <distributed>, <rigid>, <point_mass>, <spring>,
-          <bushing>, <joint_spring>, <joint_torque>, <drag>, <added_mass>, <extension>,
-          <mark>, <stop>, <record>, <plot>, <expect>, <repeat>, <input>, <function>,
-          <controller>, <fixed>, <rigid_link>, <revolute>, <prismatic>, <cylindrical>,
-          <screw>, <universal>, <spherical>, <planar>, <point_on_line>, <distance>.
+          Stands in <mbd>, <repeat>, <curve>, <layup>, <section>, <airfoil>. Holds
+          <material>, <layup>, <ply>, <section>, <station>, <sector>, <web>, <beam>,
+          <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>, <distributed>,
+          <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>, <joint_torque>,
+          <drag>, <added_mass>, <extension>, <mark>, <stop>, <record>, <plot>, <expect>,
+          <repeat>, <input>, <function>, <controller>, <fixed>, <rigid_link>,
+          <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>, <spherical>,
+          <planar>, <point_on_line>, <distance>.
 
         Attributes:
           count              whole number from 0 to 1000000, required
@@ -2601,6 +2620,14 @@ class DefaultsElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -2617,7 +2644,7 @@ class DefaultsElement(Element):
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
           Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
-          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>.
+          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>, <airfoil>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -2866,7 +2893,8 @@ class DefaultsElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -2900,6 +2928,14 @@ class DefaultsElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -2923,7 +2959,8 @@ class DefaultsElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -2957,6 +2994,14 @@ class DefaultsElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -2985,7 +3030,8 @@ class DefaultsElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -3019,6 +3065,14 @@ class DefaultsElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -3047,11 +3101,15 @@ class DefaultsElement(Element):
           angle              number [rad], default 0
                              theta of a material that is given by itself, as of a ply
           corners            mitred or butt, default mitred
-                             mitred: plies turn round them; butt: walls across b3 go
-                             through, those across b2 stand between them
+                             mitred: plies turn round them; butt: walls of a box across
+                             b3 go through, those across b2 stand between them; of an
+                             airfoil, the wall of the sector that is listed first goes
+                             through, in one sector the wall before the corner (corners
+                             that point inward are mitred)
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -3085,6 +3143,14 @@ class DefaultsElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -3119,7 +3185,8 @@ class DefaultsElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -3153,6 +3220,14 @@ class DefaultsElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -3187,7 +3262,8 @@ class DefaultsElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -3221,6 +3297,350 @@ class DefaultsElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def mesh(self, *, file: Value = None, unit: Value = None, material: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> MeshElement:
+        """<mesh>
+          A mesh of triangles and quadrilaterals in a file of Gmsh (.msh of format 2.2
+          or 4.1): x and y of the file are x2 and x3. Orders of the elements are raised
+          until the tolerance is met; the mesh itself stays.
+          Stands in <section>, <station>, <defaults>. Holds <region>.
+
+        Attributes:
+          file               text, required
+                             the .msh file; a relative path is from the model's
+                             directory
+          unit               number > 0 [m], default 1
+                             length of one unit of the file, such as 1 mm
+          material           text, optional
+                             of elements of no <region>, their angle 0 and their N b3
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 0.001
+                             the order of the elements is raised until every entry ij of
+                             D changes less, over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def region(self, *, name: Value = None, material: Value = None, angle: Value = None, normal: Value = None) -> RegionElement:
+        """<region>
+          What the elements of a physical surface of a mesh consist of.
+          Stands in <mesh>, <defaults>.
+
+        Attributes:
+          name               text, required
+                             of the physical surface in the file, or its number where it
+                             has no name
+          material           text, required
+                             name of its material
+          angle              number [rad], default 0
+                             theta, of its L from b1, as of a ply
+          normal             number [rad], default 1.5707963267948966
+                             direction of its N: angle from b2 towards b3, before the
+                             section is turned
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def airfoil(self, *, unit: Value = None, corner_angle: Value = None, corners: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> AirfoilElement:
+        """<airfoil>
+          An aerofoil, or any section of walls along a closed curve, with webs between
+          them. <points> are those of its outer surface, x2 and x3 in turn, all round
+          from any of them, either way; between corners they are joined by smooth curves
+          (cubic splines). Plies lie inside, at constant distances from the curve.
+          Stands in <section>, <station>, <defaults>. Holds <points>, <sector>, <web>,
+          <repeat>.
+
+        Attributes:
+          unit               number > 0 [m], default 1
+                             length of one unit of its points: such as 1 mm, or the
+                             chord
+          corner_angle       number from 0 to 3.141592653589793 [rad], default
+                             1.0471975511965976
+                             where the line from point to point turns by more there are
+                             corners; 0: straight lines between all points
+          corners            mitred or butt, default mitred
+                             mitred: plies turn round them; butt: walls of a box across
+                             b3 go through, those across b2 stand between them; of an
+                             airfoil, the wall of the sector that is listed first goes
+                             through, in one sector the wall before the corner (corners
+                             that point inward are mitred)
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-04
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def sector(self, *, from_: Value = None, to: Value = None, from_point: Value = None, to_point: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, bare: Value = None) -> SectorElement:
+        """<sector>
+          A part of the contour of an airfoil, in the order of its points: its plies lie
+          inside the contour, their normals point outward. Sectors cover the contour,
+          none twice.
+          Stands in <airfoil>, <repeat>, <defaults>.
+
+        Attributes:
+          from               number from 0 to 1, optional
+                             where it begins: fraction of the length of the contour,
+                             from its first point on (default: 0)
+          to                 number from 0 to 1, optional
+                             where it ends (default: 1); if that is not beyond from, it
+                             goes through the first point
+          from_point         whole number from 1 to 1000000, optional
+                             in place of from: the number of a point, 1 for the first
+          to_point           whole number from 1 to 1000000, optional
+                             in place of to: the number of a point
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          bare               off or on, default off
+                             on: there is no wall, the section is open
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def web(self, *, from_: Value = None, to: Value = None, from_point: Value = None, to_point: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None) -> WebElement:
+        """<web>
+          A straight wall between two places of the contour of an airfoil. Its plies lie
+          about the line between these, their normal to the right of who goes from the
+          first to the second (b2 to the right, b3 up); it stands on the inner surfaces
+          of the walls. On a border of two sectors it stands on the thicker one (of
+          alike ones on that which is listed first), which then reaches to the far edge
+          of its foot.
+          Stands in <airfoil>, <repeat>, <defaults>.
+
+        Attributes:
+          from               number from 0 to 1, optional
+                             its first end: fraction of the length of the contour, from
+                             its first point on
+          to                 number from 0 to 1, optional
+                             its second end
+          from_point         whole number from 1 to 1000000, optional
+                             in place of from: the number of a point, 1 for the first
+          to_point           whole number from 1 to 1000000, optional
+                             in place of to: the number of a point
+          layup              text, optional
+                             name of its layup; from the inside, the first ply is the
+                             one its normal points away from
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -3487,53 +3907,6 @@ class DefaultsElement(Element):
     def expect(self, *, quantity: Value = None, of: Value = None, number: Value = None, at: Value = None, value: Value = None, tolerance: Value = None, source: Value = None, when: Value = None) -> ExpectElement:
         """A number the run must give."""
         ...
-    def region(self, *, name: Value = None, material: Value = None, angle: Value = None, normal: Value = None) -> RegionElement:
-        """<region>
-          What the elements of a physical surface of a mesh consist of.
-          Stands in <mesh>, <defaults>.
-
-        Attributes:
-          name               text, required
-                             of the physical surface in the file, or its number where it
-                             has no name
-          material           text, required
-                             name of its material
-          angle              number [rad], default 0
-                             theta, of its L from b1, as of a ply
-          normal             number [rad], default 1.5707963267948966
-                             direction of its N: angle from b2 towards b3, before the
-                             section is turned
-
-        For example:
-          <mbd name="composite_tube">
-            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
-                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
-            <layup name="wall" listed="inside">
-              <ply material="graphite_epoxy" thickness="1 mm"/>
-              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
-            </layup>
-            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
-            <!-- Others, of one material. -->
-            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
-            <defaults>
-              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
-            </defaults>
-            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
-            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
-            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
-            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
-            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
-            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
-            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
-            <fixed name="wall" between="ground arm.start"/>
-            <load at="arm.end" force="0 0 -100"/>
-            <static/>
-            <record name="tip" at="arm.end" quantities="displacement rotation"/>
-            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
-          </mbd>
-        """
-        ...
     def input(self, *, name: Value = None, unit: Value = None, value: Value = None) -> InputElement:
         """A value that a program sets while the model runs; the laws of loads, joint torques, flows and drives use it by its name, as they use t. In a run of `mbd run` it keeps its `value`."""
         ...
@@ -3542,66 +3915,6 @@ class DefaultsElement(Element):
         ...
     def controller(self, *, name: Value = None, period: Value = None) -> ControllerElement:
         """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
-        ...
-    def mesh(self, *, file: Value = None, unit: Value = None, material: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> MeshElement:
-        """<mesh>
-          A mesh of triangles and quadrilaterals in a file of Gmsh (.msh of format 2.2
-          or 4.1): x and y of the file are x2 and x3. Orders of the elements are raised
-          until the tolerance is met; the mesh itself stays.
-          Stands in <section>, <station>, <defaults>. Holds <region>.
-
-        Attributes:
-          file               text, required
-                             the .msh file; a relative path is from the model's
-                             directory
-          unit               number > 0 [m], default 1
-                             length of one unit of the file, such as 1 mm
-          material           text, optional
-                             of elements of no <region>, their angle 0 and their N b3
-          x2                 number [m], default 0
-                             where its centre lies along b2 (of a C: its outer face and
-                             half its height)
-          x3                 number [m], default 0
-                             where its centre lies along b3
-          turn               number [rad], default 0
-                             turns it about its centre, from b2 towards b3
-          curvature          3 numbers [1/m], default 0 0 0
-                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
-                             its twist and curvatures, which D and M take into account.
-                             They are not taken from the beam
-          tolerance          number from 1e-10 to 0.1, default 0.001
-                             the order of the elements is raised until every entry ij of
-                             D changes less, over sqrt(Dii Djj)
-
-        For example:
-          <mbd name="composite_tube">
-            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
-                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
-            <layup name="wall" listed="inside">
-              <ply material="graphite_epoxy" thickness="1 mm"/>
-              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
-            </layup>
-            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
-            <!-- Others, of one material. -->
-            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
-            <defaults>
-              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
-            </defaults>
-            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
-            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
-            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
-            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
-            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
-            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
-            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
-            <fixed name="wall" between="ground arm.start"/>
-            <load at="arm.end" force="0 0 -100"/>
-            <static/>
-            <record name="tip" at="arm.end" quantities="displacement rotation"/>
-            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
-          </mbd>
-        """
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
@@ -3676,6 +3989,14 @@ class LayupElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -3697,7 +4018,7 @@ class SectionElement(Element):
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
           Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
-          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>.
+          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>, <airfoil>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -3946,7 +4267,8 @@ class SectionElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -3980,6 +4302,14 @@ class SectionElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4003,7 +4333,8 @@ class SectionElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4037,6 +4368,14 @@ class SectionElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4065,7 +4404,8 @@ class SectionElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4099,6 +4439,14 @@ class SectionElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4127,11 +4475,15 @@ class SectionElement(Element):
           angle              number [rad], default 0
                              theta of a material that is given by itself, as of a ply
           corners            mitred or butt, default mitred
-                             mitred: plies turn round them; butt: walls across b3 go
-                             through, those across b2 stand between them
+                             mitred: plies turn round them; butt: walls of a box across
+                             b3 go through, those across b2 stand between them; of an
+                             airfoil, the wall of the sector that is listed first goes
+                             through, in one sector the wall before the corner (corners
+                             that point inward are mitred)
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4165,6 +4517,14 @@ class SectionElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4199,7 +4559,8 @@ class SectionElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4233,6 +4594,14 @@ class SectionElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4267,7 +4636,8 @@ class SectionElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4301,6 +4671,14 @@ class SectionElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4309,9 +4687,6 @@ class SectionElement(Element):
             <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
-        ...
-    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
-        """Reads its contents several times."""
         ...
     def mesh(self, *, file: Value = None, unit: Value = None, material: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> MeshElement:
         """<mesh>
@@ -4330,7 +4705,8 @@ class SectionElement(Element):
                              of elements of no <region>, their angle 0 and their N b3
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4364,6 +4740,14 @@ class SectionElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4372,6 +4756,86 @@ class SectionElement(Element):
             <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
+        ...
+    def airfoil(self, *, unit: Value = None, corner_angle: Value = None, corners: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> AirfoilElement:
+        """<airfoil>
+          An aerofoil, or any section of walls along a closed curve, with webs between
+          them. <points> are those of its outer surface, x2 and x3 in turn, all round
+          from any of them, either way; between corners they are joined by smooth curves
+          (cubic splines). Plies lie inside, at constant distances from the curve.
+          Stands in <section>, <station>, <defaults>. Holds <points>, <sector>, <web>,
+          <repeat>.
+
+        Attributes:
+          unit               number > 0 [m], default 1
+                             length of one unit of its points: such as 1 mm, or the
+                             chord
+          corner_angle       number from 0 to 3.141592653589793 [rad], default
+                             1.0471975511965976
+                             where the line from point to point turns by more there are
+                             corners; 0: straight lines between all points
+          corners            mitred or butt, default mitred
+                             mitred: plies turn round them; butt: walls of a box across
+                             b3 go through, those across b2 stand between them; of an
+                             airfoil, the wall of the sector that is listed first goes
+                             through, in one sector the wall before the corner (corners
+                             that point inward are mitred)
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-04
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
+        """Reads its contents several times."""
         ...
 
 class StationElement(Element):
@@ -4510,7 +4974,8 @@ class StationElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4544,6 +5009,14 @@ class StationElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4567,7 +5040,8 @@ class StationElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4601,6 +5075,14 @@ class StationElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4629,7 +5111,8 @@ class StationElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4663,6 +5146,14 @@ class StationElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4691,11 +5182,15 @@ class StationElement(Element):
           angle              number [rad], default 0
                              theta of a material that is given by itself, as of a ply
           corners            mitred or butt, default mitred
-                             mitred: plies turn round them; butt: walls across b3 go
-                             through, those across b2 stand between them
+                             mitred: plies turn round them; butt: walls of a box across
+                             b3 go through, those across b2 stand between them; of an
+                             airfoil, the wall of the sector that is listed first goes
+                             through, in one sector the wall before the corner (corners
+                             that point inward are mitred)
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4729,6 +5224,14 @@ class StationElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4763,7 +5266,8 @@ class StationElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4797,6 +5301,14 @@ class StationElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4831,7 +5343,8 @@ class StationElement(Element):
                              theta of a material that is given by itself, as of a ply
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4865,6 +5378,14 @@ class StationElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4891,7 +5412,8 @@ class StationElement(Element):
                              of elements of no <region>, their angle 0 and their N b3
           x2                 number [m], default 0
                              where its centre lies along b2 (of a C: its outer face and
-                             half its height)
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
           x3                 number [m], default 0
                              where its centre lies along b3
           turn               number [rad], default 0
@@ -4925,6 +5447,91 @@ class StationElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def airfoil(self, *, unit: Value = None, corner_angle: Value = None, corners: Value = None, x2: Value = None, x3: Value = None, turn: Value = None, curvature: Value = None, tolerance: Value = None) -> AirfoilElement:
+        """<airfoil>
+          An aerofoil, or any section of walls along a closed curve, with webs between
+          them. <points> are those of its outer surface, x2 and x3 in turn, all round
+          from any of them, either way; between corners they are joined by smooth curves
+          (cubic splines). Plies lie inside, at constant distances from the curve.
+          Stands in <section>, <station>, <defaults>. Holds <points>, <sector>, <web>,
+          <repeat>.
+
+        Attributes:
+          unit               number > 0 [m], default 1
+                             length of one unit of its points: such as 1 mm, or the
+                             chord
+          corner_angle       number from 0 to 3.141592653589793 [rad], default
+                             1.0471975511965976
+                             where the line from point to point turns by more there are
+                             corners; 0: straight lines between all points
+          corners            mitred or butt, default mitred
+                             mitred: plies turn round them; butt: walls of a box across
+                             b3 go through, those across b2 stand between them; of an
+                             airfoil, the wall of the sector that is listed first goes
+                             through, in one sector the wall before the corner (corners
+                             that point inward are mitred)
+          x2                 number [m], default 0
+                             where its centre lies along b2 (of a C: its outer face and
+                             half its height; of a mesh or an airfoil: the origin of its
+                             points)
+          x3                 number [m], default 0
+                             where its centre lies along b3
+          turn               number [rad], default 0
+                             turns it about its centre, from b2 towards b3
+          curvature          3 numbers [1/m], default 0 0 0
+                             k1 k2 k3 of the stress-free reference line along b1 b2 b3:
+                             its twist and curvatures, which D and M take into account.
+                             They are not taken from the beam
+          tolerance          number from 1e-10 to 0.1, default 1e-04
+                             the mesh is refined until every entry ij of D changes less,
+                             over sqrt(Dii Djj)
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -4960,6 +5567,259 @@ class IElement(Element):
     ...
 
 class CElement(Element):
+    ...
+
+class MeshElement(Element):
+    def region(self, *, name: Value = None, material: Value = None, angle: Value = None, normal: Value = None) -> RegionElement:
+        """<region>
+          What the elements of a physical surface of a mesh consist of.
+          Stands in <mesh>, <defaults>.
+
+        Attributes:
+          name               text, required
+                             of the physical surface in the file, or its number where it
+                             has no name
+          material           text, required
+                             name of its material
+          angle              number [rad], default 0
+                             theta, of its L from b1, as of a ply
+          normal             number [rad], default 1.5707963267948966
+                             direction of its N: angle from b2 towards b3, before the
+                             section is turned
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+
+class RegionElement(Element):
+    ...
+
+class AirfoilElement(Element):
+    def points(self, content: Value = None, /) -> PointsElement:
+        """<points>
+          The points of the outer surface of an airfoil: x2 and x3 in turn, in its unit,
+          all round; three or more, the last not the first again.
+          Stands in <airfoil>. Its text: pairs of numbers.
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def sector(self, *, from_: Value = None, to: Value = None, from_point: Value = None, to_point: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, bare: Value = None) -> SectorElement:
+        """<sector>
+          A part of the contour of an airfoil, in the order of its points: its plies lie
+          inside the contour, their normals point outward. Sectors cover the contour,
+          none twice.
+          Stands in <airfoil>, <repeat>, <defaults>.
+
+        Attributes:
+          from               number from 0 to 1, optional
+                             where it begins: fraction of the length of the contour,
+                             from its first point on (default: 0)
+          to                 number from 0 to 1, optional
+                             where it ends (default: 1); if that is not beyond from, it
+                             goes through the first point
+          from_point         whole number from 1 to 1000000, optional
+                             in place of from: the number of a point, 1 for the first
+          to_point           whole number from 1 to 1000000, optional
+                             in place of to: the number of a point
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          bare               off or on, default off
+                             on: there is no wall, the section is open
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def web(self, *, from_: Value = None, to: Value = None, from_point: Value = None, to_point: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None) -> WebElement:
+        """<web>
+          A straight wall between two places of the contour of an airfoil. Its plies lie
+          about the line between these, their normal to the right of who goes from the
+          first to the second (b2 to the right, b3 up); it stands on the inner surfaces
+          of the walls. On a border of two sectors it stands on the thicker one (of
+          alike ones on that which is listed first), which then reaches to the far edge
+          of its foot.
+          Stands in <airfoil>, <repeat>, <defaults>.
+
+        Attributes:
+          from               number from 0 to 1, optional
+                             its first end: fraction of the length of the contour, from
+                             its first point on
+          to                 number from 0 to 1, optional
+                             its second end
+          from_point         whole number from 1 to 1000000, optional
+                             in place of from: the number of a point, 1 for the first
+          to_point           whole number from 1 to 1000000, optional
+                             in place of to: the number of a point
+          layup              text, optional
+                             name of its layup; from the inside, the first ply is the
+                             one its normal points away from
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def repeat(self, *, count: Value = None, index: Value = None) -> RepeatElement:
+        """Reads its contents several times."""
+        ...
+
+class PointsElement(Element):
+    ...
+
+class SectorElement(Element):
+    ...
+
+class WebElement(Element):
     ...
 
 class BeamElement(Element):
@@ -5663,6 +6523,14 @@ class RepeatElement(Element):
             <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
             <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
             <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
             <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
             <fixed name="wall" between="ground arm.start"/>
             <load at="arm.end" force="0 0 -100"/>
@@ -5679,7 +6547,7 @@ class RepeatElement(Element):
         """<station>
           The section at one place of the beam; two or more, from 0 to 1, in order.
           Stands in <section>, <repeat>, <defaults>. Holds <stiffness>, <mass>, <tube>,
-          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>.
+          <bar>, <rectangle>, <box>, <I>, <C>, <mesh>, <airfoil>.
 
         Attributes:
           at                 number from 0 to 1, required
@@ -5708,6 +6576,141 @@ class RepeatElement(Element):
             <gravity acceleration="0 0 -9.81"/>
             <static/>
             <record name="top" at="mast.end" quantities="displacement"/>
+          </mbd>
+        """
+        ...
+    def sector(self, *, from_: Value = None, to: Value = None, from_point: Value = None, to_point: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None, bare: Value = None) -> SectorElement:
+        """<sector>
+          A part of the contour of an airfoil, in the order of its points: its plies lie
+          inside the contour, their normals point outward. Sectors cover the contour,
+          none twice.
+          Stands in <airfoil>, <repeat>, <defaults>.
+
+        Attributes:
+          from               number from 0 to 1, optional
+                             where it begins: fraction of the length of the contour,
+                             from its first point on (default: 0)
+          to                 number from 0 to 1, optional
+                             where it ends (default: 1); if that is not beyond from, it
+                             goes through the first point
+          from_point         whole number from 1 to 1000000, optional
+                             in place of from: the number of a point, 1 for the first
+          to_point           whole number from 1 to 1000000, optional
+                             in place of to: the number of a point
+          layup              text, optional
+                             name of its layup
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+          bare               off or on, default off
+                             on: there is no wall, the section is open
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
+          </mbd>
+        """
+        ...
+    def web(self, *, from_: Value = None, to: Value = None, from_point: Value = None, to_point: Value = None, layup: Value = None, material: Value = None, thickness: Value = None, angle: Value = None) -> WebElement:
+        """<web>
+          A straight wall between two places of the contour of an airfoil. Its plies lie
+          about the line between these, their normal to the right of who goes from the
+          first to the second (b2 to the right, b3 up); it stands on the inner surfaces
+          of the walls. On a border of two sectors it stands on the thicker one (of
+          alike ones on that which is listed first), which then reaches to the far edge
+          of its foot.
+          Stands in <airfoil>, <repeat>, <defaults>.
+
+        Attributes:
+          from               number from 0 to 1, optional
+                             its first end: fraction of the length of the contour, from
+                             its first point on
+          to                 number from 0 to 1, optional
+                             its second end
+          from_point         whole number from 1 to 1000000, optional
+                             in place of from: the number of a point, 1 for the first
+          to_point           whole number from 1 to 1000000, optional
+                             in place of to: the number of a point
+          layup              text, optional
+                             name of its layup; from the inside, the first ply is the
+                             one its normal points away from
+          material           text, optional
+                             name of its material, in place of plies
+          thickness          number > 0 [m], optional
+                             where it is of one material
+          angle              number [rad], default 0
+                             theta of a material that is given by itself, as of a ply
+
+        For example:
+          <mbd name="composite_tube">
+            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
+            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
+                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
+            <layup name="wall" listed="inside">
+              <ply material="graphite_epoxy" thickness="1 mm"/>
+              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
+            </layup>
+            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
+            <!-- Others, of one material. -->
+            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
+            <defaults>
+              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
+            </defaults>
+            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
+            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
+            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
+            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
+            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
+            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
+            <section name="spar"> <!-- a nose with a web, open behind it -->
+              <airfoil unit="1 mm" tolerance="1e-2">
+                <points> 200 0  80 25  40 24  15 16  3 6  0 0  3 -6  15 -16  40 -24  80 -25 </points>
+                <sector from_point="3" to_point="9" layup="wall"/>
+                <sector from_point="9" to_point="3" bare="on"/>
+                <web from_point="3" to_point="9" material="steel" thickness="2 mm"/>
+              </airfoil>
+            </section>
+            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
+            <fixed name="wall" between="ground arm.start"/>
+            <load at="arm.end" force="0 0 -100"/>
+            <static/>
+            <record name="tip" at="arm.end" quantities="displacement rotation"/>
+            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
@@ -5922,9 +6925,6 @@ class RepeatElement(Element):
         """A massless rod with ball joints at its ends."""
         ...
 
-class RegionElement(Element):
-    ...
-
 class StateElement(Element):
     ...
 
@@ -6135,55 +7135,6 @@ class ControllerElement(Element):
             <record name="wagon" joint="track" quantities="displacement speed"/>
             <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
             <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
-          </mbd>
-        """
-        ...
-
-class MeshElement(Element):
-    def region(self, *, name: Value = None, material: Value = None, angle: Value = None, normal: Value = None) -> RegionElement:
-        """<region>
-          What the elements of a physical surface of a mesh consist of.
-          Stands in <mesh>, <defaults>.
-
-        Attributes:
-          name               text, required
-                             of the physical surface in the file, or its number where it
-                             has no name
-          material           text, required
-                             name of its material
-          angle              number [rad], default 0
-                             theta, of its L from b1, as of a ply
-          normal             number [rad], default 1.5707963267948966
-                             direction of its N: angle from b2 towards b3, before the
-                             section is turned
-
-        For example:
-          <mbd name="composite_tube">
-            <!-- A cantilever that twists when it is bent, as its plies wind round it one way. -->
-            <material name="graphite_epoxy" EL="181 GPa" ET="10.3 GPa" GLT="7.17 GPa" nuLT="0.28" nuTN="0.33" rho="1600"
-                      Xt="1500 MPa" Xc="1500 MPa" Yt="40 MPa" Yc="246 MPa" SLT="68 MPa" STN="60 MPa"/>
-            <layup name="wall" listed="inside">
-              <ply material="graphite_epoxy" thickness="1 mm"/>
-              <ply material="graphite_epoxy" thickness="1 mm" angle="30 deg"/>
-            </layup>
-            <section name="tube"> <tube radius="50 mm" layup="wall"/> </section>
-            <!-- Others, of one material. -->
-            <material name="steel" E="210 GPa" nu="0.3" rho="7850"/>
-            <defaults>
-              <I material="steel" tolerance="1e-3"/> <C material="steel" tolerance="1e-3"/> <box material="steel" tolerance="1e-3"/>
-            </defaults>
-            <section name="rod"> <bar radius="10 mm" material="steel"/> </section>
-            <section name="strip"> <rectangle width="40 mm" height="5 mm" material="steel"/> </section>
-            <section name="block"> <mesh file="block.msh" unit="1 mm"> <region name="core" material="steel"/> </mesh> </section>
-            <section name="hollow"> <box width="60 mm" height="40 mm" thickness="4 mm"/> </section>
-            <section name="girder"> <I width="80 mm" height="160 mm" flange_thickness="8 mm" web_thickness="6 mm"/> </section>
-            <section name="rail"> <C width="40 mm" height="80 mm" flange_thickness="6 mm" web_thickness="5 mm"/> </section>
-            <beam name="arm" section="tube" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2"/>
-            <fixed name="wall" between="ground arm.start"/>
-            <load at="arm.end" force="0 0 -100"/>
-            <static/>
-            <record name="tip" at="arm.end" quantities="displacement rotation"/>
-            <record name="root" at="arm@0.1" section_point="0 49.5 mm" quantities="ply_stress ply_shear_stress tsai_wu"/>
           </mbd>
         """
         ...
