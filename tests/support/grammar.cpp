@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -77,7 +78,8 @@ const std::vector<Grammar::Never>& Grammar::never() {
 Grammar::Grammar(std::uint64_t seed, std::string_view aim) : random_(seed), aim_(aim) {
   said_ = {"mbd", "mbd@name"};
   choose_steps();
-  constexpr std::string_view of_material = "material layup ply tube bar rectangle box I C record";
+  constexpr std::string_view of_material =
+      "material layup ply tube bar rectangle box I C airfoil points sector web record";
   if (chance(aim.empty() ? 0.25 : one_of_words(aim, of_material) ? 1.0 : 0.0)) {
     add_material();
     if (chance(0.6)) try_item("layup");
@@ -217,10 +219,14 @@ void Grammar::try_section() {
   one.says = {"section", "section@name"};
   std::string inside, more;
   if (!materials_.empty() && chance(0.8)) {
-    const std::vector<std::string_view> shapes = {"tube", "bar", "rectangle", "box", "I", "C"};
+    const std::vector<std::string_view> shapes = {"tube", "bar", "rectangle", "box",
+                                                  "I",    "C",   "airfoil"};
+    const bool is_part = one_of_words(aim_, "points sector web");
     const bool is_aim = std::find(shapes.begin(), shapes.end(), aim_) != shapes.end();
-    const Item shape =
-        item(*schema::find_element(is_aim ? aim_ : one_of(shapes)), uniform(0.1, 0.6));
+    const Item shape = item(*schema::find_element(is_part  ? "airfoil"
+                                                  : is_aim ? aim_
+                                                           : one_of(shapes)),
+                            uniform(0.1, 0.6));
     inside = shape.text;
     one.says.insert(shape.says.begin(), shape.says.end());
   } else if (chance(aim_ == "station" || aim_ == "section" ? 0.8 : 0.2)) {
@@ -486,6 +492,55 @@ Grammar::Item Grammar::item(const Element& element, double share) {
   return one;
 }
 
+// What an airfoil has: two sectors between places on an oval, by fractions or by points, and a web in most.
+std::string Grammar::along_a_curve(Item& one) {
+  one.says.merge(std::set<std::string>{"points", "sector"});
+  const auto wall = [&](std::string_view kind, bool may_be_bare) {
+    const auto say = [&](std::string_view attribute) {
+      one.says.insert(fmt::format("{}@{}", kind, attribute));
+    };
+    if (may_be_bare && chance(0.3)) {
+      say("bare");
+      return std::string("bare=\"on\"");
+    }
+    if (!layups_.empty() && chance(0.5)) {
+      say("layup");
+      return fmt::format("layup=\"{}\"", one_of(layups_));
+    }
+    say("material");
+    say("thickness");
+    std::string text = fmt::format("material=\"{}\" thickness=\"{:.3g} mm\"", one_of(materials_),
+                                   uniform(0.5, 5.0));
+    if (chance(0.5)) {
+      say("angle");
+      text += fmt::format(" angle=\"{:.3g}\"", uniform(-1.5, 1.5));
+    }
+    return text;
+  };
+  const auto place = [&](std::string_view kind, std::string_view end, int point) {
+    const bool by_point = chance(0.5);
+    one.says.insert(fmt::format("{}@{}{}", kind, end, by_point ? "_point" : ""));
+    return by_point ? fmt::format(" {}_point=\"{}\"", end, point)
+                    : fmt::format(" {}=\"{:.6g}\"", end, (point - 1) / 8.0);
+  };
+  std::string inside = "<points>";
+  for (int i = 0; i < 8; ++i)
+    inside += fmt::format(" {:.12g} {:.12g}", std::cos(0.25 * std::numbers::pi * i),
+                          0.6 * std::sin(0.25 * std::numbers::pi * i));
+  inside += "</points>";
+  // By the eighth points and fractions of an oval are alike at its axes only.
+  inside += fmt::format("<sector{}{} {}/>", place("sector", "from", 3), place("sector", "to", 7),
+                        wall("sector", false));
+  inside += fmt::format("<sector{}{} {}/>", place("sector", "from", 7), place("sector", "to", 3),
+                        wall("sector", true));
+  if (chance(0.7)) {
+    one.says.insert("web");
+    inside += fmt::format("<web{}{} {}/>", place("web", "from", 3), place("web", "to", 7),
+                          wall("web", false));
+  }
+  return inside;
+}
+
 std::string Grammar::content(const Element& element, Item& one, double share) {
   std::string inside;
   if (element.content == "pairs of numbers" && (element.name == "table" || chance(0.4))) {
@@ -495,6 +550,7 @@ std::string Grammar::content(const Element& element, Item& one, double share) {
                             element.name == "function" ? uniform(-1.0, 1.0) : 20.0 * x);
     return inside;
   }
+  if (element.name == "airfoil") return along_a_curve(one);
   if (element.name == "matrix") {
     for (int i = 0; i < 36; ++i)
       inside += fmt::format("{:.6g} ", i % 7 == 0         ? uniform(100.0, 300.0)

@@ -70,6 +70,7 @@ class Grammar {
   bool accepts(const Item& item);
 
   Item item(const mbd::schema::Element& element, double share);
+  std::string along_a_curve(Item& one);
   std::string content(const mbd::schema::Element& element, Item& item, double share);
   std::string value(const mbd::schema::Element& element, const mbd::schema::Attribute& attribute);
   std::string text_value(std::string_view element, std::string_view attribute);
