@@ -448,8 +448,9 @@ struct FaultyRuns {
   fs::path out = directory.path() / "out";
 };
 
-// Once from each place of the program that asks for memory (12 frames of the stack), or from each of a part of them: the run ends
-// with what it has and says why, or it does not matter; nothing is left half written, nor kept.
+// Once from each of a part of the places of the program that ask for memory (12 frames of the stack; every third and every twelfth
+// passed once, 2026-11-25): the run ends with what it has and says why, or it does not matter; nothing is left half written, nor
+// kept.
 void each_place_fails_once(const FaultyRuns& runs, std::size_t stride) {
   const std::string name = runs.model.stem().string();
   SCOPED_TRACE(name);
@@ -482,9 +483,9 @@ void each_place_fails_once(const FaultyRuns& runs, std::size_t stride) {
 
 TEST(FailingCallsSlow, EachPlaceThatAllocates) {
   if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
-  each_place_fails_once(FaultyRuns(model_file("pendulum")), 3);
-  each_place_fails_once(FaultyRuns(model_file("roll_up")), 12);
-  each_place_fails_once(FaultyRuns(model_file("bushing")), 12);
+  each_place_fails_once(FaultyRuns(model_file("pendulum")), 10);
+  each_place_fails_once(FaultyRuns(model_file("roll_up")), 40);
+  each_place_fails_once(FaultyRuns(model_file("bushing")), 40);
 }
 
 // Two in a row, so that what is kept for the end does not serve either: as where an allocation is larger than that. Destructors
@@ -496,7 +497,7 @@ TEST(FailingCallsSlow, TwoAllocationsInARow) {
   ASSERT_EQ(runs.run("malloc pendulum 0", &all).status, 0);
   const auto undisturbed = lasting(runs.out);
   int said = 0, aborted = 0, tried = 0;
-  for (std::size_t i = 0; i < all.places.size(); i += 20, ++tried) {
+  for (std::size_t i = 0; i < all.places.size(); i += 50, ++tried) {
     SCOPED_TRACE(fmt::format("allocation {} of {}", all.places[i], all.calls));
     const Ended ended = runs.run(fmt::format("malloc pendulum {} 2", all.places[i]));
     expect_whole_or_absent(runs.out, undisturbed);

@@ -420,6 +420,8 @@ void Grammar::try_item(const std::string& element) {
       one.says = {"record", "record@name", "record@at", "record@section_point",
                   "record@quantities"};
     }
+    put(one, "second_axis", "0 0 1");
+    if (one.text.find(" second_axis=") != std::string::npos) put(one, "axis", "1 1 0");
     const std::vector<std::string> names = new_names_;
     if (!accepts(one)) continue;
     if (names.empty()) return;
@@ -449,7 +451,8 @@ Grammar::Item Grammar::item(const Element& element, double share) {
   const std::vector<std::string_view> forms = {"box", "cylinder", "sphere", "rectangle", "ellipse"};
   const std::string_view form = one_of(forms);            // a shape
   const bool of_plies = !layups_.empty() && chance(0.5);  // walls of a section
-  const bool is_moment = chance(0.5);                     // a law
+  law_is_table_ = chance(0.4);
+  const bool is_moment = chance(0.5);  // a law
   if (kind == "state_space") share = chance(0.5) ? 1.0 : 0.0;
   if (kind == "shape") share = 0.5;
   new_names_.clear();
@@ -467,7 +470,10 @@ Grammar::Item Grammar::item(const Element& element, double share) {
         one_of_words(a.name, of_plies ? "material thickness angle flange_thickness web_thickness"
                                       : "layup flange web"))
       continue;
-    if (kind == "law" && a.name == (is_moment ? "force" : "moment")) continue;
+    if (kind == "law" && one_of_words(a.name, law_is_table_ ? "force moment"
+                                              : is_moment   ? "force interpolation"
+                                                            : "moment interpolation"))
+      continue;
     if (kind == "shape" && a.name != form &&
         std::find(forms.begin(), forms.end(), a.name) != forms.end())
       continue;
@@ -543,7 +549,8 @@ std::string Grammar::along_a_curve(Item& one) {
 
 std::string Grammar::content(const Element& element, Item& one, double share) {
   std::string inside;
-  if (element.content == "pairs of numbers" && (element.name == "table" || chance(0.4))) {
+  if (element.content == "pairs of numbers" &&
+      (element.name == "law" ? law_is_table_ : element.name == "table" || chance(0.4))) {
     double x = -2.0;
     for (int i = 0; i < 5; ++i, x += uniform(0.5, 1.5))
       inside += fmt::format("{:.6g} {:.6g}  ", x,

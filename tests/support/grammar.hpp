@@ -87,6 +87,7 @@ class Grammar {
       places_;
   std::vector<std::string> new_names_;    // of the item that is being made
   std::vector<std::string> inner_names_;  // what a controller gives
+  bool law_is_table_ = false;             // of a bushing
   int count_ = 0;
   std::string ending_;  // <transient>
   std::set<std::string> said_;
