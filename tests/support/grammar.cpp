@@ -195,7 +195,7 @@ std::string Grammar::stiffness_and_mass(Item& one) {
   }
   for (int i = 0; i < 6; ++i)
     for (int k = i + 1; k < 6; ++k)
-      if (chance(0.03)) {
+      if (chance(aim_ == "stiffness" ? 0.3 : 0.03)) {
         inside += fmt::format(" D{}{}=\"{:.6g}\"", i + 1, k + 1,
                               uniform(-0.2, 0.2) * std::sqrt(D[i] * D[k]));
         one.says.insert(fmt::format("stiffness@D{}{}", i + 1, k + 1));
@@ -313,7 +313,10 @@ Grammar::Item Grammar::line_of(Part& part) {
 }
 
 void Grammar::add_part() {
-  Part part{fmt::format("p{}", ++count_), !sections_.empty() && chance(0.4), {}, {}};
+  Part part{fmt::format("p{}", ++count_),
+            !sections_.empty() && chance(aim_ == "shape" ? 0.7 : 0.4),
+            {},
+            {}};
   std::string point = vector(1.0), other = "ground";
   if (!parts_.empty() && chance(0.8)) other = place_of(one_of(parts_), point);
   double at[3];
@@ -473,6 +476,9 @@ Grammar::Item Grammar::item(const Element& element, double share) {
     if (kind == "law" && one_of_words(a.name, law_is_table_ ? "force moment"
                                               : is_moment   ? "force interpolation"
                                                             : "moment interpolation"))
+      continue;
+    const bool is_outline = form == "rectangle" || form == "ellipse";  // of a beam
+    if (kind == "shape" && one_of_words(a.name, is_outline ? "at orientation density" : "to"))
       continue;
     if (kind == "shape" && a.name != form &&
         std::find(forms.begin(), forms.end(), a.name) != forms.end())
