@@ -22,8 +22,6 @@ namespace {
 
 constexpr double steepest_sine = 0.2588190451025208;  // of 15 degrees, between a web and a wall
 
-double product(const Point& a, const Point& b) { return a(0) * b(1) - a(1) * b(0); }
-
 // Places from a to b whose distances follow size(x), both ends among them.
 std::vector<double> spaced(double a, double b, const std::function<double(double)>& size) {
   constexpr int samples = 64;
@@ -284,7 +282,7 @@ class Walls {
     for (std::size_t other = 0; other < w; ++other) {
       const Web& o = webs_[other];
       const Point d = web.to - web.from, e = o.to - o.from, f = o.from - web.from;
-      const double det = product(d, e), p = product(f, e) / det, q = product(f, d) / det;
+      const double det = cross(d, e), p = cross(f, e) / det, q = cross(f, d) / det;
       if (p > 0.0 && p < 1.0 && q > 0.0 && q < 1.0)
         fail(stated, "web",
              fmt::format("it crosses {}, {}; webs may not cross", web_name(other),
@@ -458,7 +456,7 @@ class Walls {
       b.from = contour_.pieces()[static_cast<std::size_t>(b.piece)].u.front();
       if (bare(a.sector) || bare(b.sector)) continue;
       const bool outward =
-          product(contour_.at(a.piece, a.to).tangent, contour_.at(b.piece, b.from).tangent) > 0.0;
+          cross(contour_.at(a.piece, a.to).tangent, contour_.at(b.piece, b.from).tangent) > 0.0;
       const bool butt = stated_.corners == Corners::butt && outward;
       // The one that is listed first; of one sector, the wall before the corner as points are listed.
       const bool a_through = a.sector == b.sector ? !contour_.reversed() : a.sector < b.sector;
@@ -685,7 +683,7 @@ class Walls {
   // The normal at u of a piece, without jumps about that at `middle`.
   double normal_at(int piece, double u, const Point& middle) const {
     const Point n = contour_.at(piece, u).normal;
-    return std::atan2(middle(1), middle(0)) + std::atan2(product(middle, n), middle.dot(n));
+    return std::atan2(middle(1), middle(0)) + std::atan2(cross(middle, n), middle.dot(n));
   }
 
   void add_wall(const Wall& wall, const std::vector<double>& parts, std::vector<Cell>& all) const {
@@ -837,7 +835,7 @@ class Walls {
         const double a = 1.0 * i / n, b = 1.0 * (i + 1) / n, c = 1.0 * j / n, d = 1.0 * (j + 1) / n;
         const Point x = cell.map(a, c), p = cell.map(b, c) - x, q = cell.map(b, d) - x,
                     r = cell.map(a, d) - x;
-        if (!(product(p, q) > 0.0) || !(product(q, r) > 0.0))
+        if (!(cross(p, q) > 0.0) || !(cross(q, r) > 0.0))
           fail_part(cell.part, fmt::format("{} is folded {}: the plies are too thick to fit there; "
                                            "make them thinner, or leave more room",
                                            cell.name, near_text(x)));

@@ -19,8 +19,6 @@ namespace {
 
 constexpr double sharpest = 175.0 / 180.0 * std::numbers::pi;  // turn at a corner
 
-double cross(const Point& a, const Point& b) { return a(0) * b(1) - a(1) * b(0); }
-
 // Second derivatives at the points of a spline, from the continuity of its first ones.
 std::vector<Point> second_derivatives(const std::vector<double>& u, const std::vector<Point>& x,
                                       bool closed) {

@@ -10,6 +10,8 @@
 
 namespace mbd::section {
 
+inline double cross(const Point& a, const Point& b) { return a(0) * b(1) - a(1) * b(0); }
+
 struct Chord {
   Point from, to;
   int of = 0;  // what it is a part of

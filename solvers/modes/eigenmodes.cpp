@@ -15,9 +15,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// A residual that is none of an eigenvalue: about 0 a motion that nothing answers, a free spin, is in each solution to any share,
-// and need not be hidden itself.
-constexpr double blurred = 1e-7;
 constexpr double tiny = 1e-4;     // |l| that is not well seen, of the shift
 constexpr double unseen = 1e-14;  // share of what cancels in K that is round-off
 // Of what cancels: twice the most that was seen on cantilevers of 139 to 4000 elements (as little as a sixtieth of it is lost).

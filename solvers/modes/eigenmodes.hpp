@@ -17,6 +17,10 @@
 
 namespace mbd {
 
+// A residual beyond this is none of an eigenvalue: about 0 a motion that nothing answers, a free spin, is in each solution to any
+// share, and need not be hidden itself.
+inline constexpr double blurred = 1e-7;
+
 struct Mode {
   // [1/s]: real part growth (negative: decay), imaginary part frequency [rad/s], not negative: of a conjugate pair one.
   std::complex<double> eigenvalue;

@@ -319,10 +319,11 @@ void expect_whole_or_absent(const fs::path& out,
   }
 }
 
-// The model, and what it writes undisturbed.
+const fs::path many_rows = fs::path(MBD_SOURCE_DIR) / "tests" / "hard" / "models" / "many_rows.xml";
+
+// What that model writes undisturbed.
 struct Undisturbed {
-  explicit Undisturbed(const TemporaryDirectory& directory)
-      : model(fs::path(MBD_SOURCE_DIR) / "tests" / "hard" / "models" / "many_rows.xml") {
+  explicit Undisturbed(const TemporaryDirectory& directory) {
     const Ended ended =
         Program(arguments(directory.path() / "undisturbed"), directory.path() / "program").wait();
     EXPECT_EQ(ended.status, 0) << ended.err;
@@ -330,10 +331,9 @@ struct Undisturbed {
     cpu = ended.cpu;
   }
   std::vector<std::string> arguments(const fs::path& out) const {
-    return {"run",           model.string(), "--set", "steps=600", "--motion",
-            "--no-estimate", "-q",           "-o",    out.string()};
+    return {"run", many_rows.string(), "--set", "steps=600", "--motion", "--no-estimate", "-q",
+            "-o",  out.string()};
   }
-  fs::path model;
   std::map<std::string, std::string> files;
   double cpu = 0.0;
 };
@@ -369,39 +369,6 @@ TEST(SignalsSlow, AtTwoHundredInstants) {
 }
 
 // ---- faults, each call in turn -----------------------------------------------------------------------
-
-TEST(FailingCallsSlow, EachInTurn) {
-  if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
-  const TemporaryDirectory directory;
-  const Undisturbed undisturbed(directory);
-  const fs::path out = directory.path() / "out", counted = directory.path() / "count";
-  for (const char* const call : {"write", "open", "rename", "mkdir"}) {
-    setenv("MBD_FAULT_COUNT", counted.c_str(), 1);
-    {
-      const Fault none(MBD_FAULTS, fmt::format("{} * 0", call));
-      fs::remove_all(out);
-      EXPECT_EQ(Program(undisturbed.arguments(out), directory.path() / "program").wait().status, 0);
-    }
-    unsetenv("MBD_FAULT_COUNT");
-    const int calls = std::stoi(contents(counted));
-    EXPECT_GE(calls, std::string(call) == "mkdir" ? 1 : 2);
-    EXPECT_LT(calls, 100);
-    for (int n = 1; n <= calls; ++n) {
-      SCOPED_TRACE(fmt::format("{} {} of {}", call, n, calls));
-      const Fault one(MBD_FAULTS, fmt::format("{} * {}", call, n));
-      fs::remove_all(out);
-      const Ended ended = Program(undisturbed.arguments(out), directory.path() / "program").wait();
-      expect_whole_or_absent(out, undisturbed.files);
-      // A directory without a row holds nothing.
-      EXPECT_TRUE(fs::exists(out / "report.json") || !fs::exists(out / "history.csv") ||
-                  read_history(out / "history.csv").rows() > 0);
-      EXPECT_EQ(ended.status, 1) << "it is not told of: " << ended.err;
-      EXPECT_NE(ended.err.find(out.string()), std::string::npos) << ended.err;
-      EXPECT_NE(ended.err.find('('), std::string::npos)
-          << "without the system's reason: " << ended.err;
-    }
-  }
-}
 
 // Numbers that the preloaded library counts: of calls, of allocations that were not given back, and which of them were the
 // first from their place in the program.
@@ -447,6 +414,30 @@ struct FaultyRuns {
   TemporaryDirectory directory;
   fs::path out = directory.path() / "out";
 };
+
+TEST(FailingCallsSlow, EachInTurn) {
+  if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
+  const FaultyRuns runs(many_rows, {"--set", "steps=600"});
+  for (const char* const call : {"write", "open", "rename", "mkdir"}) {
+    Counted all;
+    EXPECT_EQ(runs.run(fmt::format("{} * 0", call), &all).status, 0);
+    const auto undisturbed = lasting(runs.out);
+    EXPECT_GE(all.calls, std::string(call) == "mkdir" ? 1 : 2);
+    EXPECT_LT(all.calls, 100);
+    for (long n = 1; n <= all.calls; ++n) {
+      SCOPED_TRACE(fmt::format("{} {} of {}", call, n, all.calls));
+      const Ended ended = runs.run(fmt::format("{} * {}", call, n));
+      expect_whole_or_absent(runs.out, undisturbed);
+      // A directory without a row holds nothing.
+      EXPECT_TRUE(fs::exists(runs.out / "report.json") || !fs::exists(runs.out / "history.csv") ||
+                  read_history(runs.out / "history.csv").rows() > 0);
+      EXPECT_EQ(ended.status, 1) << "it is not told of: " << ended.err;
+      EXPECT_NE(ended.err.find(runs.out.string()), std::string::npos) << ended.err;
+      EXPECT_NE(ended.err.find('('), std::string::npos)
+          << "without the system's reason: " << ended.err;
+    }
+  }
+}
 
 // Once from each of a part of the places of the program that ask for memory (12 frames of the stack; every third and every twelfth
 // passed once, 2026-11-25): the run ends with what it has and says why, or it does not matter; nothing is left half written, nor

@@ -406,8 +406,7 @@ void Grammar::add_others() {
                          : element.name == "record"                            ? 0.7
                          : element.name == "motion" || element.name == "drive" ? 0.2
                                                                                : 0.35;
-    while (chance(often) && items_.size() < 30)
-      try_item(std::string(element.name));  // once, of what there is one only
+    while (chance(often) && items_.size() < 30) try_item(std::string(element.name));
   }
 }
 

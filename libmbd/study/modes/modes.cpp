@@ -69,8 +69,7 @@ std::string note_on_round_off(const std::vector<NamedMode>& modes) {
   constexpr double believed = 1e-6;
   const auto worst = std::ranges::max_element(modes, {}, &Mode::round_off);
   if (worst == modes.end() || !(worst->round_off > believed)) return "";
-  constexpr double none = 1e-7;  // a residual that is
-  if (worst->residual > none)
+  if (worst->residual > blurred)
     return fmt::format(
         "of mode {} about {:.0e} is unknown: solutions near it are none, as something moves freely "
         "that the mode does not need; "
