@@ -17,13 +17,6 @@ namespace {
 
 constexpr std::string_view format = "mbd run checkpoint 1";
 
-// FNV-1a.
-std::uint64_t sum_of(std::span<const char> bytes) {
-  std::uint64_t value = 14695981039346656037ULL;
-  for (const char c : bytes) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return value;
-}
-
 }  // namespace
 
 CheckpointEvery checkpoint_every(const std::string& text) {
@@ -65,7 +58,7 @@ void write_checkpoint(const std::filesystem::path& directory, RunCheckpoint& che
   std::string begins(format);
   a(begins, checkpoint);
   std::vector<char> bytes = a.take();
-  const std::uint64_t sum = sum_of(bytes);
+  const std::uint64_t sum = checksum({bytes.data(), bytes.size()});
   const auto* const first = reinterpret_cast<const char*>(&sum);
   bytes.insert(bytes.end(), first, first + sizeof sum);
   write_file(directory / checkpoint_file, {bytes.data(), bytes.size()});
@@ -86,7 +79,7 @@ RunCheckpoint read_checkpoint(const std::filesystem::path& directory) {
     std::memcpy(&sum, &*(bytes.end() - sizeof sum), sizeof sum);
     bytes = bytes.first(bytes.size() - sizeof sum);
   }
-  if (bytes.size() == all.size() || sum != sum_of(bytes))
+  if (bytes.size() == all.size() || sum != checksum({bytes.data(), bytes.size()}))
     throw refuse(
         "is damaged: it is cut off, or has been changed; begin the run anew, without --restart");
   Archive a(bytes);

@@ -105,6 +105,12 @@ std::string xml_escaped(std::string_view text) {
   return result;
 }
 
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t value = 14695981039346656037ULL;
+  for (const char c : bytes) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return value;
+}
+
 std::string utc_now(const char* format) {
   const std::time_t time = std::time(nullptr);
   char text[32] = "";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -30,6 +31,9 @@ inline constexpr std::size_t line_width = 80;  // of what is printed for people
 // A line that begins with `head`, broken at blanks to that width and gone on with `indent` blanks.
 // A tab is a blank at which it is not broken.
 std::string wrapped(std::string head, std::string_view words, std::size_t indent);
+
+// FNV-1a: by which a damaged file is known, no guard against one that was made to deceive.
+std::uint64_t checksum(std::string_view bytes);
 
 // The present date and time in UTC, as strftime() writes it.
 std::string utc_now(const char* format);

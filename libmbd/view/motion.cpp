@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/text/text.hpp"
 
 namespace mbd {
 namespace {
@@ -18,9 +19,13 @@ static_assert(std::endian::native == std::endian::little, "motion.bin has the le
 
 constexpr std::size_t most_kept = 1 << 17;  // numbers: 1 MB
 constexpr auto longest_kept = std::chrono::milliseconds(500);
-constexpr std::string_view format = "mbd motion 1";
+constexpr std::string_view format = "mbd motion 2";
+constexpr std::size_t most_in_a_row = 1ULL << 40;
 
 using Json = nlohmann::ordered_json;
+
+// The head of a file: what it says of its rows, the checksum of its drawing, the drawing.
+constexpr std::string_view before_drawing = ",\"drawing\":", after_drawing = "}";
 
 }  // namespace
 
@@ -68,10 +73,11 @@ MotionWriter::MotionWriter(const std::filesystem::path& file, std::string_view d
                  {"twist", blocks.twist},
                  {"resultant", blocks.resultant},
                  {"joint", blocks.joint}}}};
+  head["checksum"] = checksum(drawing);
   if (!run.empty()) head["run"] = run;
   std::string line = head.dump(-1, ' ', false, Json::error_handler_t::replace);
-  line.back() = ',';
-  line.append("\"drawing\":").append(drawing).append("}");
+  line.pop_back();
+  line.append(before_drawing).append(drawing).append(after_drawing);
   line.append((8 - (line.size() + 1) % 8) % 8, ' ');
   file_.append(line + "\n");
 }
@@ -102,6 +108,16 @@ void MotionWriter::close() {
   file_.close();
 }
 
+namespace {
+
+std::string_view drawing_in(std::string_view head) {
+  const std::size_t begin = head.find(before_drawing) + before_drawing.size();
+  const std::size_t end = head.rfind(after_drawing);
+  return end == std::string_view::npos || end < begin ? "" : head.substr(begin, end - begin);
+}
+
+}  // namespace
+
 Motion read_motion(const std::filesystem::path& file) {
   const auto fail = [&file](const std::string& what) -> void {
     throw Error(file.string() + ": " + what + "; run the model again with --motion");
@@ -119,11 +135,19 @@ Motion read_motion(const std::filesystem::path& file) {
   try {
     if (head.is_discarded() || head.at("format") != format) fail("is not the motion of a run");
     const Json& blocks = head.at("blocks");
-    const auto count = [&blocks](const char* name) { return blocks.at(name).get<std::size_t>(); };
+    const auto count = [&](const char* name) {
+      const Json& value = blocks.at(name);
+      if (!value.is_number_unsigned() || value.get<std::size_t>() > most_in_a_row)
+        fail("contradicts itself");
+      return value.get<std::size_t>();
+    };
     motion.blocks = {count("key"), count("pose"), count("twist"), count("resultant"),
                      count("joint")};
-    if (head.at("row") != motion.blocks.size() || !head.at("drawing").is_object())
+    if (motion.blocks.key != 1 || head.at("row") != motion.blocks.size() ||
+        !head.at("drawing").is_object())
       fail("contradicts itself");
+    // Places of nodes, sides, triangles: who draws looks them up as they stand.
+    if (head.at("checksum") != checksum(drawing_in(motion.head))) fail("is damaged");
     motion.run = head.value("run", "");
   } catch (const Json::exception&) {
     fail("is not the motion of a run");

@@ -355,12 +355,21 @@ TEST_F(MotionOutput, WhatIsCutIsRead) {
     return "read";
   };
   const std::size_t head = text.find('\n') + 1;
+  const auto changed = [&](const std::string& what, const std::string& into) {
+    const std::size_t at = text.find(what);
+    EXPECT_LT(at, head) << what;
+    return text.substr(0, at) + into + text.substr(std::min(at, head) + what.size());
+  };
   for (const std::string& wrong :
        {std::string(), text.substr(0, 100), text.substr(0, head), text.substr(0, head + 20),
         std::string("time,x\n0,1\n"), "{}\n" + text.substr(head), "\n" + text,
-        R"({"format":"mbd motion 1","row":3,"blocks":{"key":1},"drawing":{}})"
+        R"({"format":"mbd motion 2","row":3,"blocks":{"key":1},"drawing":{}})"
         "\n" +
-            text.substr(head)}) {
+            text.substr(head),
+        changed("\"key\":1,", "\"key\":11111111111111111111111111111111111,"),
+        changed("\"key\":1,", "\"key\":1.5,"), changed("\"key\":1,", "\"key\":-1,"),
+        changed("\"key\":1,", "\"key\":0,"), changed("\"key\":1,", "\"key\":18446744073709551615,"),
+        changed("\"checksum\":", "\"sum\":"), changed("\"at\":[1,", "\"at\":[9,")}) {
     const std::string said = message(wrong);
     EXPECT_NE(said.find("cut.bin"), std::string::npos) << said;
     EXPECT_NE(said.find("--motion"), std::string::npos) << said;

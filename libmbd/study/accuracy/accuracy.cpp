@@ -43,12 +43,6 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::uint64_t hash(const std::string& text) {  // FNV-1a
-  std::uint64_t value = 14695981039346656037u;
-  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return value;
-}
-
 // ---- norms ------------------------------------------------------------------------------------------
 
 // |a - b| of a quantity by place of b, in its unit; not_known where a has no such place.
@@ -150,7 +144,7 @@ class Trials {
     const std::string key =
         fmt::format("{}\n{} samples\n{}", options_.fingerprint, samples, words(setting));
     const std::filesystem::path file =
-        options_.keep ? *options_.keep / fmt::format("{:016x}.txt", hash(key)) : "";
+        options_.keep ? *options_.keep / fmt::format("{:016x}.txt", checksum(key)) : "";
     if (options_.keep)
       if (std::optional<Trial> kept = read(file, key)) {
         ++kept_;
