@@ -24,7 +24,9 @@ inline void add_nodes(const Slot* slot, double U, const PairTangent<double>& t, 
   add_block<6, 6>(slot[3], U * (B.transpose() * t.kk * B));
 }
 
-template <Joint J>
+// may_pack: code on packs of instructions that a program does without must not meet the library's own, for one
+// processor, under the same names.
+template <Joint J, bool may_pack = true>
 class JointBatch final : public AnyJointBatch {
  public:
   static constexpr int m = rows_of<J>;
@@ -33,7 +35,7 @@ class JointBatch final : public AnyJointBatch {
   using Rows = Matrix<double, m, 1>;
 
   // Whether joints are evaluated a pack at a time: those with parameters of their own or laws of time are few.
-  static constexpr bool packed = law == Law::none && !has_tension<J>() &&
+  static constexpr bool packed = may_pack && law == Law::none && !has_tension<J>() &&
                                  count_of<J, row::Advance>() == 0 &&
                                  count_of<J, row::Distance>() == 0;
 

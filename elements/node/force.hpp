@@ -59,8 +59,11 @@ std::shared_ptr<const Force> make_force(
     std::function<bool(const PlacesMotion&, std::span<Vec6>)> evaluate);
 
 // What a program adds to the scene that it compiles.
+class Extending;
 struct Extensions {
-  std::vector<std::shared_ptr<const Force>> forces;
+  std::vector<std::shared_ptr<const Force>> forces = {};
+  // Elements, joints and batches (libmbd/compile/extending.hpp): called in turn, before the system is finished.
+  std::vector<std::function<void(Extending&)>> parts = {};
 };
 
 }  // namespace mbd

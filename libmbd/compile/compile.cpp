@@ -18,6 +18,7 @@
 #include "elements/node/batches.hpp"
 #include "elements/node/force_batch.hpp"
 #include "libmbd/compile/control.hpp"
+#include "libmbd/compile/extending.hpp"
 #include "libmbd/compile/fusion.hpp"
 #include "libmbd/compile/joints.hpp"
 #include "libmbd/compile/model.hpp"
@@ -111,6 +112,7 @@ class Compiler {
       add_force(make_plugin_force(extension), extension.source);
     for (const std::shared_ptr<const Force>& force : extensions.forces)
       add_force(force, scene_.source);
+    if (!extensions.parts.empty()) add_parts_of(extensions);
     add_control();
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
@@ -896,8 +898,13 @@ class Compiler {
 
   void add_force(const std::shared_ptr<const Force>& force, const Source& source) {
     std::vector<ForceBatch::At> places;
+    const std::string who = fmt::format("force \"{}\"", force->name());
     for (const std::string& name : force->places()) {
-      const std::vector<ForceBatch::At> at = nodes_called(name, *force, source);
+      const std::vector<ForceBatch::At> at = nodes_called(name, who, source);
+      if (at.front().node == 0)
+        throw Error(source, fmt::format("{}: {} is on the ground, where a force of the program "
+                                        "does nothing; give what moves",
+                                        who, in_quotes(excerpt(name))));
       places.insert(places.end(), at.begin(), at.end());
     }
     if (places.empty())
@@ -925,18 +932,69 @@ class Compiler {
     return nodes;
   }
 
+  // What a program adds.
+  class Parts final : public Extending {
+   public:
+    explicit Parts(Compiler& compiler) : compiler_(compiler) {}
+
+    std::vector<PlaceInNode> places(const std::string& name) const override {
+      std::vector<PlaceInNode> all;
+      for (const ForceBatch::At& at : compiler_.nodes_called(name, who, compiler_.scene_.source))
+        all.push_back({at.node, at.frame, compiler_.reference(at.node) * at.frame});
+      return all;
+    }
+    const System& system() const override { return *compiler_.system_; }
+    bool has_rates() const override { return compiler_.scene_.transient.has_value(); }
+    void add_batch(std::unique_ptr<Batch> batch) override {
+      const Source& source = compiler_.scene_.source;
+      if (batch == nullptr) throw Error(source, fmt::format("{} gives no batch", who));
+      for (const auto& other : system().batches())
+        if (other->type() == batch->type())
+          throw Error(source, fmt::format("{} adds a batch of type {}, which there is; give it a "
+                                          "name of its own",
+                                          who, in_quotes(excerpt(batch->type()))));
+      compiler_.system_->add_batch(std::move(batch));
+    }
+
+   private:
+    static constexpr std::string_view who = "a part of the program";
+
+    OwnJoint add_joint(const std::string& name, const std::array<std::string, 2>& places,
+                       const std::array<Pose<double>, 2>& frames, joint::Definition definition,
+                       std::string_view type, MakeJoints make) override {
+      const PlaceInNode a = place(places[0]), b = place(places[1]);
+      const Source& source = compiler_.scene_.source;
+      if (a.node == b.node)
+        throw Error(source,
+                    fmt::format("{} joins a thing to itself; give two places that move apart",
+                                label(type, name)));
+      if (joint::make_joint_batch(type) != nullptr)
+        throw Error(source, fmt::format("{}: the library has joints of that type; give yours "
+                                        "another name",
+                                        label(type, name)));
+      definition.P = a.node;
+      definition.Q = b.node;
+      definition.a = relative(compiler_.reference(a.node), frames[0]);
+      definition.b = relative(compiler_.reference(b.node), frames[1]);
+      return compiler_.joints_->add_own(name, type, make, definition);
+    }
+
+    Compiler& compiler_;
+  };
+
+  void add_parts_of(const Extensions& extensions) {
+    Parts parts(*this);
+    for (const auto& add : extensions.parts) add(parts);
+  }
+
   // All nodes of a beam of that name, or the node of a place.
-  std::vector<ForceBatch::At> nodes_called(const std::string& name, const Force& force,
+  std::vector<ForceBatch::At> nodes_called(const std::string& name, std::string_view who,
                                            const Source& source) const {
-    std::vector<std::string> known;
+    std::vector<std::string> known{"ground"};
+    if (name == known.front()) return {{}};
     for (const BodyScene& body : scene_.bodies) {
       const Attachment& at = body_nodes_.at(body.name);
-      if (body.name == name && at.node == 0)
-        throw Error(body.source,
-                    fmt::format("{}: a force of the program acts on it, and it is on the "
-                                "ground",
-                                label(body)));
-      if (body.name == name) return {{at.node, frame_of(at)}};
+      if (body.name == name) return {{at.node, at.node == 0 ? at.pose : frame_of(at)}};
       known.push_back(body.name);
     }
     for (const CompiledBeam& beam : beams_) {
@@ -950,8 +1008,8 @@ class Compiler {
       known.push_back(beam.scene->name);
     }
     const std::vector<std::string_view> words(known.begin(), known.end());
-    throw Error(source, fmt::format("force \"{}\": there is no node at \"{}\"{}", force.name(),
-                                    excerpt(name), suggest(name, words, "places and beams")));
+    throw Error(source, fmt::format("{}: there is no node at \"{}\"{}", who, excerpt(name),
+                                    suggest(name, words, "places and beams")));
   }
 
   void add_springs(const FindPlace& find_place) {
@@ -1296,6 +1354,14 @@ Model compile(const Scene& scene) { return Compiler(scene).compile({}); }
 
 Model compile(const Scene& scene, const Extensions& extensions) {
   return Compiler(scene).compile(extensions);
+}
+
+PlaceInNode Extending::place(const std::string& name) const {
+  const std::vector<PlaceInNode> all = places(name);
+  if (all.size() > 1)
+    throw Error(fmt::format("a part of the program: {} is a beam of {} nodes; give one of its ends",
+                            in_quotes(excerpt(name)), all.size()));
+  return all.front();
 }
 
 }  // namespace mbd

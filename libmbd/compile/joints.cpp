@@ -10,6 +10,7 @@
 #include "joints/driven_translation.hpp"
 #include "joints/prescribed_rotation.hpp"
 #include "joints/prescribed_translation.hpp"
+#include "libmbd/compile/extending.hpp"
 #include "libmbd/core/stop.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/reference_line.hpp"
@@ -65,22 +66,40 @@ void check_axes(const std::optional<Vec3>& axis, const std::optional<Vec3>& seco
                                     who, std::acos(cosine) * 180.0 / std::numbers::pi));
 }
 
-// The batch of a joint type, made when first called for.
-joint::AnyJointBatch* JointCompiler::batch_of(std::string_view type) {
+joint::AnyJointBatch* JointCompiler::find_batch(std::string_view type) const {
   for (const auto& batch : system_.batches()) {
     auto* joints = dynamic_cast<joint::AnyJointBatch*>(batch.get());
     if (joints != nullptr && joints->type() == type) return joints;
   }
+  return nullptr;
+}
+
+// The batch of a joint type, made when first called for.
+joint::AnyJointBatch* JointCompiler::batch_of(std::string_view type) {
+  if (joint::AnyJointBatch* const made = find_batch(type)) return made;
   auto batch = joint::make_joint_batch(type);
   joint::AnyJointBatch* made = batch.get();
   system_.add_batch(std::move(batch));
   return made;
 }
 
-JointCompiler::Added JointCompiler::add(std::string_view type, const std::string& name,
+OwnJoint JointCompiler::add_own(const std::string& name, std::string_view type,
+                                std::unique_ptr<joint::AnyJointBatch> (*make)(),
+                                const joint::Definition& definition) {
+  joint::AnyJointBatch* batch = find_batch(type);
+  if (batch == nullptr) {
+    std::unique_ptr<joint::AnyJointBatch> made = make();
+    batch = made.get();
+    system_.add_batch(std::move(made));
+  }
+  const Added added =
+      add(batch, fmt::format("{} '{}'", type, name), label(type, name), scene_.source, definition);
+  return {added.batch, added.index};
+}
+
+JointCompiler::Added JointCompiler::add(joint::AnyJointBatch* batch, const std::string& name,
                                         const std::string& label, const Source& source,
                                         joint::Definition definition) {
-  joint::AnyJointBatch* const batch = batch_of(type);
   ConstraintInfo info;
   info.name = name;
   const std::vector<joint::RowFacts> rows = batch->rows();
@@ -205,7 +224,7 @@ void JointCompiler::add_joint(const JointScene& j) {
                                       traits.parameter.name));
   const joint::Definition f = definition_of(j, traits, A, B);
   const auto [batch, i, followed] =
-      add(j.kind, fmt::format("{} '{}'", j.kind, j.name), who, j.source, f);
+      add(batch_of(j.kind), fmt::format("{} '{}'", j.kind, j.name), who, j.source, f);
   definitions_[j.name] = f;
   definitions_[j.name].angle = followed;
   const auto bind = [b = batch, n = i](auto member) {
@@ -255,7 +274,7 @@ void JointCompiler::add_drive(const DriveScene& d, const JointScene& j,
                  : d.speed ? add_law(*d.speed, true, d.source, who, "displacement")
                            : add_law(*d.displacement, false, d.source, who, "displacement");
   const auto [batch, i, followed] =
-      add(turns ? joint::DrivenRotation::name : joint::DrivenTranslation::name,
+      add(batch_of(turns ? joint::DrivenRotation::name : joint::DrivenTranslation::name),
           fmt::format("drive of '{}'", j.name), who, d.source, f);
   // What drives it belongs to what the joint transmits.
   Reading& reading = readings_[j.name];
@@ -353,7 +372,7 @@ void JointCompiler::prescribe(const MotionScene& m, int node, std::string_view t
   f.Q = node;
   f.signals = signals;
   const auto [batch, i, followed] =
-      add(type, fmt::format("motion '{}'", m.name), label(m), m.source, f);
+      add(batch_of(type), fmt::format("motion '{}'", m.name), label(m), m.source, f);
   Reading& reading = readings_[m.name];
   reading.what = label(m);
   reading.reaction = [b = batch, n = i, R, before = reading.reaction](const State& s) {

@@ -17,6 +17,8 @@
 
 namespace mbd {
 
+struct OwnJoint;  // libmbd/compile/extending.hpp
+
 // Axes of a joint: a rotation whose third column is `third`; the first is `first`, or one perpendicular to it that
 // depends on the inertial axes.
 Mat3 frame_with_third(const Vec3& third, const std::optional<Vec3>& first = {});
@@ -47,6 +49,11 @@ class JointCompiler {
   // In the order of the scene.
   std::vector<Model::JointFrames> frames() const;
 
+  // A joint that the scene does not know of, of a type that make() has joints of. `type` is none of the library's.
+  OwnJoint add_own(const std::string& name, std::string_view type,
+                   std::unique_ptr<joint::AnyJointBatch> (*make)(),
+                   const joint::Definition& definition);
+
   // Frames, nodes and followed angle of a joint for what acts along its free coordinate. Throws Error in the name
   // of `who` if there is no such joint, or it has no angle (`turns`) or displacement.
   const joint::Definition& coordinate(const std::string& joint, bool turns, const Source& source,
@@ -66,8 +73,9 @@ class JointCompiler {
     Index angle;  // followed
   };
 
+  joint::AnyJointBatch* find_batch(std::string_view type) const;
   joint::AnyJointBatch* batch_of(std::string_view type);
-  Added add(std::string_view type, const std::string& name, const std::string& label,
+  Added add(joint::AnyJointBatch* batch, const std::string& name, const std::string& label,
             const Source& source, joint::Definition definition);
   void add_joint(const JointScene& joint);
   void leave_out(const JointScene& joint, const Attachment& A);

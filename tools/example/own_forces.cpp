@@ -1,4 +1,4 @@
-// A tether and a joint of one's own, as forces: the library knows neither.
+// A tether and a wire of one's own, as forces: the library knows neither.
 //
 // A mass falls on a tether that is slack at first. A bead slides along a wire in the shape of a parabola: a joint that acts by a stiff
 // force across the wire, so it gives by microns, where the library's own joints are exact.
