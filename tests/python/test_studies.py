@@ -56,6 +56,31 @@ def test_campbell(models, program, tmp_path):
     assert found["special"][1]["rate"] / found["special"][0]["rate"] == pytest.approx(1.25, rel=0.01)
 
 
+def test_responses():
+    # Jeffcott's rotor: m e W^2/(k - m W^2 + i c W), and F/(k - m w^2 + i c w) of a force at w = 2 W.
+    text = """<mbd name="jeffcott">
+      <body name="housing" mass="1e-9" inertia="1e-9 1e-9 1e-9"/>
+      <body name="disk" mass="20" inertia="0.4 0.2 0.2"/>
+      <bushing name="bearing" between="ground housing" stiffness="1e6 2e5 2e5" angular_stiffness="1e6 1e6 1e6"
+               damping="1e3 400 400"/>
+      <revolute name="R" between="housing disk" axis="1 0 0"/><drive joint="R" angle="0"/><static/></mbd>"""
+    found = mbd.campbell(mbd.Model(text=text), (20, 200), count=2, points=5, at_rest="housing",
+                         unbalance={"disk": "20 g.mm"}, forces={"disk": (0, "3 N")}, order=2, probes="housing")
+    assert [one["place"] for one in found["unbalance_responses"]] == ["disk", "housing"]
+    for one in found["unbalance_responses"]:
+        W = one["rates"]
+        assert numpy.abs(one["forward"] / (20e-6 * W**2 / (2e5 - 20 * W**2 + 400j * W)) - 1).max() < 1e-6
+        assert numpy.abs(one["backward"]).max() < 1e-6 * numpy.abs(one["forward"]).max()
+    for one in found["force_responses"]:
+        w = 2 * one["rates"]
+        assert numpy.abs(one["forward"] / (1.5j / (2e5 - 20 * w**2 + 400j * w)) - 1).max() < 1e-6
+        assert not one["besides"].any()
+    for wrong in (dict(forces={"disk": (1, 2, 3)}), dict(order=0), dict(unbalance={"disk": "1 m"}),
+                  dict(forces={"nowhere": 1}), dict(probes="disk")):
+        with pytest.raises(mbd.Error):
+            mbd.campbell(mbd.Model(text=text), (20, 200), points=2, at_rest="housing", **wrong)
+
+
 def test_effects_and_accuracy():
     text = PENDULUM.replace('duration="0.5"', 'duration="0.1"')
     effects = mbd.effects(mbd.Model(text=text), budget=5)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -23,7 +24,8 @@ namespace {
 struct CampbellArguments {
   std::string model, output, rates;
   RotationArguments rotation;
-  std::vector<std::string> set, without, unbalance, probes;
+  std::vector<std::string> set, without, unbalance, forces, probes;
+  double order = 1.0;
   int points = 61, count = 8;
   bool quiet = false;
 };
@@ -35,6 +37,20 @@ Unbalance unbalance_of(const std::string& text, const Scene& scene) {
     throw Error("--unbalance " + text + ": give a place and mass times distance, PLACE=VALUE");
   return {text.substr(0, equals),
           option_value("unbalance", text.substr(equals + 1), "kg.m", scene)};
+}
+
+// PLACE=Y or PLACE=Y,Z.
+HarmonicForce force_of(const std::string& text, const Scene& scene) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error("--force " + text + ": give a place and a force, PLACE=Y or PLACE=Y,Z");
+  HarmonicForce force{text.substr(0, equals)};
+  const std::string values = text.substr(equals + 1);
+  const std::size_t comma = values.find(',');
+  force.y = option_value("force", values.substr(0, comma), "N", scene);
+  if (comma != std::string::npos)
+    force.z = option_value("force", values.substr(comma + 1), "N", scene);
+  return force;
 }
 
 int draw_campbell(const CampbellArguments& arguments) {
@@ -52,6 +68,10 @@ int draw_campbell(const CampbellArguments& arguments) {
   options.count = arguments.count;
   for (const std::string& one : arguments.unbalance)
     options.unbalance.push_back(unbalance_of(one, scene));
+  for (const std::string& one : arguments.forces) options.forces.push_back(force_of(one, scene));
+  options.order = arguments.order;
+  if (!(options.order > 0.0) || !std::isfinite(options.order))
+    throw Error(fmt::format("--order {:g}: give a positive number", options.order));
   options.probes = arguments.probes;
   if (!(options.from >= 0.0) || !(options.to > options.from))
     throw Error("--rates " + arguments.rates + ": give two that rise and are not negative");
@@ -76,10 +96,16 @@ int draw_campbell(const CampbellArguments& arguments) {
   make_directory(output);
   write_file(output / "campbell.csv", to_csv(study));
   write_file(output / "campbell.svg", campbell_svg(study));
-  if (!study.responses.empty()) write_file(output / "unbalance.csv", unbalance_csv(study));
+  std::string more;
+  for (const auto& [responses, name] : {std::pair{&study.responses, "unbalance.csv"},
+                                        std::pair{&study.force_responses, "force.csv"}}) {
+    if (responses->empty()) continue;
+    write_file(output / name, response_csv(*responses));
+    more += std::string(", ") + name;
+  }
   if (!arguments.quiet)
     fmt::print("{}\nwritten to {}: campbell.svg, campbell.csv{}\n", to_text(study), output.string(),
-               study.responses.empty() ? "" : ", unbalance.csv");
+               more);
   return InterruptHandler::flag() ? interrupted_status : 0;
 }
 
@@ -112,8 +138,15 @@ void add_campbell_command(CLI::App& app, int& status) {
       ->type_name("PLACE=VALUE")
       ->allow_extra_args(false);
   command
+      ->add_option("-f,--force", arguments->forces,
+                   "amplitudes, in N or with units, of a force of fixed direction across the axis, "
+                   "that goes as cos(n W t): its response at the same rates; may be repeated")
+      ->type_name("PLACE=Y[,Z]")
+      ->allow_extra_args(false);
+  command->add_option("--order", arguments->order, "n of --force; default: 1")->type_name("N");
+  command
       ->add_option("--probe", arguments->probes,
-                   "where the response to --unbalance is wanted besides; may be repeated")
+                   "where responses are wanted besides; may be repeated")
       ->type_name("PLACE")
       ->allow_extra_args(false);
   add_set_option(*command, arguments->set);
@@ -127,7 +160,9 @@ void add_campbell_command(CLI::App& app, int& status) {
                "mbd campbell models/shaft.xml --rates 0:81 --without gravity\n"
                "mbd campbell models/shaft.xml --rates \"0:600 rpm\" --without gravity --count 4\n"
                "mbd campbell models/shaft.xml --rates 0:80 --without gravity -s d=0 -u "
-               "shaft@0.5=\"20 g.cm\"",
+               "shaft@0.5=\"20 g.cm\"\n"
+               "mbd campbell models/shaft.xml --rates 0:80 --without gravity -s d=0 -f "
+               "shaft@0.5=\"2 N\" --order 2",
                "Exit status: 0 all went well; 1 an error; 130 interrupted, with what was done "
                "written; 100 and\n"
                "more: wrong use of the command.");

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <complex>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -197,10 +198,39 @@ const char* word_of(SpecialSpeed::Kind kind) {
   return "";
 }
 
+// Unbalance and forces by place, the order of the forces, probes.
+using Driven =
+    std::tuple<std::map<std::string, std::string>,
+               std::map<std::string, std::array<std::string, 2>>, double, std::vector<std::string>>;
+
+py::list list_of(const std::vector<CampbellStudy::Response>& responses) {
+  py::list all;
+  for (const CampbellStudy::Response& response : responses) {
+    const auto size = static_cast<py::ssize_t>(response.orbits.size());
+    py::array_t<double> rates(size), besides(size);
+    py::array_t<std::complex<double>> forward(size), backward(size);
+    for (py::ssize_t i = 0; i < size; ++i) {
+      const Orbit& orbit = response.orbits[static_cast<std::size_t>(i)];
+      rates.mutable_at(i) = orbit.rate;
+      forward.mutable_at(i) = orbit.forward;
+      backward.mutable_at(i) = orbit.backward;
+      besides.mutable_at(i) = orbit.besides;
+    }
+    py::dict one;
+    one["place"] = response.place;
+    one["rates"] = rates;
+    one["forward"] = forward;
+    one["backward"] = backward;
+    one["besides"] = besides;
+    all.append(one);
+  }
+  return all;
+}
+
 py::tuple campbell(const ModelHandle& model, const std::string& from, const std::string& to,
                    int points, int count, const std::array<double, 3>& axis,
                    const std::array<double, 3>& through, const std::vector<std::string>& at_rest,
-                   const std::vector<std::string>& left_out) {
+                   const std::vector<std::string>& left_out, const Driven& driven) {
   check_between("points", points, 2, 100000);
   check_between("count", count, 1, 1000);
   const Scene scene = scene_without(model, left_out);
@@ -213,6 +243,13 @@ py::tuple campbell(const ModelHandle& model, const std::string& from, const std:
     throw UseError("rates: give two that rise and are not negative");
   options.points = points;
   options.count = count;
+  for (const auto& [place, moment] : std::get<0>(driven))
+    options.unbalance.push_back({place, option_value("unbalance", moment, "kg.m", scene)});
+  for (const auto& [place, force] : std::get<1>(driven))
+    options.forces.push_back({place, option_value("forces", force[0], "N", scene),
+                              option_value("forces", force[1], "N", scene)});
+  options.order = std::get<2>(driven);
+  options.probes = std::get<3>(driven);
   std::optional<CampbellStudy> study;
   const py::object raised = in_background([&](const std::atomic<bool>& interrupted) {
     options.interrupted = &interrupted;
@@ -255,6 +292,8 @@ py::tuple campbell(const ModelHandle& model, const std::string& from, const std:
                                              study->displacements.data());
   all["branches"] = branches;
   all["special"] = special;
+  all["unbalance_responses"] = list_of(study->responses);
+  all["force_responses"] = list_of(study->force_responses);
   all["notes"] = study->notes;
   return py::make_tuple(all, raised);
 }
@@ -326,7 +365,7 @@ void bind_studies(py::module_& module) {
              py::arg("axis"), py::arg("through"), py::arg("at_rest"), py::arg("without"));
   module.def("campbell", &campbell, py::arg("model"), py::arg("first"), py::arg("last"),
              py::arg("points"), py::arg("count"), py::arg("axis"), py::arg("through"),
-             py::arg("at_rest"), py::arg("without"));
+             py::arg("at_rest"), py::arg("without"), py::arg("driven"));
 }
 
 }  // namespace mbd::python

@@ -247,6 +247,7 @@ std::vector<Candidate> Follower::begin(double rate) {
   study_.model = scene_.name;
   study_.file = scene_.file;
   study_.rotation = options_.rotation;
+  study_.order = options_.order;
   study_.notes = motions_.notes();
   if (rate > options_.from)
     study_.notes.push_back(
@@ -272,23 +273,33 @@ std::vector<Candidate> Follower::begin(double rate) {
 void Follower::keep(double rate) {
   study_.rates.push_back(rate);
   study_.displacements.push_back(motions_.largest_displacement().first);
-  if (!options_.unbalance.empty()) respond();
+  respond();
 }
 
-// At the places of the unbalance, each once, and those that are asked for.
+// At the places where something acts, each once, and those that are asked for.
 void Follower::respond() {
-  std::vector<std::string> places;
-  const auto add = [&](const std::string& place) {
-    if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+  const auto find = [this](const auto& acting, std::vector<CampbellStudy::Response>& responses,
+                           const auto& orbits_at) {
+    if (acting.empty()) return;
+    std::vector<std::string> places;
+    for (const auto& one : acting) places.push_back(one.place);
+    places.insert(places.end(), options_.probes.begin(), options_.probes.end());
+    std::vector<std::string> each;
+    for (const std::string& place : places)
+      if (std::find(each.begin(), each.end(), place) == each.end()) each.push_back(place);
+    if (responses.empty())
+      for (const std::string& place : each) responses.push_back({place, {}});
+    const std::optional<std::vector<Orbit>> orbits = orbits_at(each);
+    if (!orbits) return;
+    for (std::size_t k = 0; k < each.size(); ++k) responses[k].orbits.push_back((*orbits)[k]);
   };
-  for (const Unbalance& one : options_.unbalance) add(one.place);
-  for (const std::string& probe : options_.probes) add(probe);
-  if (study_.responses.empty())
-    for (const std::string& place : places) study_.responses.push_back({place, {}});
-  const auto orbits = response_to_unbalance(motions_, rotation_, options_.unbalance, places);
-  if (!orbits) return;
-  for (std::size_t k = 0; k < places.size(); ++k)
-    study_.responses[k].orbits.push_back((*orbits)[k]);
+  // Forces first: they move what another response may hold.
+  find(options_.forces, study_.force_responses, [this](const std::vector<std::string>& places) {
+    return response_to_forces(motions_, rotation_, options_.forces, options_.order, places);
+  });
+  find(options_.unbalance, study_.responses, [this](const std::vector<std::string>& places) {
+    return response_to_unbalance(motions_, rotation_, options_.unbalance, places);
+  });
 }
 
 // The modes at `next` that go on from those at `rate`; none, with a note, where that ends.
@@ -394,8 +405,10 @@ CampbellStudy Follower::go() {
 CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options) {
   if (!(options.from >= 0.0) || !(options.to > options.from) || !std::isfinite(options.to))
     throw Error("rates: give two that rise and are not negative");
-  if (!options.probes.empty() && options.unbalance.empty())
-    throw Error("a response is asked for, and there is no unbalance");
+  if (!options.probes.empty() && options.unbalance.empty() && options.forces.empty())
+    throw Error("a response is asked for, and there is no unbalance and no force");
+  if (!(options.order > 0.0) || !std::isfinite(options.order))
+    throw Error("the order of forces: give a positive number");
   if (options.points < 2 || options.count < 1)
     throw Error("a Campbell diagram needs two points and one mode at least");
   const stop::Scope scope(options.interrupted);

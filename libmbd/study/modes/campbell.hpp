@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "libmbd/study/modes/modes.hpp"
-#include "libmbd/study/modes/unbalance.hpp"
+#include "libmbd/study/modes/response.hpp"
 
 namespace mbd {
 
@@ -24,8 +24,11 @@ struct CampbellOptions {
   double from = 0.0, to = 0.0;            // rates [rad/s], from < to, not negative
   int points = 61;                        // evenly spaced, at least
   int count = 8;                          // modes, the slowest at the first rate
-  std::vector<Unbalance> unbalance = {};  // whose response is found at the same rates
-  std::vector<std::string> probes = {};   // where, besides where it is
+  // Whose response is found at the same rates.
+  std::vector<Unbalance> unbalance = {};
+  std::vector<HarmonicForce> forces = {};
+  double order = 1.0;                    // of the forces: their frequency over the rate
+  std::vector<std::string> probes = {};  // where, besides where they act
   std::function<void(std::size_t done, std::size_t all)> progress = {};
   const std::atomic<bool>* interrupted = nullptr;
 };
@@ -67,7 +70,9 @@ struct CampbellStudy {
     std::string place;
     std::vector<Orbit> orbits;  // by rate; none where the equations are singular
   };
-  std::vector<Response> responses;  // to unbalance
+  std::vector<Response> responses;        // to unbalance
+  std::vector<Response> force_responses;  // to harmonic forces
+  double order = 1.0;                     // of these
   std::vector<std::string> notes;
 };
 
@@ -77,8 +82,8 @@ CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options)
 std::string to_text(const CampbellStudy& study);
 // One row a rate and branch.
 std::string to_csv(const CampbellStudy& study);
-// One row a rate and place of responses to unbalance.
-std::string unbalance_csv(const CampbellStudy& study);
+// One row a rate and place.
+std::string response_csv(const std::vector<CampbellStudy::Response>& responses);
 std::string campbell_svg(const CampbellStudy& study);
 
 }  // namespace mbd

@@ -41,12 +41,21 @@ bool grows_or_decays(const CampbellStudy& study) {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-std::string words_of_response(const CampbellStudy::Response& response) {
+std::string words_of_response(const CampbellStudy::Response& response, const std::string& to) {
   const auto most = std::ranges::max_element(response.orbits, {}, &Orbit::major);
-  if (most == response.orbits.end()) return "no response to unbalance of " + response.place;
+  if (most == response.orbits.end())
+    return fmt::format("no response to {} of {}", to, response.place);
+  const double besides = std::ranges::max(response.orbits, {}, &Orbit::besides).besides;
   return fmt::format(
-      "response to unbalance of {}: at most {:.6g} m, at {:.6g} rad/s, {:.1f} degrees behind it",
-      response.place, most->major(), most->rate, most->lag() / degree);
+      "response to {} of {}: at most {:.6g} m, at {:.6g} rad/s, {:.1f} degrees behind it{}", to,
+      response.place, most->major(), most->rate, most->lag() / degree,
+      besides > 0.0 ? fmt::format(", and up to {:.2g} m at other frequencies", besides) : "");
+}
+
+// "forces at 2 times the rate".
+std::string forces_of(const CampbellStudy& study) {
+  return study.order == 1.0 ? std::string("forces at the rate")
+                            : fmt::format("forces at {:g} times the rate", study.order);
 }
 
 }  // namespace
@@ -77,7 +86,9 @@ std::string to_text(const CampbellStudy& study) {
                         special.rate, special.rate * 30.0 / std::numbers::pi, special.branch + 1);
   if (study.special.empty()) text += "no critical speed in this range\n";
   for (const CampbellStudy::Response& response : study.responses)
-    text += words_of_response(response) + '\n';
+    text += words_of_response(response, "unbalance") + '\n';
+  for (const CampbellStudy::Response& response : study.force_responses)
+    text += words_of_response(response, forces_of(study)) + '\n';
   for (const std::string& note : study.notes) text += "note: " + note + "\n";
   return text;
 }
@@ -95,24 +106,24 @@ std::string to_csv(const CampbellStudy& study) {
   return text;
 }
 
-std::string unbalance_csv(const CampbellStudy& study) {
+std::string response_csv(const std::vector<CampbellStudy::Response>& responses) {
   std::string text =
-      "rate,place,major,minor,lag,re_forward,im_forward,re_backward,im_backward\n"
-      "# rad/s,-,m,m,deg,m,m,m,m\n";
-  for (const CampbellStudy::Response& response : study.responses)
+      "rate,place,major,minor,lag,re_forward,im_forward,re_backward,im_backward,besides\n"
+      "# rad/s,-,m,m,deg,m,m,m,m,m\n";
+  for (const CampbellStudy::Response& response : responses)
     for (const Orbit& o : response.orbits)
-      text += fmt::format("{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n",
-                          o.rate, study::csv_cell(response.place), o.major(), o.minor(),
-                          o.lag() / degree, o.forward.real(), o.forward.imag(), o.backward.real(),
-                          o.backward.imag());
+      text += fmt::format(
+          "{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", o.rate,
+          study::csv_cell(response.place), o.major(), o.minor(), o.lag() / degree, o.forward.real(),
+          o.forward.imag(), o.backward.real(), o.backward.imag(), o.besides);
   return text;
 }
 
 namespace {
 
-plot::Panel panel(const char* title, const char* y_label) {
+plot::Panel panel(std::string title, const char* y_label) {
   plot::Panel made;
-  made.title = title;
+  made.title = std::move(title);
   made.x_label = "rate of rotation [rad/s]";
   made.y_label = y_label;
   return made;
@@ -189,8 +200,9 @@ plot::Panel displacements(const CampbellStudy& study) {
 
 // `value` of all orbits of each place.
 template <class Value>
-plot::Panel of_responses(const CampbellStudy& study, plot::Panel made, const Value& value) {
-  for (const CampbellStudy::Response& response : study.responses) {
+plot::Panel of_responses(const std::vector<CampbellStudy::Response>& responses, plot::Panel made,
+                         const Value& value) {
+  for (const CampbellStudy::Response& response : responses) {
     plot::Curve curve;
     curve.plain = true;
     curve.label = response.place;
@@ -198,6 +210,17 @@ plot::Panel of_responses(const CampbellStudy& study, plot::Panel made, const Val
     made.curves.push_back(std::move(curve));
   }
   return made;
+}
+
+void add_responses(const std::vector<CampbellStudy::Response>& responses, const std::string& title,
+                   std::vector<plot::Panel>& panels) {
+  if (responses.empty()) return;
+  plot::Panel size = panel(title + ": half the long axis of the orbit", "[m]");
+  size.y_log = true;
+  panels.push_back(
+      of_responses(responses, std::move(size), [](const Orbit& o) { return o.major(); }));
+  panels.push_back(of_responses(responses, panel(title + ": how far it is behind", "[deg]"),
+                                [](const Orbit& o) { return o.lag() / degree; }));
 }
 
 }  // namespace
@@ -216,15 +239,8 @@ std::string campbell_svg(const CampbellStudy& study) {
   if (std::any_of(study.displacements.begin(), study.displacements.end(),
                   [](double moved) { return moved > 0.0; }))
     panels.push_back(displacements(study));
-  if (!study.responses.empty()) {
-    plot::Panel size = panel("Response to unbalance: half the long axis of the orbit", "[m]");
-    size.y_log = true;
-    panels.push_back(
-        of_responses(study, std::move(size), [](const Orbit& o) { return o.major(); }));
-    panels.push_back(of_responses(study,
-                                  panel("Response to unbalance: how far it is behind", "[deg]"),
-                                  [](const Orbit& o) { return o.lag() / degree; }));
-  }
+  add_responses(study.responses, "Response to unbalance", panels);
+  add_responses(study.force_responses, "Response to " + forces_of(study), panels);
   plot::Layout layout;
   layout.title = study.model + ": Campbell diagram";
   return plot::to_svg(panels, layout);

@@ -104,24 +104,44 @@ def linearize(model, *, set=None, at=None, rate=None, axis=(1, 0, 0), through=(0
 
 
 def campbell(model, rates, *, set=None, points=61, count=8, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
-             without=()) -> "Dict[str, Any]":
-    """Modes followed over the rate of a steady rotation.
+             without=(), unbalance=None, forces=None, order=1, probes=()) -> "Dict[str, Any]":
+    """Modes followed over the rate of a steady rotation, and responses at the same rates.
 
     rates: (first, last) [rad/s], or texts with units ("0 rpm", "600 rpm"); points: how many at least
     count: modes; axis, through, at_rest, without as of modes()
+    unbalance: {place: mass times distance from the axis [kg.m]} of what turns
+    forces: {place: amplitude, or (along e2, along e3) [N]}, of fixed direction, as cos(order W t)
+    probes: where the responses to both are wanted besides
 
     Returns a dict: rates (r,) [rad/s]; displacements (r,) [m] of the steady rotation; branches, list of dicts with
     name, rates, eigenvalues (complex [1/s], in `axes`), inertial_frequencies ([rad/s], nan where orbits are not round),
-    overlaps; special, list of dicts with kind ("critical", "unstable_above", "stable_above"), rate [rad/s], branch;
+    overlaps; unbalance_responses, force_responses, lists of dicts with place, rates, and amplitudes [m] of
+    y + i z = forward exp(i w t) + backward exp(-i w t) (complex), besides (at other frequencies, of unround shafts);
+    special, list of dicts with kind ("critical", "unstable_above", "stable_above"), rate [rad/s], branch;
     axes; notes. Raises ModelError, UseError, and Interrupted with the diagram so far.
     """
     first, last = rates
     study, raised = _mbd.campbell(_model_of(model, set), text_of(first), text_of(last), int(points), int(count),
                                   _three(axis, "axis"), _three(through, "through"), names_of(at_rest),
-                                  names_of(without))
+                                  names_of(without), _driven(unbalance, forces, order, probes))
     if raised is not None:
         raise Interrupted(study) if isinstance(raised, KeyboardInterrupt) else raised
     return study
+
+
+def _driven(unbalance, forces, order, probes):
+    from .errors import UseError
+
+    along = {}
+    for place, force in dict(forces or {}).items():
+        both = (force, 0) if isinstance(force, (int, float, str)) else tuple(force)
+        if len(both) != 2:
+            raise UseError(f"forces: {place!r} has {len(both)} numbers, must have 1 or 2")
+        along[str(place)] = [text_of(value) for value in both]
+    moments = {str(place): text_of(value) for place, value in dict(unbalance or {}).items()}
+    if not 0 < float(order) < float("inf"):
+        raise UseError(f"order: {order} is not positive")
+    return moments, along, float(order), names_of(probes)
 
 
 def _three(values, name):

@@ -1,12 +1,14 @@
 // Response to unbalance against Jeffcott's rotor in closed form, on bearings that are alike in all directions (turning axes would
 // be enough) and on unequal ones, and against the motion of an eccentric mass in time.
+// Response to forces of fixed direction against the same rotor at other orders, and an unround shaft in turning axes.
 // Mutations seen: half the force; e3 the other way; 1.0001 W in the equations; an unbalance of what rests taken. Not seen: a free spin
 // that nothing holds (its motion moves no point of the axis).
-#include "libmbd/study/modes/unbalance.hpp"
+#include "libmbd/study/modes/response.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -15,7 +17,7 @@
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 
-namespace mbd::test::test_unbalance {
+namespace mbd::test::test_response {
 namespace {
 
 using Complex = std::complex<double>;
@@ -74,7 +76,7 @@ TEST(Unbalance, OfJeffcottsRotor) {
       EXPECT_NEAR(orbit.lag(), std::atan2(d, 1.0 - r * r), 1e-8);
     }
     EXPECT_GT(orbits.back().lag(), 0.5 * pi);
-    EXPECT_NE(unbalance_csv(result).find("re_forward"), std::string::npos);
+    EXPECT_NE(response_csv(result.responses).find("re_forward"), std::string::npos);
     EXPECT_NE(campbell_svg(result).find("Response to unbalance"), std::string::npos);
   }
 }
@@ -151,6 +153,94 @@ TEST(Unbalance, OfAFlexibleShaftInTurningAxes) {
   }
 }
 
+// F/(k + i c w - m w^2) along each axis, w = n W; along lines, as what is driven and held differently along two axes.
+TEST(HarmonicForces, OfJeffcottsRotor) {
+  constexpr double k3 = 3.2e5, c3 = 900.0, F2 = 3.0, F3 = -2.0;
+  for (const double order : {0.5, 1.0, 2.0}) {
+    CampbellOptions options;
+    options.from = 20.0;
+    options.to = 200.0;
+    options.points = 5;
+    options.count = 2;
+    options.at_rest = {"housing"};
+    options.forces = {{"disk", F2, 0.0}, {"housing", 0.0, F3}};
+    options.order = order;
+    const CampbellStudy result = study_campbell(
+        read(rotor(k3, c3, "", R"(<drive joint="R" angle="0"/><static/>)")), options);
+    ASSERT_EQ(result.force_responses.size(), 2U);
+    EXPECT_TRUE(result.responses.empty());
+    for (const CampbellStudy::Response& response : result.force_responses) {
+      ASSERT_GE(response.orbits.size(), 5U);
+      for (const Orbit& orbit : response.orbits) {
+        const double w = order * orbit.rate;
+        const Complex y = F2 / (k2 - m * w * w + i * c2 * w),
+                      z = F3 / (k3 - m * w * w + i * c3 * w);
+        const double size = std::abs(y) + std::abs(z);
+        EXPECT_LT(std::abs(orbit.forward - 0.5 * (y + i * z)), 1e-8 * size) << w;
+        EXPECT_LT(std::abs(orbit.backward - 0.5 * std::conj(y - i * z)), 1e-8 * size) << w;
+        EXPECT_EQ(orbit.besides, 0.0);
+      }
+    }
+    EXPECT_NE(campbell_svg(result).find("Response to forces at"), std::string::npos);
+    EXPECT_NE(to_text(result).find("response to forces at"), std::string::npos);
+  }
+}
+
+// A mass on an unround shaft without mass, in turning axes: m (w'' + 2 i W w' - W^2 w) + k w + d conj(w) = f, w = y + i z,
+// k, d half the sum and the difference of the stiffnesses along two axes; f = F/2 (exp(i (w - W) t) + exp(-i (w + W) t)). With
+// w = a exp(i v t) + b exp(-i v t):  (k - m (v + W)^2) a + d conj(b) = F/2,  (k - m (v - W)^2) conj(b) + d a = 0.
+TEST(HarmonicForces, OfAnUnroundShaftInTurningAxes) {
+  constexpr double L = 1.0, GA = 1e7, F = 5.0;
+  const auto stiffness = [](double EI) {
+    return 1.0 / (L * L * L / (192.0 * EI) + L / (4.0 * GA));
+  };
+  for (const double EI3 : {1000.0, 1500.0}) {
+    // b3 is i2.
+    const double ky = stiffness(1000.0), kz = stiffness(EI3), k = 0.5 * (ky + kz),
+                 d = 0.5 * (ky - kz);
+    for (const double order : {1.0, 2.0, 0.7}) {
+      CampbellOptions options;
+      options.from = 0.1 * std::sqrt(k / m);
+      options.to = 0.8 * std::sqrt(k / m);
+      options.points = 4;
+      options.count = 2;
+      options.forces = {{"disk", F, 0.0}};
+      options.order = order;
+      const CampbellStudy result = study_campbell(read(fmt::format(R"(
+    <section name="wire"><stiffness EA="1e8" GA2="1e7" GA3="1e7" GJ="1e6" EI2="1000" EI3="{}"/>
+      <mass per_length="2e-6" inertia="2e-10 1e-10 1e-10"/></section>
+    <beam name="shaft" section="wire" from="0 0 0" to="1 0 0" normal="0 1 0" elements="2" order="4"/>
+    <body name="disk" attached_to="shaft@0.5" mass="20" inertia="0.004 0.002 0.002"/>
+    <revolute name="R" between="ground shaft.start" axis="1 0 0"/>
+    <cylindrical name="T" between="ground shaft.end" axis="1 0 0"/><static/>)",
+                                                                   EI3)),
+                                                  options);
+      EXPECT_EQ(result.axes, ModeAxes::turning);
+      ASSERT_GE(result.force_responses.at(0).orbits.size(), 4U);
+      for (const Orbit& orbit : result.force_responses[0].orbits) {
+        const double W = orbit.rate, w = order * W;
+        const auto solved = [&](double v) {  // a and b, real
+          const double A = k - m * (v + W) * (v + W), B = k - m * (v - W) * (v - W);
+          if (d == 0.0) return std::array{0.5 * F / A, 0.0};
+          const double a = 0.5 * F * B / (A * B - d * d);
+          return std::array{a, -d * a / B};
+        };
+        const auto [a1, b1] = solved(w - W);
+        const auto [a2, b2] = solved(-(w + W));
+        double forward = a1, besides = std::abs(b1) + std::abs(b2);
+        if (order == 1.0) {  // at rest: k w + d conj(w) - m W^2 w = F/2, w real
+          forward = 0.5 * F / (k + d - m * W * W);
+          besides = std::abs(b2);
+        }
+        EXPECT_NEAR(orbit.forward.real(), forward, 1e-5 * std::abs(forward)) << order << ' ' << W;
+        EXPECT_NEAR(orbit.backward.real(), a2, 1e-5 * (std::abs(a2) + std::abs(forward)))
+            << order << ' ' << W;
+        EXPECT_NEAR(orbit.besides, besides, 1e-5 * (std::abs(forward) + besides)) << order;
+      }
+    }
+  }
+}
+
 TEST(Unbalance, RefusesWhatDoesNotTurn) {
   const std::string scene = rotor(k2, c2, "", R"(<drive joint="R" angle="0"/><static/>)");
   CampbellOptions options;
@@ -165,7 +255,15 @@ TEST(Unbalance, RefusesWhatDoesNotTurn) {
   options.unbalance.clear();
   options.probes = {"disk"};
   EXPECT_THROW(study_campbell(read(scene), options), Error);
+  options.probes.clear();
+  for (const char* place : {"ground", "dsik"}) {
+    options.forces = {{place, 1.0, 0.0}};
+    EXPECT_THROW(study_campbell(read(scene), options), Error) << place;
+  }
+  options.forces = {{"disk", 1.0, 0.0}};
+  options.order = 0.0;
+  EXPECT_THROW(study_campbell(read(scene), options), Error);
 }
 
 }  // namespace
-}  // namespace mbd::test::test_unbalance
+}  // namespace mbd::test::test_response
