@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "libmbd/core/se3.hpp"
 #include "libmbd/core/stop.hpp"
 #include "solvers/linear/block_columns.hpp"
+#include "solvers/modes/instants_lu.hpp"
 #include "solvers/statics/equilibrium.hpp"
 
 namespace mbd {
@@ -23,6 +25,8 @@ constexpr double largest_motion = 0.25;      // of the scene's length
 constexpr double beside_zero = 0.05;         // shift, of 2 pi/T: exponents may be 0
 constexpr double in_the_strip = 1.0 + 1e-6;  // a double exponent at its edge is known to 1e-8
 constexpr double the_same = 1e-7;            // of 2 pi/T
+constexpr double good_solution = 1e-12;      // its error in each row, over what is summed there
+constexpr int most_refinements = 4;          // of a solution by blocks
 
 // (1).
 Eigen::MatrixXd derivative(Index n, double period) {
@@ -39,11 +43,32 @@ Eigen::Index at(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 }  // namespace
 
+// By dense blocks of all instants; where those have no good pivots of their own, by scalars.
+template <class Scalar>
+struct PeriodicMotion::Factors {
+  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  explicit Factors(const BlockGraph& graph, Index instants) : blocks(graph, instants) {}
+
+  InstantsLu<Scalar> blocks;
+  Eigen::KLU<Eigen::SparseMatrix<Scalar>> scalars;
+  Scalar s = Scalar(0.0);
+  bool by_blocks = true;
+  int refinements = 0;
+
+  // Without refinement.
+  Columns solve(const Columns& b) const { return by_blocks ? blocks.solve(b) : scalars.solve(b); }
+};
+
 struct PeriodicMotion::Solvers {
+  Solvers(const BlockGraph& graph, Index instants)
+      : real(graph, instants), complex(graph, instants) {}
+
   PencilBlocks blocks;
   BlockColumns::Scalars scalars;
-  Eigen::KLU<Eigen::SparseMatrix<double>> real;
-  Eigen::KLU<Eigen::SparseMatrix<Complex>> complex;
+  Factors<double> real;
+  Factors<Complex> complex;
 };
 
 PeriodicMotion::PeriodicMotion(const System& system, double begin, double period, int harmonics)
@@ -51,7 +76,7 @@ PeriodicMotion::PeriodicMotion(const System& system, double begin, double period
       period_(period),
       motions_(6 * (system.nodes() - 1)),
       unknowns_(system.unknowns()),
-      solvers_(std::make_unique<Solvers>()) {
+      solvers_(std::make_unique<Solvers>(system.graph(), 2 * harmonics + 1)) {
   const int n = 2 * harmonics + 1;
   for (int i = 0; i < n; ++i) times_.push_back(begin + period * i / n);
   D_ = derivative(n, period);
@@ -142,60 +167,115 @@ bool PeriodicMotion::linearize(const std::vector<State>& states, VecX& r) {
 }
 
 // (3) with D + s in place of D.
-template <class Scalar>
-Eigen::SparseMatrix<Scalar> PeriodicMotion::assemble(Scalar s) const {
-  using Sparse = Eigen::SparseMatrix<double>;
+template <class Scalar, class Add>
+void PeriodicMotion::each_entry(Scalar s, const Add& add) const {
   const Index n = instants();
   Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> D1 = D_.cast<Scalar>();
   D1.diagonal().array() += s;
   const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> D2 = D1 * D1;
-  std::vector<Eigen::Triplet<Scalar>> entries;
-  const auto add = [&](const Sparse& A, Index i, Index j, Scalar factor) {
+  const auto each = [](const Eigen::SparseMatrix<double>& A, const auto& entry) {
     for (Index c = 0; c < A.outerSize(); ++c)
-      for (Sparse::InnerIterator e(A, c); e; ++e)
-        entries.emplace_back(i * unknowns_ + e.row(), j * unknowns_ + c, factor * e.value());
+      for (Eigen::SparseMatrix<double>::InnerIterator e(A, c); e; ++e) entry(e.row(), c, e.value());
   };
   for (Index i = 0; i < n; ++i) {
     const auto I = static_cast<std::size_t>(i);
-    for (Index j = 0; j < n; ++j) {
-      add(M_[I], i, j, D2(i, j));
-      if (D1(i, j) != Scalar(0.0)) add(C_[I], i, j, D1(i, j));
-    }
-    add(K_[I], i, i, Scalar(1.0));
+    each(M_[I], [&](Index row, Index column, double value) {
+      for (Index j = 0; j < n; ++j) add(i, row, j, column, D2(i, j) * value);
+    });
+    each(C_[I], [&](Index row, Index column, double value) {
+      for (Index j = 0; j < n; ++j)
+        if (D1(i, j) != Scalar(0.0)) add(i, row, j, column, D1(i, j) * value);
+    });
+    each(K_[I],
+         [&](Index row, Index column, double value) { add(i, row, i, column, Scalar(value)); });
   }
-  Eigen::SparseMatrix<Scalar> J(n * unknowns_, n * unknowns_);
+}
+
+template <class Scalar>
+Eigen::SparseMatrix<Scalar> PeriodicMotion::assemble(Scalar s) const {
+  std::vector<Eigen::Triplet<Scalar>> entries;
+  each_entry(s, [&](Index i, Index row, Index j, Index column, Scalar value) {
+    entries.emplace_back(i * unknowns_ + row, j * unknowns_ + column, value);
+  });
+  Eigen::SparseMatrix<Scalar> J(instants() * unknowns_, instants() * unknowns_);
   J.setFromTriplets(entries.begin(), entries.end());
   return J;
 }
 
-bool PeriodicMotion::factor(double s) {
-  solvers_->real.compute(assemble<double>(s));
-  return solvers_->real.info() == Eigen::Success;
+template <class Scalar>
+Eigen::Matrix<Scalar, Eigen::Dynamic, 1> PeriodicMotion::times(
+    Scalar s, const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& x, bool sizes) const {
+  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> y =
+      Eigen::Matrix<Scalar, Eigen::Dynamic, 1>::Zero(x.size());
+  each_entry(s, [&](Index i, Index row, Index j, Index column, Scalar value) {
+    const Scalar one = value * x(j * unknowns_ + column);
+    y(i * unknowns_ + row) += sizes ? Scalar(std::abs(one)) : one;
+  });
+  return y;
 }
 
-bool PeriodicMotion::factor(Complex s) {
-  solvers_->complex.compute(assemble<Complex>(s));
-  return solvers_->complex.info() == Eigen::Success;
+// How often solutions by these factors have to be refined until the largest residual of a row, over what is summed there, is
+// small (Oettli & Prager 1964); none if that does not help.
+template <class Scalar>
+std::optional<int> PeriodicMotion::refinements_of(const Factors<Scalar>& factors) const {
+  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  Vector b(instants() * unknowns_);
+  for (Index k = 0; k < b.size(); ++k)
+    b(k) = Scalar(std::cos(static_cast<double>(k) * static_cast<double>(k)));
+  Vector x = factors.solve(b);
+  for (int n = 0; n <= most_refinements && x.allFinite(); ++n) {
+    const Vector r = b - times(factors.s, x, false), sum = times(factors.s, x, true);
+    double worst = 0.0;
+    for (Index k = 0; k < b.size(); ++k)
+      worst = std::max(worst, std::abs(r(k)) / (std::abs(sum(k)) + std::abs(b(k))));
+    if (worst < good_solution) return n;
+    x += factors.solve(r);
+  }
+  return std::nullopt;
 }
+
+template <class Scalar>
+bool PeriodicMotion::factor_with(Factors<Scalar>& factors, Scalar s) {
+  factors.s = s;
+  factors.by_blocks = true;
+  factors.blocks.set_zero();
+  each_entry(s, [&](Index i, Index row, Index j, Index column, Scalar value) {
+    factors.blocks.add(i, row, j, column, value);
+  });
+  if (factors.blocks.factor())
+    if (const std::optional<int> refinements = refinements_of(factors)) {
+      factors.refinements = *refinements;
+      return true;
+    }
+  factors.by_blocks = false;
+  factors.refinements = 0;
+  factors.scalars.compute(assemble<Scalar>(s));
+  return factors.scalars.info() == Eigen::Success;
+}
+
+bool PeriodicMotion::factor(double s) { return factor_with(solvers_->real, s); }
+bool PeriodicMotion::factor(Complex s) { return factor_with(solvers_->complex, s); }
 
 // Motions of all instants among all unknowns, and back.
-template <class Columns>
-Columns PeriodicMotion::solve_with(const Columns& B) const {
-  Columns all = Columns::Zero(instants() * unknowns_, B.cols());
+template <class Scalar>
+void PeriodicMotion::solve_with(const Factors<Scalar>& factors,
+                                Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& B) const {
+  using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  Columns b = Columns::Zero(instants() * unknowns_, B.cols());
   for (Index i = 0; i < instants(); ++i)
-    all.middleRows(i * unknowns_, motions_) = B.middleRows(i * motions_, motions_);
-  if constexpr (std::is_same_v<Columns, Eigen::MatrixXd>)
-    all = solvers_->real.solve(all).eval();
-  else
-    all = solvers_->complex.solve(all).eval();
-  Columns X(B.rows(), B.cols());
+    b.middleRows(i * unknowns_, motions_) = B.middleRows(i * motions_, motions_);
+  Columns x = factors.solve(b);
+  for (int n = 0; n < factors.refinements; ++n) {
+    Columns r = b;
+    for (Index k = 0; k < b.cols(); ++k) r.col(k) -= times<Scalar>(factors.s, x.col(k), false);
+    x += factors.solve(r);
+  }
   for (Index i = 0; i < instants(); ++i)
-    X.middleRows(i * motions_, motions_) = all.middleRows(i * unknowns_, motions_);
-  return X;
+    B.middleRows(i * motions_, motions_) = x.middleRows(i * unknowns_, motions_);
 }
 
-void PeriodicMotion::solve(Eigen::MatrixXd& B) const { B = solve_with(B); }
-void PeriodicMotion::solve(Eigen::MatrixXcd& B) const { B = solve_with(B); }
+void PeriodicMotion::solve(Eigen::MatrixXd& B) const { solve_with(solvers_->real, B); }
+void PeriodicMotion::solve(Eigen::MatrixXcd& B) const { solve_with(solvers_->complex, B); }
 
 Eigen::MatrixXd PeriodicMotion::mass_times(const Eigen::MatrixXd& X) const {
   Eigen::MatrixXd Y(X.rows(), X.cols());
@@ -219,15 +299,23 @@ Eigen::MatrixXd PeriodicMotion::rate_times(const Eigen::MatrixXd& X) const {
   return Y;
 }
 
-VecX PeriodicMotion::harmonics(const VecXc& p) const {
+VecX PeriodicMotion::harmonics(const VecXc& p, bool inertial) const {
   const Index n = instants(), h = (n - 1) / 2;
+  VecXc q = p;
+  for (Index i = 0; inertial && i < n; ++i)
+    for (Index m = 0; m < motions_; m += 3) {
+      const State& state = states_[static_cast<std::size_t>(i)];
+      const Real3 R = state.pose[static_cast<std::size_t>(m / 6) + 1].p.toRotationMatrix();
+      auto part = q.segment<3>(i * motions_ + m);
+      part = (R * part).eval();
+    }
   VecX sizes(n);
   for (Index k = -h; k <= h; ++k) {
     VecXc sum = VecXc::Zero(motions_);
     for (Index i = 0; i < n; ++i)
       sum += std::polar(1.0 / static_cast<double>(n),
                         -2.0 * pi * static_cast<double>(k * i) / static_cast<double>(n)) *
-             p.segment(i * motions_, motions_);
+             q.segment(i * motions_, motions_);
     for (Index m = 0; m < motions_; m += 6) sum.segment<3>(m) /= length_scale();
     sizes(k + h) = sum.norm();
   }
@@ -307,7 +395,7 @@ PeriodicReport PeriodicMotion::solve(const NewtonOptions& options, std::vector<S
           "motion, or fixes its phase), or on a limit of stability";
       return report;
     }
-    const VecX x = solvers_->real.solve(VecX(-r)).eval();
+    const VecX x = solvers_->real.solve(-r);
     double e = 0.0;
     const double share = share_of(x, norm, e);
     if (!std::isfinite(e)) {
@@ -365,10 +453,14 @@ FloquetFound find_floquet_modes(PeriodicMotion& motion, int most) {
     one.exponent = mode.eigenvalue;
     one.multiplier = std::exp(mode.eigenvalue * motion.period());
     one.residual = mode.residual;
+    const auto largest = [&](const VecX& of) {
+      Index k = 0;
+      of.maxCoeff(&k);
+      return std::abs(mode.eigenvalue.imag() + static_cast<double>(k - h) * omega);
+    };
     const VecX sizes = motion.harmonics(mode.shape);
-    Index k = 0;
-    sizes.maxCoeff(&k);
-    one.frequency = std::abs(mode.eigenvalue.imag() + static_cast<double>(k - h) * omega);
+    one.frequency = largest(sizes);
+    one.inertial = largest(motion.harmonics(mode.shape, true));
     one.tail = tail_of(sizes);
     one.shape = std::move(mode.shape);
     result.modes.push_back(std::move(one));

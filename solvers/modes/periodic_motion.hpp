@@ -18,6 +18,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,8 +57,8 @@ class PeriodicMotion final : public MotionPencil {
   const std::vector<State>& states() const { return states_; }
 
   // Amplitudes of the harmonics -h … h of p [m over the scene's length, rad], root of the sum of squares over nodes; motions
-  // of all instants.
-  VecX harmonics(const VecXc& p) const;
+  // of all instants. In body axes, or turned into inertial ones.
+  VecX harmonics(const VecXc& p, bool inertial = false) const;
 
   // As a pencil: motions of the first instant, then those of the second, ….
   Index motions() const override { return instants() * motions_; }
@@ -83,9 +84,24 @@ class PeriodicMotion final : public MotionPencil {
   double share_of(const VecX& x, const IncrementNorm& norm, double& e) const;
   double tail(const std::vector<State>& states) const;  // of the harmonics of velocities
   template <class Scalar>
+  struct Factors;
+  // add(i, row, j, column, value) for the summands of every entry, of instants and their unknowns.
+  template <class Scalar, class Add>
+  void each_entry(Scalar s, const Add& add) const;
+  template <class Scalar>
   Eigen::SparseMatrix<Scalar> assemble(Scalar s) const;
-  template <class Columns>
-  Columns solve_with(const Columns& B) const;
+  // A x, or |A| |x|, of all unknowns.
+  template <class Scalar>
+  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> times(Scalar s,
+                                                 const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& x,
+                                                 bool sizes) const;
+  template <class Scalar>
+  bool factor_with(Factors<Scalar>& factors, Scalar s);
+  template <class Scalar>
+  std::optional<int> refinements_of(const Factors<Scalar>& factors) const;
+  template <class Scalar>
+  void solve_with(const Factors<Scalar>& factors,
+                  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& B) const;
 
   const System& system_;
   double period_;
@@ -105,6 +121,7 @@ struct FloquetMode {
   std::complex<double> multiplier;  // exp(l T), of a conjugate pair one
   // Frequency of the largest harmonic [rad/s]: of a motion that hardly feels the period, the one that it has without.
   double frequency = 0.0;
+  double inertial = 0.0;  // the same in inertial axes: of a rotor, as its bearings feel it
   double tail = 0.0;      // share of the fastest two harmonics, as PeriodicReport::tail
   double residual = 0.0;  // as Mode::residual
   VecXc shape;            // p, of all instants

@@ -1,16 +1,18 @@
 #include "tools/mbd/floquet_command.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
 #include "libmbd/study/effects/ablation.hpp"
-#include "libmbd/study/modes/floquet.hpp"
+#include "libmbd/study/modes/floquet_map.hpp"
 #include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
@@ -21,12 +23,12 @@ namespace {
 
 struct FloquetArguments {
   std::string model, output, period, rate;
-  std::vector<std::string> set, without;
+  std::vector<std::string> set, without, vary;
   int settle = 2, harmonics = 0, count = 10;
   bool motion = false, quiet = false;
 };
 
-int judge_period(const FloquetArguments& arguments) {
+void check(const FloquetArguments& arguments) {
   if (arguments.period.empty() == arguments.rate.empty())
     throw Error("give --period or --rate, one of them");
   if (arguments.settle < 0 || arguments.settle > 1000000)
@@ -36,23 +38,67 @@ int judge_period(const FloquetArguments& arguments) {
         fmt::format("--harmonics {}: give 0 (as many as it takes) to 1000", arguments.harmonics));
   if (arguments.count < 1 || arguments.count > 10000)
     throw Error(fmt::format("--count {}: give 1 to 10000", arguments.count));
-  Scene scene = read_model(arguments.model, to_overrides(arguments.set));
-  if (!arguments.without.empty()) scene = without(scene, arguments.without);
-  FloquetOptions options;
-  options.period =
+  if (arguments.motion && !arguments.vary.empty())
+    throw Error("--motion is of one motion; leave out --vary, or give --set");
+}
+
+double period_of(const FloquetArguments& arguments, const Scene& scene) {
+  const double period =
       arguments.rate.empty()
           ? option_value("period", arguments.period, "s", scene)
           : 2.0 * std::numbers::pi / option_value("rate", arguments.rate, "rad/s", scene);
-  if (!(options.period > 0.0))
+  if (!(period > 0.0))
     throw Error(arguments.rate.empty()
                     ? "--period " + arguments.period + ": give a time that is positive"
                     : "--rate " + arguments.rate + ": give a rate that is positive");
+  return period;
+}
+
+int map_periods(const FloquetArguments& arguments, const FloquetOptions& options,
+                const ReadSweptModel& read, const std::filesystem::path& output) {
+  FloquetMapOptions all;
+  all.floquet = options;
+  all.period = [&](const Scene& scene) { return period_of(arguments, scene); };
+  const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
+  if (shown)
+    all.progress = [](std::size_t done, std::size_t points) {
+      show_progress(fmt::format("{} of {} points", done, points));
+    };
+  FloquetMap map;
+  {
+    const InterruptHandler handler;
+    map = map_floquet(read, grid_plan(arguments.vary), all);
+  }
+  if (shown) show_progress({});
+  make_directory(output);
+  write_file(output / "floquet.csv", to_csv(map));
+  const std::optional<std::string> picture = floquet_svg(map);
+  if (picture) write_file(output / "floquet.svg", *picture);
+  if (!arguments.quiet)
+    fmt::print("{}\nwritten to {}: floquet.csv{}\n", to_text(map), output.string(),
+               picture ? ", floquet.svg" : "");
+  return InterruptHandler::flag() ? interrupted_status : 0;
+}
+
+int judge_period(const FloquetArguments& arguments) {
+  check(arguments);
+  const Overrides set = to_overrides(arguments.set);
+  const ReadSweptModel read = [&](const Overrides& values) {
+    Overrides all = set;
+    all.insert(all.end(), values.begin(), values.end());
+    const Scene scene = read_model(arguments.model, all);
+    return arguments.without.empty() ? scene : without(scene, arguments.without);
+  };
+  FloquetOptions options;
   options.settle = arguments.settle;
   options.harmonics = arguments.harmonics;
   options.count = arguments.count;
   options.interrupted = &InterruptHandler::flag();
   const std::filesystem::path output =
       results_directory(arguments.output, arguments.model, "floquet");
+  if (!arguments.vary.empty()) return map_periods(arguments, options, read, output);
+  const Scene scene = read({});
+  options.period = period_of(arguments, scene);
   FloquetStudy study;
   {
     const InterruptHandler handler;
@@ -94,6 +140,12 @@ void add_floquet_command(CLI::App& app, int& status) {
       ->type_name("N");
   command->add_option("-n,--count", arguments->count, "exponents shown; default: 10")
       ->type_name("N");
+  command
+      ->add_option("--vary", arguments->vary,
+                   "values of parameters, FROM:TO:STEP or a list: a map of stability and "
+                   "frequencies over them, drawn for one and two; rate and period may depend on "
+                   "them")
+      ->type_name("NAME=VALUES");
   add_set_option(*command, arguments->set);
   add_without_option(*command, arguments->without);
   command
@@ -104,7 +156,8 @@ void add_floquet_command(CLI::App& app, int& status) {
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
                "mbd floquet rotor.xml --rate \"1200 rpm\"\n"
-               "mbd floquet pendulum.xml --period 0.35 --harmonics 24 --motion");
+               "mbd floquet pendulum.xml --period 0.35 --harmonics 24 --motion\n"
+               "mbd floquet rotor.xml --rate W --vary \"W=100:1200:50 rpm\" \"gap=0,1,2 mm\"");
   command->callback([arguments, &status] { status = judge_period(*arguments); });
 }
 

@@ -275,13 +275,13 @@ std::string to_text(const FloquetStudy& study) {
       "{}: periodic motion of {:.10g} s, by {} harmonics (velocities to {:.2g})\n{}\n\n",
       study.model, study.period, study.harmonics, study.report.tail, verdict(study));
   std::vector<std::vector<std::string>> rows{
-      {"", "|multiplier|", "multiplier", "growth 1/s", "Hz", "moves most"}};
+      {"", "|multiplier|", "multiplier", "growth 1/s", "inertial Hz", "moves most"}};
   for (std::size_t i = 0; i < study.modes.size(); ++i) {
     const NamedFloquetMode& mode = study.modes[i];
     rows.push_back({std::to_string(i + 1), fmt::format("{:.9g}", std::abs(mode.multiplier)),
                     fmt::format("{:.6g} {:+.6g}i", mode.multiplier.real(), mode.multiplier.imag()),
                     fmt::format("{:.6g}", mode.exponent.real()),
-                    fmt::format("{:.8g}", mode.frequency / turn), mode.most});
+                    fmt::format("{:.8g}", mode.inertial / turn), mode.most});
   }
   study::table(text, rows);
   for (const std::string& note : study.notes) text += "\nnote: " + note + "\n";
@@ -290,15 +290,15 @@ std::string to_text(const FloquetStudy& study) {
 
 std::string to_csv(const FloquetStudy& study) {
   std::string text =
-      "mode,re_exponent,im_exponent,re_multiplier,im_multiplier,frequency,tail,residual,moves_"
-      "most\n"
-      "# -,1/s,1/s,-,-,Hz,-,-,-\n";
+      "mode,re_exponent,im_exponent,re_multiplier,im_multiplier,frequency,inertial_frequency,"
+      "tail,residual,moves_most\n"
+      "# -,1/s,1/s,-,-,Hz,Hz,-,-,-\n";
   for (std::size_t i = 0; i < study.modes.size(); ++i) {
     const NamedFloquetMode& mode = study.modes[i];
-    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{:.3g},{}\n", i + 1,
-                        mode.exponent.real(), mode.exponent.imag(), mode.multiplier.real(),
-                        mode.multiplier.imag(), mode.frequency / turn, mode.tail, mode.residual,
-                        study::csv_cell(mode.most));
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{:.3g},{}\n",
+                        i + 1, mode.exponent.real(), mode.exponent.imag(), mode.multiplier.real(),
+                        mode.multiplier.imag(), mode.frequency / turn, mode.inertial / turn,
+                        mode.tail, mode.residual, study::csv_cell(mode.most));
   }
   return text;
 }

@@ -1,0 +1,221 @@
+#include "libmbd/study/modes/floquet_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "libmbd/core/stop.hpp"
+#include "libmbd/pictures/plot.hpp"
+#include "libmbd/text/tables.hpp"
+
+namespace mbd {
+namespace {
+
+constexpr std::size_t failures_shown = 3;
+
+enum class Verdict { stable, neutral, unstable, failed, open };
+
+Verdict verdict_of(const FloquetMap::Point& point) {
+  if (!point.study) return point.failure.empty() ? Verdict::open : Verdict::failed;
+  const double growth = point.study->growth();
+  return growth > neutral_growth    ? Verdict::unstable
+         : growth < -neutral_growth ? Verdict::stable
+                                    : Verdict::neutral;
+}
+
+const char* word_of(Verdict verdict) {
+  constexpr const char* words[] = {"stable", "neutral", "unstable", "failed", "open"};
+  return words[static_cast<std::size_t>(verdict)];
+}
+
+// The number that a value begins with.
+std::optional<double> number_of(const std::string& value) {
+  double number = 0.0;
+  const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (code != std::errc() || end == value.data()) return std::nullopt;
+  return number;
+}
+
+// Parameters that take more than one value.
+std::vector<std::size_t> varied(const SweepPlan& plan) {
+  std::vector<std::size_t> all;
+  for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
+    std::set<std::string> values;
+    for (const std::vector<std::string>& point : plan.points) values.insert(point[p]);
+    if (values.size() > 1) all.push_back(p);
+  }
+  return all;
+}
+
+std::string title_of(const SweepPlan& plan, std::size_t parameter) {
+  const std::string unit = plan.unit(parameter);
+  return plan.parameters[parameter] + (unit.empty() ? "" : " [" + unit + "]");
+}
+
+plot::Curve points_of(std::string label, int style) {
+  plot::Curve curve;
+  curve.label = std::move(label);
+  curve.points_only = true;
+  curve.style = style;
+  return curve;
+}
+
+std::string over_one(const FloquetMap& map, std::size_t parameter) {
+  plot::Panel growth, frequencies;
+  growth.title = "Growth of small motions over a period (above 0: unstable)";
+  growth.y_label = "Re l T";
+  frequencies.title = "Frequencies of small motions, inertial axes";
+  frequencies.y_label = "[Hz]";
+  plot::Curve largest;
+  plot::Curve modes = points_of("", 0);
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    const std::optional<FloquetStudy>& study = map.points[i].study;
+    if (!study) continue;
+    const double x = *number_of(map.plan.points[i][parameter]);
+    largest.trace.add({x, study->growth()});
+    for (const NamedFloquetMode& mode : study->modes)
+      modes.trace.add({x, mode.inertial / (2.0 * std::numbers::pi)});
+  }
+  growth.x_label = frequencies.x_label = title_of(map.plan, parameter);
+  growth.curves.push_back(std::move(largest));
+  frequencies.curves.push_back(std::move(modes));
+  plot::Layout layout;
+  layout.title = map.model + ": small motions about the periodic motion";
+  return plot::to_svg(std::vector{std::move(frequencies), std::move(growth)}, layout);
+}
+
+std::string over_two(const FloquetMap& map, std::size_t first, std::size_t second) {
+  plot::Panel panel;
+  panel.title = "Stability of the periodic motion";
+  panel.x_label = title_of(map.plan, first);
+  panel.y_label = title_of(map.plan, second);
+  int style = 0;
+  for (const Verdict verdict :
+       {Verdict::unstable, Verdict::neutral, Verdict::stable, Verdict::failed}) {
+    plot::Curve curve = points_of(word_of(verdict), style++);
+    for (std::size_t i = 0; i < map.points.size(); ++i)
+      if (verdict_of(map.points[i]) == verdict)
+        curve.trace.add(
+            {*number_of(map.plan.points[i][first]), *number_of(map.plan.points[i][second])});
+    curve.hollow.assign(curve.trace.points().size(), verdict != Verdict::unstable);
+    if (!curve.trace.points().empty()) panel.curves.push_back(std::move(curve));
+  }
+  plot::Layout layout;
+  layout.title = map.model;
+  return plot::to_svg(std::vector{std::move(panel)}, layout);
+}
+
+}  // namespace
+
+FloquetMap map_floquet(const ReadSweptModel& read, SweepPlan plan,
+                       const FloquetMapOptions& options) {
+  FloquetMap map;
+  map.plan = std::move(plan);
+  map.points.resize(map.plan.points.size());
+  const auto is_told = [&] {
+    return options.floquet.interrupted != nullptr && *options.floquet.interrupted;
+  };
+  for (std::size_t i = 0; i < map.points.size() && !is_told(); ++i) {
+    Overrides values;
+    for (std::size_t p = 0; p < map.plan.parameters.size(); ++p)
+      values.push_back({map.plan.parameters[p], map.plan.points[i][p]});
+    try {
+      const Scene scene = read(values);
+      map.model = scene.name;
+      FloquetOptions one = options.floquet;
+      one.period = options.period(scene);
+      map.points[i].study = study_floquet(scene, one);
+    } catch (const Stopped&) {
+      break;
+    } catch (const Error& error) {
+      if (is_told()) break;
+      map.points[i].failure = error.what();
+    }
+    if (options.progress) options.progress(i + 1, map.points.size());
+  }
+  if (std::ranges::none_of(map.points, [](const auto& point) { return point.study.has_value(); }))
+    for (const FloquetMap::Point& point : map.points)
+      if (!point.failure.empty()) throw Error(point.failure);
+  return map;
+}
+
+std::string to_text(const FloquetMap& map) {
+  std::array<std::size_t, 5> counts{};
+  std::size_t worst = 0;
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    ++counts[static_cast<std::size_t>(verdict_of(map.points[i]))];
+    if (map.points[i].study && map.points[i].study->growth() > most) {
+      most = map.points[i].study->growth();
+      worst = i;
+    }
+  }
+  const auto where = [&](std::size_t i) {
+    std::string text;
+    for (std::size_t p = 0; p < map.plan.parameters.size(); ++p)
+      text +=
+          fmt::format("{}{}={}", p > 0 ? " " : "", map.plan.parameters[p], map.plan.points[i][p]);
+    return text;
+  };
+  std::string text = fmt::format("{}: periodic motion at {} points:", map.model, map.points.size());
+  for (std::size_t k = 0; k < counts.size(); ++k)
+    if (counts[k] > 0) text += fmt::format(" {} {}", counts[k], word_of(static_cast<Verdict>(k)));
+  text += "\n";
+  if (std::isfinite(most))
+    text += fmt::format("largest growth over a period: {:.6g}, at {}\n", most, where(worst));
+  std::size_t shown = 0;
+  for (std::size_t i = 0; i < map.points.size() && shown < failures_shown; ++i)
+    if (!map.points[i].failure.empty()) {
+      text += fmt::format("failed at {}: {}\n", where(i), map.points[i].failure);
+      ++shown;
+    }
+  return text;
+}
+
+std::string to_csv(const FloquetMap& map) {
+  std::string text = "point", units = "# -";
+  for (std::size_t p = 0; p < map.plan.parameters.size(); ++p) {
+    text += "," + study::csv_cell(map.plan.parameters[p]);
+    units += ",-";
+  }
+  text +=
+      ",verdict,period,growth,mode,re_exponent,im_exponent,frequency,inertial_frequency,tail,"
+      "moves_most,message\n" +
+      units + ",-,s,-,-,1/s,1/s,Hz,Hz,-,-,-\n";
+  constexpr double turn = 2.0 * std::numbers::pi;
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    const FloquetMap::Point& point = map.points[i];
+    std::string begins = std::to_string(i + 1);
+    for (const std::string& value : map.plan.points[i]) begins += "," + study::csv_cell(value);
+    begins += fmt::format(",{}", word_of(verdict_of(point)));
+    if (!point.study) {
+      text += begins + ",,,,,,,,,," + study::csv_cell(point.failure) + "\n";
+      continue;
+    }
+    begins += fmt::format(",{:.17g},{:.17g}", point.study->period, point.study->growth());
+    for (std::size_t k = 0; k < point.study->modes.size(); ++k) {
+      const NamedFloquetMode& mode = point.study->modes[k];
+      text += fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{},\n", begins, k + 1,
+                          mode.exponent.real(), mode.exponent.imag(), mode.frequency / turn,
+                          mode.inertial / turn, mode.tail, study::csv_cell(mode.most));
+    }
+  }
+  return text;
+}
+
+std::optional<std::string> floquet_svg(const FloquetMap& map) {
+  const std::vector<std::size_t> over = varied(map.plan);
+  if (over.empty() || over.size() > 2) return std::nullopt;
+  for (const std::vector<std::string>& point : map.plan.points)
+    for (const std::size_t p : over)
+      if (!number_of(point[p])) return std::nullopt;
+  return over.size() == 1 ? over_one(map, over[0]) : over_two(map, over[0], over[1]);
+}
+
+}  // namespace mbd
