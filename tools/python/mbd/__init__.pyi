@@ -7186,15 +7186,20 @@ def accuracy(model: Any, *, set: Any = None, quantities: Any = (), vary: Any = N
     """
     ...
 
-def campbell(model: Any, rates: Any, *, set: Any = None, points: Any = 61, count: Any = 8, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = ()) -> Dict[str, Any]:
-    """Modes followed over the rate of a steady rotation.
+def campbell(model: Any, rates: Any, *, set: Any = None, points: Any = 61, count: Any = 8, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = (), unbalance: Any = None, forces: Any = None, order: Any = 1, probes: Any = ()) -> Dict[str, Any]:
+    """Modes followed over the rate of a steady rotation, and responses at the same rates.
 
     rates: (first, last) [rad/s], or texts with units ("0 rpm", "600 rpm"); points: how many at least
     count: modes; axis, through, at_rest, without as of modes()
+    unbalance: {place: mass times distance from the axis [kg.m]} of what turns
+    forces: {place: amplitude, or (along e2, along e3) [N]}, of fixed direction, as cos(order W t)
+    probes: where the responses to both are wanted besides
 
     Returns a dict: rates (r,) [rad/s]; displacements (r,) [m] of the steady rotation; branches, list of dicts with
     name, rates, eigenvalues (complex [1/s], in `axes`), inertial_frequencies ([rad/s], nan where orbits are not round),
-    overlaps; special, list of dicts with kind ("critical", "unstable_above", "stable_above"), rate [rad/s], branch;
+    overlaps; unbalance_responses, force_responses, lists of dicts with place, rates, and amplitudes [m] of
+    y + i z = forward exp(i w t) + backward exp(-i w t) (complex), besides (at other frequencies, of unround shafts);
+    special, list of dicts with kind ("critical", "unstable_above", "stable_above"), rate [rad/s], branch;
     axes; notes. Raises ModelError, UseError, and Interrupted with the diagram so far.
     """
     ...
