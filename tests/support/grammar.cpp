@@ -482,12 +482,15 @@ Grammar::Item Grammar::item(const Element& element, double share) {
     if (kind == "shape" && a.name != form &&
         std::find(forms.begin(), forms.end(), a.name) != forms.end())
       continue;
-    const bool needed = a.fallback == schema::required ||
-                        (kind == "law" && (a.name == "force" || a.name == "moment")) ||
-                        (kind == "shape" && a.name == form) ||
-                        (kind == "body" && one_of_words(a.name, "attached_to mass inertia")) ||
-                        (either && (a.name == "beam" || a.name == "at" ||
-                                    a.doc.find("which needs it") != std::string_view::npos));
+    const bool needed =
+        a.fallback == schema::required ||
+        (kind == "law" && (a.name == "force" || a.name == "moment")) ||
+        (kind == "shape" && a.name == form) ||
+        // Sections are analysed anew for each item that is tried: coarse ones are enough.
+        (a.name == "tolerance" && one_of_words(kind, "tube bar rectangle box I C airfoil")) ||
+        (kind == "body" && one_of_words(a.name, "attached_to mass inertia")) ||
+        (either && (a.name == "beam" || a.name == "at" ||
+                    a.doc.find("which needs it") != std::string_view::npos));
     if (!needed && !chance(share)) continue;
     std::string text = value(element, a);
     if (kind == "law" && a.name == "component")
