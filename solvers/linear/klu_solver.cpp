@@ -190,6 +190,10 @@ class KluPencilSolver final : public PencilSolver {
 
   std::span<const Slot> slots(int power) const override { return blocks_.slots(power); }
   void set_zero() override { blocks_.set_zero(); }
+  void forget_pivots() override {
+    free_numeric(real_);
+    free_numeric(complex_);
+  }
   void multiply(int power, std::span<const double> x, std::span<double> y) const override {
     blocks_.multiply(power, x, y);
   }

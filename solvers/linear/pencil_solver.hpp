@@ -22,6 +22,10 @@ class PencilSolver {
   virtual std::span<const Slot> slots(int power) const = 0;
   virtual void set_zero() = 0;  // all three
 
+  // The next factorisations choose their pivots anew, where they are kept: for an x of another size, and after one at which
+  // E(x) was nearly singular, whose pivots may let all others grow.
+  virtual void forget_pivots() {}
+
   // y += P_power x.
   virtual void multiply(int power, std::span<const double> x, std::span<double> y) const = 0;
 

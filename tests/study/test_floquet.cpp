@@ -265,6 +265,40 @@ TEST(FloquetSlow, UnroundShaftHasItsEigenvalues) {
   }
 }
 
+// An unround shaft with a disk out of balance, under its weight: from the steady rotation that it has without weight the same
+// motion is found as from a run, at the drive's angle, without integrating. Mutation: the angle W t in place of the drive's
+// (half a radian off, "do not converge").
+TEST(FloquetSlow, FromTheSteadyRotation) {
+  const double W = 20.0;
+  const Scene scene = read_model_text(fmt::format(R"xml(<mbd name="heavy">
+        <section name="s"><stiffness EA="4e6" GA2="1e6" GA3="1.3e6" GJ="300" EI2="350" EI3="420"/>
+          <damping stiffness_proportional="2e-3"/>
+          <mass per_length="1.5" inertia="1.1e-3 4e-4 7e-4"/></section>
+        <beam name="s" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="3"/>
+        <body name="disk" attached_to="s@0.5" mass="2" center="0 0.003 0" inertia="0.02 0.01 0.01"/>
+        <revolute name="motor" between="ground s.start" axis="1 0 0"/>
+        <cylindrical name="bearing" between="ground s.end" axis="1 0 0"/>
+        <drive joint="motor" rate="t >= 0.95 ? {0} : {0}*(t/0.95)^2*(3-2*t/0.95)"/>
+        <gravity acceleration="0 -4 -9"/><transient duration="1" step="1e-3"/>
+        <record name="m" joint="motor" quantities="angle"/></mbd>)xml",
+                                                  W),
+                                      "heavy.xml");
+  FloquetOptions options;
+  options.period = 2.0 * pi / W;
+  options.settle = 8;
+  options.harmonics = 14;
+  const FloquetStudy by_run = study_floquet(scene, options);
+  options.rotation = SteadyRotation{};
+  const FloquetStudy by_rotation = study_floquet(scene, options);
+  ASSERT_EQ(by_rotation.modes.size(), by_run.modes.size());
+  ASSERT_GE(by_run.modes.size(), 2U);
+  EXPECT_LT(by_run.report.tail, 1e-8);
+  for (std::size_t i = 0; i < by_run.modes.size(); ++i) {
+    EXPECT_LT(std::abs(by_rotation.modes[i].exponent - by_run.modes[i].exponent), 1e-6 * W) << i;
+    EXPECT_NEAR(by_rotation.modes[i].inertial, by_run.modes[i].inertial, 1e-6 * W);
+  }
+}
+
 TEST(Floquet, RefusesByName) {
   const auto said = [](const Scene& scene, double period, int settle = 0) -> std::string {
     try {

@@ -17,6 +17,7 @@
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
+#include "tools/mbd/rotation_options.hpp"
 
 namespace mbd {
 namespace {
@@ -25,7 +26,8 @@ struct FloquetArguments {
   std::string model, output, period, rate;
   std::vector<std::string> set, without, vary;
   int settle = 2, harmonics = 0, count = 10;
-  bool motion = false, quiet = false;
+  bool from_rotation = false, motion = false, quiet = false;
+  RotationArguments rotation;
 };
 
 void check(const FloquetArguments& arguments) {
@@ -91,6 +93,10 @@ int judge_period(const FloquetArguments& arguments) {
   };
   FloquetOptions options;
   options.settle = arguments.settle;
+  if (arguments.from_rotation) {
+    options.rotation = rotation_of(arguments.rotation);
+    options.at_rest = arguments.rotation.at_rest;
+  }
   options.harmonics = arguments.harmonics;
   options.count = arguments.count;
   options.interrupted = &InterruptHandler::flag();
@@ -134,6 +140,10 @@ void add_floquet_command(CLI::App& app, int& status) {
       ->add_option("--settle", arguments->settle,
                    "periods that are integrated before a periodic motion is looked for; default: 2")
       ->type_name("N");
+  command->add_flag("--from-rotation", arguments->from_rotation,
+                    "look for it from the steady rotation that the model has without gravity, not "
+                    "from a run; after the periods of --settle the drive must have run up");
+  add_rotation_options(*command, arguments->rotation);
   command
       ->add_option("--harmonics", arguments->harmonics,
                    "of the period; default: as many as the motion needs, 8 to 64")

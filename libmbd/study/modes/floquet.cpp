@@ -9,8 +9,10 @@
 #include <optional>
 
 #include "libmbd/compile/model.hpp"
+#include "libmbd/core/se3.hpp"
 #include "libmbd/core/stop.hpp"
 #include "libmbd/scene/label.hpp"
+#include "libmbd/study/modes/modes.hpp"
 #include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/text/tables.hpp"
 #include "libmbd/view/drawing.hpp"
@@ -88,6 +90,44 @@ struct RunOfPeriod {
   }
 };
 
+// The drive that turns at that rate at that time; -1: none.
+std::ptrdiff_t drive_of(const System& system, State state, double t, double rate) {
+  constexpr double same = 1e-9;
+  system.set_time(state, t);
+  for (std::size_t k = 0; k < state.signals.size(); ++k)
+    if (system.signal_use(k) == SignalUse::drive &&
+        std::abs(state.signals[k].fdot - rate) <= same * rate)
+      return static_cast<std::ptrdiff_t>(k);
+  return -1;
+}
+
+// At the times of a run the steady rotation without gravity, where its drive is.
+std::vector<State> turned(const Scene& scene, const Model& model, const std::vector<double>& times,
+                          const FloquetOptions& options) {
+  Scene light = scene;
+  light.gravity.reset();
+  MotionsOfScene steady(light);
+  SteadyRotation rotation = *options.rotation;
+  rotation.rate = turn / options.period;
+  rotation.rests = steady.nodes_of(options.at_rest);
+  steady.turn(rotation);
+  const System& system = *model.system;
+  const std::ptrdiff_t drive = drive_of(system, model.initial, times.front(), rotation.rate);
+  std::vector<State> states(times.size(), steady.state());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    system.set_time(states[i], times[i]);
+    const double angle =
+        drive < 0 ? rotation.rate * times[i] : states[i].signals[static_cast<std::size_t>(drive)].f;
+    const Quaternion<double> q = exp_so3<double>(Vec3(angle * rotation.axis));
+    for (std::size_t n = 1; n < states[i].pose.size(); ++n) {
+      Pose<double>& H = states[i].pose[n];
+      if (!rotation.turns(n)) continue;
+      H = {q * H.p, rotation.through + q * Vec3(H.r - rotation.through)};
+    }
+  }
+  return states;
+}
+
 RunOfPeriod run_period(const Scene& scene, const Model& model, const State& start, double begin,
                        const FloquetOptions& options) {
   RunOfPeriod run;
@@ -99,7 +139,9 @@ RunOfPeriod run_period(const Scene& scene, const Model& model, const State& star
     for (int i = 0; i < 2 * h + 1; ++i) times.push_back(begin + options.period * i / (2 * h + 1));
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
-  run.states = states_of_run(scene, model, start, times, "floquet", options.interrupted);
+  run.states = options.rotation
+                   ? turned(scene, model, times, options)
+                   : states_of_run(scene, model, start, times, "floquet", options.interrupted);
   return run;
 }
 
@@ -135,12 +177,16 @@ FoundMotion find_motion(const Scene& scene, const System& system, const RunOfPer
     if (many == static_cast<std::ptrdiff_t>(found.modes.size()) || many >= options.count) break;
   }
   if (motion == nullptr)
-    throw Error(scene.source,
-                fmt::format("floquet: no periodic motion was found: {} (over the period that was "
-                            "integrated the motion closes to {:.3g} of the scene's size or rad; "
-                            "--settle gives it more periods before)",
-                            study.report.failure,
-                            motion_between(system, run.states.front(), run.states.back())));
+    throw Error(
+        scene.source,
+        fmt::format(
+            "floquet: no periodic motion was found: {}{}", study.report.failure,
+            options.rotation
+                ? std::string(" (it starts from the steady rotation without gravity)")
+                : fmt::format(" (over the period that was integrated the motion closes to "
+                              "{:.3g} of the scene's size or rad; --settle gives it more "
+                              "periods before)",
+                              motion_between(system, run.states.front(), run.states.back()))));
   if (study.report.tail >= resolved)
     study.notes.push_back(
         fmt::format("the motion is not smooth: of its velocities {:.2g} is in the fastest of {} "
@@ -207,7 +253,7 @@ FloquetStudy study_from_run(const Scene& given, const FloquetOptions& options,
       scene_of_run(given, study.begin + 2.0 * options.period);  // loads are looked at for one more
   const Model model = compile(scene);
   const System& system = *model.system;
-  const State start = start_of_run(scene, model);
+  const State start = options.rotation ? model.initial : start_of_run(scene, model);
   check_period(scene, system, start, study.begin, options.period);
 
   const RunOfPeriod run = run_period(scene, model, start, study.begin, options);
@@ -231,7 +277,7 @@ FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
   const auto is_astray = [](const FloquetStudy& of, double how_far) {
     return of.growth() > neutral_growth && how_far > led_to;
   };
-  if (!is_astray(study, apart)) return study;
+  if (options.rotation || !is_astray(study, apart)) return study;
   FloquetOptions longer = options;
   longer.settle = std::max(settled, 2 * options.settle);
   try {

@@ -4,11 +4,13 @@
 
 #include <atomic>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libmbd/scene/scene.hpp"
 #include "solvers/modes/periodic_motion.hpp"
+#include "solvers/modes/steady_rotation.hpp"
 
 namespace mbd {
 
@@ -17,8 +19,13 @@ struct FloquetOptions {
   // Periods that are integrated before the one that Newton's method starts from. Once more with twice as many, 8 at least, where
   // what is found is unstable and not where the run goes.
   int settle = 2;
-  int harmonics = 0;  // of the period; 0: as many as the motion needs
-  int count = 10;     // exponents shown, the least stable
+  // Newton's method starts from the steady rotation, a turn in a period, that the scene has without gravity, and not from a
+  // run: of a rotor whose run does not settle. Its rate is not used. Nothing is integrated then, but the motion begins after
+  // `settle` periods all the same: by then the drive has run up.
+  std::optional<SteadyRotation> rotation = {};
+  std::vector<std::string> at_rest = {};  // bodies and flexible beams that do not turn
+  int harmonics = 0;                      // of the period; 0: as many as the motion needs
+  int count = 10;                         // exponents shown, the least stable
   const std::atomic<bool>* interrupted = nullptr;
 };
 
