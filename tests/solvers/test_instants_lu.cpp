@@ -1,6 +1,4 @@
 // LU by blocks of all instants (solvers/modes/instants_lu.hpp) against Eigen's dense LU, on loops of nodes with multipliers.
-// Killed: rows of a pivot not exchanged; the update of fill left out; blocks above the diagonal not permuted; a solution
-// in the order of pivots.
 
 #include <gtest/gtest.h>
 

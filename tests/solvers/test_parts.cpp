@@ -1,7 +1,5 @@
 // Elements and joints of a program's own in a scene: a satellite about a fixed centre (Kepler), a point on an inclined plane (closed
 // form), on what shares its node with something else as well; and what is refused.
-// Killed: frames a and b of a joint exchanged, the frame of a place left out (FixedTogether); a batch of the same type taken;
-// joints of one type in a batch each.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

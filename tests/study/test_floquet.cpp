@@ -266,8 +266,7 @@ TEST(FloquetSlow, UnroundShaftHasItsEigenvalues) {
 }
 
 // An unround shaft with a disk out of balance, under its weight: from the steady rotation that it has without weight the same
-// motion is found as from a run, at the drive's angle, without integrating. Mutation: the angle W t in place of the drive's
-// (half a radian off, "do not converge").
+// motion is found as from a run, at the drive's angle, without integrating.
 TEST(FloquetSlow, FromTheSteadyRotation) {
   const double W = 20.0;
   const Scene scene = read_model_text(fmt::format(R"xml(<mbd name="heavy">

@@ -1,6 +1,5 @@
 // Maps of stability over parameters against monodromy matrices of Mathieu's equation, integrated here; frequencies in inertial axes
 // against closed form.
-// Killed: inertial frequencies in body axes; growth of the last mode; values of the first point for all.
 #include "libmbd/study/modes/floquet_map.hpp"
 
 #include <fmt/format.h>
