@@ -58,8 +58,9 @@ std::shared_ptr<const Force> make_force(
     std::string name, std::vector<std::string> places,
     std::function<bool(const PlacesMotion&, std::span<Vec6>)> evaluate);
 
-// What a program adds to the scene that it compiles.
 class Extending;
+
+// What a program adds to the scene that it compiles.
 struct Extensions {
   std::vector<std::shared_ptr<const Force>> forces = {};
   // Elements, joints and batches (libmbd/compile/extending.hpp): called in turn, before the system is finished.

@@ -27,6 +27,12 @@ using Json = nlohmann::ordered_json;
 // The head of a file: what it says of its rows, the checksum of its drawing, the drawing.
 constexpr std::string_view before_drawing = ",\"drawing\":", after_drawing = "}";
 
+std::string_view drawing_in(std::string_view head) {
+  const std::size_t begin = head.find(before_drawing) + before_drawing.size();
+  const std::size_t end = head.rfind(after_drawing);
+  return end == std::string_view::npos || end < begin ? "" : head.substr(begin, end - begin);
+}
+
 }  // namespace
 
 MotionBlocks motion_blocks(const Model& model) {
@@ -107,16 +113,6 @@ void MotionWriter::close() {
   flush();
   file_.close();
 }
-
-namespace {
-
-std::string_view drawing_in(std::string_view head) {
-  const std::size_t begin = head.find(before_drawing) + before_drawing.size();
-  const std::size_t end = head.rfind(after_drawing);
-  return end == std::string_view::npos || end < begin ? "" : head.substr(begin, end - begin);
-}
-
-}  // namespace
 
 Motion read_motion(const std::filesystem::path& file) {
   const auto fail = [&file](const std::string& what) -> void {

@@ -203,15 +203,14 @@ Eigen::SparseMatrix<Scalar> PeriodicMotion::assemble(Scalar s) const {
 }
 
 template <class Scalar>
-Eigen::Matrix<Scalar, Eigen::Dynamic, 1> PeriodicMotion::times(
-    Scalar s, const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& x, bool sizes) const {
-  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> y =
-      Eigen::Matrix<Scalar, Eigen::Dynamic, 1>::Zero(x.size());
+void PeriodicMotion::subtract_times(Scalar s, const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& x,
+                                    Eigen::Ref<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> r,
+                                    VecX* sizes) const {
   each_entry(s, [&](Index i, Index row, Index j, Index column, Scalar value) {
     const Scalar one = value * x(j * unknowns_ + column);
-    y(i * unknowns_ + row) += sizes ? Scalar(std::abs(one)) : one;
+    r(i * unknowns_ + row) -= one;
+    if (sizes != nullptr) (*sizes)(i * unknowns_ + row) += std::abs(one);
   });
-  return y;
 }
 
 // How often solutions by these factors have to be refined until the largest residual of a row, over what is summed there, is
@@ -224,10 +223,11 @@ std::optional<int> PeriodicMotion::refinements_of(const Factors<Scalar>& factors
     b(k) = Scalar(std::cos(static_cast<double>(k) * static_cast<double>(k)));
   Vector x = factors.solve(b);
   for (int n = 0; n <= most_refinements && x.allFinite(); ++n) {
-    const Vector r = b - times(factors.s, x, false), sum = times(factors.s, x, true);
+    Vector r = b;
+    VecX sum = b.cwiseAbs();
+    subtract_times<Scalar>(factors.s, x, r, &sum);
     double worst = 0.0;
-    for (Index k = 0; k < b.size(); ++k)
-      worst = std::max(worst, std::abs(r(k)) / (std::abs(sum(k)) + std::abs(b(k))));
+    for (Index k = 0; k < b.size(); ++k) worst = std::max(worst, std::abs(r(k)) / sum(k));
     if (worst < good_solution) return n;
     x += factors.solve(r);
   }
@@ -267,7 +267,8 @@ void PeriodicMotion::solve_with(const Factors<Scalar>& factors,
   Columns x = factors.solve(b);
   for (int n = 0; n < factors.refinements; ++n) {
     Columns r = b;
-    for (Index k = 0; k < b.cols(); ++k) r.col(k) -= times<Scalar>(factors.s, x.col(k), false);
+    for (Index k = 0; k < b.cols(); ++k)
+      subtract_times<Scalar>(factors.s, x.col(k), r.col(k), nullptr);
     x += factors.solve(r);
   }
   for (Index i = 0; i < instants(); ++i)

@@ -90,11 +90,10 @@ class PeriodicMotion final : public MotionPencil {
   void each_entry(Scalar s, const Add& add) const;
   template <class Scalar>
   Eigen::SparseMatrix<Scalar> assemble(Scalar s) const;
-  // A x, or |A| |x|, of all unknowns.
+  // r -= A x of all unknowns; sizes += |A| |x|, if that is asked for.
   template <class Scalar>
-  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> times(Scalar s,
-                                                 const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& x,
-                                                 bool sizes) const;
+  void subtract_times(Scalar s, const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& x,
+                      Eigen::Ref<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> r, VecX* sizes) const;
   template <class Scalar>
   bool factor_with(Factors<Scalar>& factors, Scalar s);
   template <class Scalar>

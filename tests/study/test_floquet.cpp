@@ -14,6 +14,7 @@
 
 #include "libmbd/language/reader.hpp"
 #include "libmbd/study/modes/modes.hpp"
+#include "tests/support/monodromy.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_floquet {
@@ -73,21 +74,6 @@ TEST(Floquet, BoundariesOfMathieu) {
         EXPECT_LT(std::abs(study.growth()), neutral_growth) << rate;
       EXPECT_LT(study.report.tail, 1e-10);
     }
-}
-
-// Solutions of x' = rates(t, x) after a period, from the unit vectors on: by Runge and Kutta's method of order 4.
-template <class Rates>
-Eigen::MatrixXd monodromy_of(const Rates& rates, Index size, double period) {
-  constexpr int steps = 20000;
-  const double h = period / steps;
-  Eigen::MatrixXd x = Eigen::MatrixXd::Identity(size, size);
-  for (int i = 0; i < steps; ++i) {
-    const double t = i * h;
-    const Eigen::MatrixXd k1 = rates(t, x), k2 = rates(t + h / 2, x + h / 2 * k1),
-                          k3 = rates(t + h / 2, x + h / 2 * k2), k4 = rates(t + h, x + h * k3);
-    x += h / 6 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-  }
-  return x;
 }
 
 // Two rigid blades with lag hinges on a hub that a soft tower lets move sideways only: in no axes are coefficients constant.

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "libmbd/language/reader.hpp"
+#include "tests/support/monodromy.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -40,21 +41,12 @@ ReadSweptModel reader(const char* text) {
 
 // Half the trace of x'' = (g - a W^2 cos(W t)) x over a period.
 double half_trace(double W, double a) {
-  constexpr int steps = 20000;
-  const double h = 2.0 * pi / W / steps;
-  Eigen::Matrix2d x = Eigen::Matrix2d::Identity();
-  const auto rates = [&](double t, const Eigen::Matrix2d& y) {
-    Eigen::Matrix2d dy;
-    dy << y.row(1), (g - a * W * W * std::cos(W * t)) * y.row(0);
-    return dy;
+  const auto rates = [&](double t, const Eigen::MatrixXd& x) {
+    Eigen::MatrixXd dx(2, 2);
+    dx << x.row(1), (g - a * W * W * std::cos(W * t)) * x.row(0);
+    return dx;
   };
-  for (int i = 0; i < steps; ++i) {
-    const double t = i * h;
-    const Eigen::Matrix2d k1 = rates(t, x), k2 = rates(t + h / 2, x + h / 2 * k1),
-                          k3 = rates(t + h / 2, x + h / 2 * k2), k4 = rates(t + h, x + h * k3);
-    x += h / 6 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-  }
-  return 0.5 * x.trace();
+  return 0.5 * monodromy_of(rates, 2, 2.0 * pi / W).trace();
 }
 
 FloquetMapOptions by_rate() {
@@ -117,6 +109,8 @@ TEST(FloquetMap, FailuresAreRows) {
   EXPECT_THROW(map_floquet(reader(shaken), grid_plan(none), by_rate()), Error);
   const std::vector<std::string> three{"W=20,30", "m=1,2", "a=0.1,0.2 m"};
   EXPECT_FALSE(floquet_svg(map_floquet(reader(shaken), grid_plan(three), by_rate())));
+  EXPECT_FALSE(floquet_svg(map_floquet(reader(shaken), list_plan({"a"}, {{"250 mm"}, {"0.3 m"}}),
+                                       by_rate())));  // no common unit
   const std::vector<std::string> unknown{"W=20,30", "b=1,2"};
   EXPECT_THROW(map_floquet(reader(shaken), grid_plan(unknown), by_rate()), Error);
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
@@ -30,22 +31,25 @@ struct CampbellArguments {
   bool quiet = false;
 };
 
-// PLACE=VALUE.
-Unbalance unbalance_of(const std::string& text, const Scene& scene) {
+// Of PLACE=…; throws Error, saying what to give.
+std::pair<std::string, std::string> place_and_value(const std::string& option,
+                                                    const std::string& text, const char* give) {
   const std::size_t equals = text.rfind('=');
   if (equals == std::string::npos || equals == 0)
-    throw Error("--unbalance " + text + ": give a place and mass times distance, PLACE=VALUE");
-  return {text.substr(0, equals),
-          option_value("unbalance", text.substr(equals + 1), "kg.m", scene)};
+    throw Error(fmt::format("--{} {}: give {}", option, text, give));
+  return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-// PLACE=Y or PLACE=Y,Z.
+Unbalance unbalance_of(const std::string& text, const Scene& scene) {
+  const auto [place, value] =
+      place_and_value("unbalance", text, "a place and mass times distance, PLACE=VALUE");
+  return {place, option_value("unbalance", value, "kg.m", scene)};
+}
+
 HarmonicForce force_of(const std::string& text, const Scene& scene) {
-  const std::size_t equals = text.rfind('=');
-  if (equals == std::string::npos || equals == 0)
-    throw Error("--force " + text + ": give a place and a force, PLACE=Y or PLACE=Y,Z");
-  HarmonicForce force{text.substr(0, equals)};
-  const std::string values = text.substr(equals + 1);
+  const auto [place, values] =
+      place_and_value("force", text, "a place and a force, PLACE=Y or PLACE=Y,Z");
+  HarmonicForce force{place};
   const std::size_t comma = values.find(',');
   force.y = option_value("force", values.substr(0, comma), "N", scene);
   if (comma != std::string::npos)

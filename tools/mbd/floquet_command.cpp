@@ -86,9 +86,7 @@ int judge_period(const FloquetArguments& arguments) {
   check(arguments);
   const Overrides set = to_overrides(arguments.set);
   const ReadSweptModel read = [&](const Overrides& values) {
-    Overrides all = set;
-    all.insert(all.end(), values.begin(), values.end());
-    const Scene scene = read_model(arguments.model, all);
+    const Scene scene = read_model(arguments.model, with(set, values));
     return arguments.without.empty() ? scene : without(scene, arguments.without);
   };
   FloquetOptions options;

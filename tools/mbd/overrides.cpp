@@ -26,6 +26,11 @@ double number(std::string_view name, const std::string& text, const Scene& scene
 
 }  // namespace
 
+Overrides with(Overrides overrides, const Overrides& more) {
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return overrides;
+}
+
 double option_value(std::string_view name, const std::string& text, std::string_view unit,
                     const Scene& scene) {
   Parameters parameters;

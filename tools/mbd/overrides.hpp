@@ -26,6 +26,9 @@ void add_without_option(CLI::App& command, std::vector<std::string>& without);
 // Throws Error for what is not name=value.
 Overrides to_overrides(const std::vector<std::string>& set);
 
+// Those, and more after them: of a parameter given twice the later holds.
+Overrides with(Overrides overrides, const Overrides& more);
+
 // The value of an option that is an expression of the model's parameters, in `unit` (SI) or with one of its own. Throws
 // Error that names the option.
 double option_value(std::string_view name, const std::string& text, std::string_view unit,

@@ -140,9 +140,7 @@ int sweep_model(const SweepArguments& arguments) {
   const Overrides set = to_overrides(arguments.set);
   std::vector<std::string> files{arguments.model};
   const ReadSweptModel read = [&](const Overrides& values) {
-    Overrides all = set;
-    all.insert(all.end(), values.begin(), values.end());
-    return read_model(arguments.model, all);
+    return read_model(arguments.model, with(set, values));
   };
   try {
     const Scene scene = read({});

@@ -278,8 +278,8 @@ void Follower::keep(double rate) {
 
 // At the places where something acts, each once, and those that are asked for.
 void Follower::respond() {
-  const auto find = [this](const auto& acting, std::vector<CampbellStudy::Response>& responses,
-                           const auto& orbits_at) {
+  const auto add = [this](const auto& acting, std::vector<CampbellStudy::Response>& responses,
+                          const auto& orbits_at) {
     if (acting.empty()) return;
     std::vector<std::string> places;
     for (const auto& one : acting) places.push_back(one.place);
@@ -294,10 +294,10 @@ void Follower::respond() {
     for (std::size_t k = 0; k < each.size(); ++k) responses[k].orbits.push_back((*orbits)[k]);
   };
   // Forces first: they move what another response may hold.
-  find(options_.forces, study_.force_responses, [this](const std::vector<std::string>& places) {
+  add(options_.forces, study_.force_responses, [this](const std::vector<std::string>& places) {
     return response_to_forces(motions_, rotation_, options_.forces, options_.order, places);
   });
-  find(options_.unbalance, study_.responses, [this](const std::vector<std::string>& places) {
+  add(options_.unbalance, study_.responses, [this](const std::vector<std::string>& places) {
     return response_to_unbalance(motions_, rotation_, options_.unbalance, places);
   });
 }

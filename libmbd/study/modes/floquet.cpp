@@ -275,7 +275,7 @@ FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
   double apart = 0.0;
   FloquetStudy study = study_from_run(scene, options, motion_file, apart);
   const auto is_astray = [](const FloquetStudy& of, double how_far) {
-    return of.growth() > neutral_growth && how_far > led_to;
+    return of.stability() == Stability::unstable && how_far > led_to;
   };
   if (options.rotation || !is_astray(study, apart)) return study;
   FloquetOptions longer = options;
@@ -304,13 +304,16 @@ FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
 namespace {
 
 std::string verdict(const FloquetStudy& study) {
-  const double growth = study.growth();
-  if (growth > neutral_growth)
-    return fmt::format("unstable: what disturbs it grows by a factor {:.6g} in a period",
-                       std::exp(growth));
-  if (growth < -neutral_growth)
-    return fmt::format("stable: what disturbs it shrinks to {:.6g} or less in a period",
-                       std::exp(growth));
+  switch (study.stability()) {
+    case Stability::unstable:
+      return fmt::format("unstable: what disturbs it grows by a factor {:.6g} in a period",
+                         std::exp(study.growth()));
+    case Stability::stable:
+      return fmt::format("stable: what disturbs it shrinks to {:.6g} or less in a period",
+                         std::exp(study.growth()));
+    case Stability::neutral:
+      break;
+  }
   return "neutral: some disturbance neither grows nor decays";
 }
 

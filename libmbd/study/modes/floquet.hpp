@@ -33,6 +33,11 @@ struct NamedFloquetMode : FloquetMode {
   std::string most;  // the node that moves most
 };
 
+// Growth over a period that is round-off, or less than can be told from it.
+inline constexpr double neutral_growth = 1e-6;
+
+enum class Stability { stable, neutral, unstable };
+
 struct FloquetStudy {
   std::string model, file;
   double begin = 0.0, period = 0.0;  // [s]
@@ -45,10 +50,12 @@ struct FloquetStudy {
 
   // Largest growth over a period, Re l T; further from 0 than neutral_growth there is a verdict.
   double growth() const { return modes.empty() ? 0.0 : modes.front().exponent.real() * period; }
+  Stability stability() const {
+    return growth() > neutral_growth    ? Stability::unstable
+           : growth() < -neutral_growth ? Stability::stable
+                                        : Stability::neutral;
+  }
 };
-
-// Growth over a period that is round-off, or less than can be told from it.
-inline constexpr double neutral_growth = 1e-6;
 
 // The run is that of scene_of_run(). Throws Error as compile() does, where the run or
 // Newton's method fails, and for loads and drives that do not repeat. `motion`: file for a period of the motion

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <set>
+#include <string_view>
 
 #include "libmbd/core/stop.hpp"
 #include "libmbd/pictures/plot.hpp"
@@ -19,27 +19,14 @@ namespace {
 
 constexpr std::size_t failures_shown = 3;
 
-enum class Verdict { stable, neutral, unstable, failed, open };
+double hertz(double rate) { return rate / (2.0 * std::numbers::pi); }
 
-Verdict verdict_of(const FloquetMap::Point& point) {
-  if (!point.study) return point.failure.empty() ? Verdict::open : Verdict::failed;
-  const double growth = point.study->growth();
-  return growth > neutral_growth    ? Verdict::unstable
-         : growth < -neutral_growth ? Verdict::stable
-                                    : Verdict::neutral;
-}
+constexpr std::array<std::string_view, 5> verdicts{"stable", "neutral", "unstable", "failed",
+                                                   "open"};
 
-const char* word_of(Verdict verdict) {
-  constexpr const char* words[] = {"stable", "neutral", "unstable", "failed", "open"};
-  return words[static_cast<std::size_t>(verdict)];
-}
-
-// The number that a value begins with.
-std::optional<double> number_of(const std::string& value) {
-  double number = 0.0;
-  const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (code != std::errc() || end == value.data()) return std::nullopt;
-  return number;
+std::string_view verdict_of(const FloquetMap::Point& point) {
+  if (point.study) return verdicts[static_cast<std::size_t>(point.study->stability())];
+  return point.failure.empty() ? "open" : "failed";
 }
 
 // Parameters that take more than one value.
@@ -66,7 +53,8 @@ plot::Curve points_of(std::string label, int style) {
   return curve;
 }
 
-std::string over_one(const FloquetMap& map, std::size_t parameter) {
+std::string over_one(const FloquetMap& map, std::size_t parameter,
+                     const std::vector<double>& values) {
   plot::Panel growth, frequencies;
   growth.title = "Growth of small motions over a period (above 0: unstable)";
   growth.y_label = "Re l T";
@@ -77,10 +65,9 @@ std::string over_one(const FloquetMap& map, std::size_t parameter) {
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const std::optional<FloquetStudy>& study = map.points[i].study;
     if (!study) continue;
-    const double x = *number_of(map.plan.points[i][parameter]);
-    largest.trace.add({x, study->growth()});
+    largest.trace.add({values[i], study->growth()});
     for (const NamedFloquetMode& mode : study->modes)
-      modes.trace.add({x, mode.inertial / (2.0 * std::numbers::pi)});
+      modes.trace.add({values[i], hertz(mode.inertial)});
   }
   growth.x_label = frequencies.x_label = title_of(map.plan, parameter);
   growth.curves.push_back(std::move(largest));
@@ -90,20 +77,18 @@ std::string over_one(const FloquetMap& map, std::size_t parameter) {
   return plot::to_svg(std::vector{std::move(frequencies), std::move(growth)}, layout);
 }
 
-std::string over_two(const FloquetMap& map, std::size_t first, std::size_t second) {
+std::string over_two(const FloquetMap& map, const std::vector<std::size_t>& over,
+                     const std::vector<double>& x, const std::vector<double>& y) {
   plot::Panel panel;
   panel.title = "Stability of the periodic motion";
-  panel.x_label = title_of(map.plan, first);
-  panel.y_label = title_of(map.plan, second);
+  panel.x_label = title_of(map.plan, over[0]);
+  panel.y_label = title_of(map.plan, over[1]);
   int style = 0;
-  for (const Verdict verdict :
-       {Verdict::unstable, Verdict::neutral, Verdict::stable, Verdict::failed}) {
-    plot::Curve curve = points_of(word_of(verdict), style++);
+  for (const std::string_view verdict : {"unstable", "neutral", "stable", "failed"}) {
+    plot::Curve curve = points_of(std::string(verdict), style++);
     for (std::size_t i = 0; i < map.points.size(); ++i)
-      if (verdict_of(map.points[i]) == verdict)
-        curve.trace.add(
-            {*number_of(map.plan.points[i][first]), *number_of(map.plan.points[i][second])});
-    curve.hollow.assign(curve.trace.points().size(), verdict != Verdict::unstable);
+      if (verdict_of(map.points[i]) == verdict) curve.trace.add({x[i], y[i]});
+    curve.hollow.assign(curve.trace.points().size(), verdict != "unstable");
     if (!curve.trace.points().empty()) panel.curves.push_back(std::move(curve));
   }
   plot::Layout layout;
@@ -146,11 +131,9 @@ FloquetMap map_floquet(const ReadSweptModel& read, SweepPlan plan,
 }
 
 std::string to_text(const FloquetMap& map) {
-  std::array<std::size_t, 5> counts{};
   std::size_t worst = 0;
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < map.points.size(); ++i) {
-    ++counts[static_cast<std::size_t>(verdict_of(map.points[i]))];
     if (map.points[i].study && map.points[i].study->growth() > most) {
       most = map.points[i].study->growth();
       worst = i;
@@ -164,8 +147,9 @@ std::string to_text(const FloquetMap& map) {
     return text;
   };
   std::string text = fmt::format("{}: periodic motion at {} points:", map.model, map.points.size());
-  for (std::size_t k = 0; k < counts.size(); ++k)
-    if (counts[k] > 0) text += fmt::format(" {} {}", counts[k], word_of(static_cast<Verdict>(k)));
+  for (const std::string_view verdict : verdicts)
+    if (const auto count = std::ranges::count(map.points, verdict, verdict_of); count > 0)
+      text += fmt::format(" {} {}", count, verdict);
   text += "\n";
   if (std::isfinite(most))
     text += fmt::format("largest growth over a period: {:.6g}, at {}\n", most, where(worst));
@@ -188,12 +172,11 @@ std::string to_csv(const FloquetMap& map) {
       ",verdict,period,growth,mode,re_exponent,im_exponent,frequency,inertial_frequency,tail,"
       "moves_most,message\n" +
       units + ",-,s,-,-,1/s,1/s,Hz,Hz,-,-,-\n";
-  constexpr double turn = 2.0 * std::numbers::pi;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const FloquetMap::Point& point = map.points[i];
     std::string begins = std::to_string(i + 1);
     for (const std::string& value : map.plan.points[i]) begins += "," + study::csv_cell(value);
-    begins += fmt::format(",{}", word_of(verdict_of(point)));
+    begins += fmt::format(",{}", verdict_of(point));
     if (!point.study) {
       text += begins + ",,,,,,,,,," + study::csv_cell(point.failure) + "\n";
       continue;
@@ -202,8 +185,8 @@ std::string to_csv(const FloquetMap& map) {
     for (std::size_t k = 0; k < point.study->modes.size(); ++k) {
       const NamedFloquetMode& mode = point.study->modes[k];
       text += fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{},\n", begins, k + 1,
-                          mode.exponent.real(), mode.exponent.imag(), mode.frequency / turn,
-                          mode.inertial / turn, mode.tail, study::csv_cell(mode.most));
+                          mode.exponent.real(), mode.exponent.imag(), hertz(mode.frequency),
+                          hertz(mode.inertial), mode.tail, study::csv_cell(mode.most));
     }
   }
   return text;
@@ -212,10 +195,9 @@ std::string to_csv(const FloquetMap& map) {
 std::optional<std::string> floquet_svg(const FloquetMap& map) {
   const std::vector<std::size_t> over = varied(map.plan);
   if (over.empty() || over.size() > 2) return std::nullopt;
-  for (const std::vector<std::string>& point : map.plan.points)
-    for (const std::size_t p : over)
-      if (!number_of(point[p])) return std::nullopt;
-  return over.size() == 1 ? over_one(map, over[0]) : over_two(map, over[0], over[1]);
+  const auto x = map.plan.numbers(over.front()), y = map.plan.numbers(over.back());
+  if (!x || !y) return std::nullopt;
+  return over.size() == 1 ? over_one(map, over[0], *x) : over_two(map, over, *x, *y);
 }
 
 }  // namespace mbd

@@ -40,7 +40,7 @@ std::string to_text(const FloquetMap& map);
 // point that failed.
 std::string to_csv(const FloquetMap& map);
 // Of one parameter that takes more than one value: growth and frequencies over it. Of two: which points are stable. Of others
-// nothing, and of values that are no numbers.
+// nothing, and of values that are no numbers of one unit.
 std::optional<std::string> floquet_svg(const FloquetMap& map);
 
 }  // namespace mbd

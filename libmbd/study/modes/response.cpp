@@ -68,6 +68,13 @@ Orbit ellipse(double rate, const Eigen::Vector2cd& w) {
   return {rate, 0.5 * (w(0) + i * w(1)), 0.5 * std::conj(w(0) - i * w(1))};
 }
 
+// u at exp(i w t) from forces there; false where the equations are singular.
+bool solve_at(SmallMotions& small, double w, Eigen::MatrixXcd& u) {
+  if (!small.factor(i * w)) return false;
+  small.solve(u);
+  return u.allFinite();
+}
+
 // Amplitudes at exp(i w t) of what moves under forces, (y, z) of each; nothing where the equations are singular.
 template <class Amplitudes>
 std::optional<Eigen::MatrixXcd> driven(MotionsOfScene& motions, const SteadyRotation& rotation,
@@ -83,9 +90,7 @@ std::optional<Eigen::MatrixXcd> driven(MotionsOfScene& motions, const SteadyRota
     u.block<6, 1>(at.first, 0) += at.force(y, z);
   }
   if (w == 0.0) hold_free_turn(small, rotation);
-  if (!small.factor(i * w)) return std::nullopt;
-  small.solve(u);
-  if (!u.allFinite()) return std::nullopt;
+  if (!solve_at(small, w, u)) return std::nullopt;
   return u;
 }
 
@@ -120,8 +125,7 @@ std::optional<std::vector<Orbit>> response_to_unbalance(MotionsOfScene& motions,
     u.block<6, 1>(at.first, 0) += one.moment * square * at.force(1.0, rests ? -i : 0.0);
   }
   if (rests) {
-    if (!small.factor(i * rotation.rate)) return std::nullopt;
-    small.solve(u);
+    if (!solve_at(small, rotation.rate, u)) return std::nullopt;
   } else {
     hold_free_turn(small, rotation);
     if (!small.factor(0.0)) return std::nullopt;

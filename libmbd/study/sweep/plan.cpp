@@ -132,13 +132,22 @@ void check_points(const SweepPlan& plan) {
 }  // namespace
 
 std::string SweepPlan::unit(std::size_t parameter) const {
+  return points.empty() || !numbers(parameter)
+             ? std::string()
+             : std::string(split_unit(points.front()[parameter]).unit);
+}
+
+std::optional<std::vector<double>> SweepPlan::numbers(std::size_t parameter) const {
+  std::vector<double> all;
   std::string unit;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const NumberAndUnit parts = split_unit(points[k][parameter]);
-    if (!number_of(trimmed(parts.number)) || (k > 0 && parts.unit != unit)) return {};
+  for (const std::vector<std::string>& point : points) {
+    const NumberAndUnit parts = split_unit(point[parameter]);
+    const std::optional<double> number = number_of(trimmed(parts.number));
+    if (!number || (!all.empty() && parts.unit != unit)) return std::nullopt;
+    all.push_back(*number);
     unit = parts.unit;
   }
-  return unit;
+  return all;
 }
 
 SweepPlan grid_plan(std::span<const std::string> vary) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ struct SweepPlan {
 
   // The unit that every value of a parameter ends with, "" if one has none or another, or is no number.
   std::string unit(std::size_t parameter) const;
+
+  // Values as numbers, in the unit that all have; nothing if one is no number, or has another unit.
+  std::optional<std::vector<double>> numbers(std::size_t parameter) const;
 };
 
 inline constexpr std::size_t most_points = 1'000'000;
