@@ -105,6 +105,13 @@ TEST(FloquetMap, FailuresAreRows) {
                 .value_or("")
                 .find("Frequencies of small motions"),
             std::string::npos);
+  // Growth of round-off is not drawn, any other is.
+  for (const char* const rates : {"W=30,40", "W=12,30"}) {
+    const std::vector<std::string> rate{rates};
+    const std::string picture =
+        floquet_svg(map_floquet(reader(shaken), grid_plan(rate), by_rate())).value_or("");
+    EXPECT_EQ(picture.find("Growth of small motions") != std::string::npos, rates[2] == '1');
+  }
   const std::vector<std::string> none{"m=-1,-2"};
   EXPECT_THROW(map_floquet(reader(shaken), grid_plan(none), by_rate()), Error);
   const std::vector<std::string> three{"W=20,30", "m=1,2", "a=0.1,0.2 m"};

@@ -72,9 +72,15 @@ std::string over_one(const FloquetMap& map, std::size_t parameter,
   growth.x_label = frequencies.x_label = title_of(map.plan, parameter);
   growth.curves.push_back(std::move(largest));
   frequencies.curves.push_back(std::move(modes));
+  std::vector<plot::Panel> panels{std::move(frequencies)};
+  // Of round-off a curve above 0 would say unstable.
+  if (std::ranges::any_of(map.points, [](const FloquetMap::Point& point) {
+        return point.study && point.study->stability() != Stability::neutral;
+      }))
+    panels.push_back(std::move(growth));
   plot::Layout layout;
   layout.title = map.model + ": small motions about the periodic motion";
-  return plot::to_svg(std::vector{std::move(frequencies), std::move(growth)}, layout);
+  return plot::to_svg(panels, layout);
 }
 
 std::string over_two(const FloquetMap& map, const std::vector<std::size_t>& over,

@@ -39,7 +39,7 @@ std::string to_text(const FloquetMap& map);
 // A row for each small motion of each point: parameters, verdict, growth over a period, mode, exponent, frequencies; one for a
 // point that failed.
 std::string to_csv(const FloquetMap& map);
-// Of one parameter that takes more than one value: growth and frequencies over it. Of two: which points are stable. Of others
+// Of one parameter that takes more than one value: frequencies over it, and growth, but for round-off. Of two: which points are stable. Of others
 // nothing, and of values that are no numbers of one unit.
 std::optional<std::string> floquet_svg(const FloquetMap& map);
 
