@@ -63,8 +63,8 @@ const std::vector<Room>& rooms() {
     const auto material = with(scene, {"libmbd/section/", "libmbd/material/"});
     const auto language = with(material, {"joints/", "libmbd/language/"});
     const auto compile =
-        with(language, {"elements/", "elements/beam/", "elements/node/", "elements/pair/", solvers,
-                        plugin_interface, "libmbd/compile/"});
+        with(language, {"elements/", "elements/beam/", "elements/node/", "elements/pair/",
+                        "elements/component/", solvers, plugin_interface, "libmbd/compile/"});
     const auto results = with(compile, {"libmbd/results/"});
     const auto pictures = with(results, {"libmbd/pictures/"});
     const auto view = with(results, {"libmbd/view/"});
@@ -80,13 +80,14 @@ const std::vector<Room>& rooms() {
         {"elements/beam/", elements},
         {"elements/node/", elements},
         {"elements/pair/", elements},
+        {"elements/component/", with(elements, {"elements/node/", "elements/pair/"})},
         {"joints/", with(elements, {"elements/pair/"})},
         {"solvers/newton/", joints},
         {"solvers/linear/", newton},
         {"solvers/constraints/", constraints},
         {"solvers/statics/", constraints},
         {"solvers/time/", constraints},
-        {"solvers/modes/", with(constraints, {"solvers/statics/"})},
+        {"solvers/modes/", with(constraints, {"solvers/statics/", "elements/component/"})},
         {"libmbd/scene/", scene},
         {"libmbd/material/", material},
         {"libmbd/language/", language},

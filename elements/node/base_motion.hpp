@@ -68,17 +68,20 @@ struct BaseMotion {
                 .dot(data.m * linear(x[0].V) + w.cross(data.mc));
   }
 
- private:
-  static Vec3 acceleration(const Shared& shared, const Environment& env) {
+  // d'' at the whole load [m/s2]; `signals` as in State.
+  static Vec3 acceleration_of_base(const Shared& shared, std::span<const SignalValue> signals) {
     const auto component = [&](int i) {
       if (i < 0) return 0.0;
-      const SignalValue& s = env.signals[static_cast<std::size_t>(i)];
-      return env.load_factor * (shared.law == Law::acceleration ? s.f
-                                : shared.law == Law::velocity   ? s.fdot
-                                                                : s.fddot);
+      const SignalValue& s = signals[static_cast<std::size_t>(i)];
+      return shared.law == Law::acceleration ? s.f : shared.law == Law::velocity ? s.fdot : s.fddot;
     };
     return {component(shared.signals[0]), component(shared.signals[1]),
             component(shared.signals[2])};
+  }
+
+ private:
+  static Vec3 acceleration(const Shared& shared, const Environment& env) {
+    return env.load_factor * acceleration_of_base(shared, env.signals);
   }
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>

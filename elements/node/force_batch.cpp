@@ -28,10 +28,6 @@ bool is_finite(std::span<const Vec6> all) {
   return true;
 }
 
-void add(const Slot& slot, const Mat6& block) {
-  Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(slot.data, Eigen::OuterStride<>(slot.ld)) += block;
-}
-
 Mat6 rate_of(const Mat6& C, const TangentWeights& weights, std::size_t node) {
   const Mat6 rate = weights.V * C;
   return weights.T_inv.empty() ? rate : Mat6(rate * weights.T_inv[node]);
@@ -142,7 +138,7 @@ void ForceBatch::each_block(const State& state, const F& f) const {
 bool ForceBatch::linearize(const State& state, const TangentWeights& weights, VecX& r,
                            std::span<const Slot> slots) const {
   each_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
-    add(slots[slot], weights.U * K + rate_of(C, weights, node));
+    slots[slot].add(weights.U * K + rate_of(C, weights, node));
   });
   return residual(state, r);
 }
@@ -150,15 +146,15 @@ bool ForceBatch::linearize(const State& state, const TangentWeights& weights, Ve
 void ForceBatch::add_rate_tangent(const State& state, const TangentWeights& weights,
                                   std::span<const Slot> slots) const {
   each_block(state, [&](const Mat6&, const Mat6& C, std::size_t node, std::size_t slot) {
-    add(slots[slot], rate_of(C, weights, node));
+    slots[slot].add(rate_of(C, weights, node));
   });
 }
 
 bool ForceBatch::linearize_powers(const State& state, std::span<const Mat6> V_hat, VecX& r,
                                   const std::array<std::span<const Slot>, 3>& P) const {
   each_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
-    add(P[0][slot], K + C * V_hat[node]);
-    add(P[1][slot], C);
+    P[0][slot].add(K + C * V_hat[node]);
+    P[1][slot].add(C);
   });
   return residual(state, r);
 }

@@ -17,6 +17,19 @@
 
 namespace mbd {
 
+namespace bushing {
+
+// G of (4), of the pair whose relative motion is g.
+template <class S>
+Matrix6<S> parameter_gradient(const Pose<S>& g, const Vector6<S>& z) {
+  const Pair::Pair<S> back(inverse(g));
+  DualMatrix<S> M;
+  back.linearize(DualMatrix<S>{}, angular(z), linear(z), M.A, M.B);
+  return -M.matrix();
+}
+
+}  // namespace bushing
+
 struct BushingDamper {
   static constexpr const char* name = "bushing damper";
   static constexpr int nodes = 2;
@@ -46,7 +59,7 @@ struct BushingDamper {
       const Matrix6<S> Tm = T.matrix();
       const Matrix6<S> TC = Tm.transpose() * data.C.template cast<S>();
       const Matrix6<S> dqdot =
-          parameter_gradient(frames.g, z) * Tm - Tm * twist_hat<S>(frames.twist_of_a(x));
+          bushing::parameter_gradient(frames.g, z) * Tm - Tm * twist_hat<S>(frames.twist_of_a(x));
       const Matrix6<S> L = TC * dqdot + linearized_force(pair, T, W);
       frames.tangent(f, L, out.K);
       const Matrix6<S> rates = TC * Tm;
@@ -72,15 +85,6 @@ struct BushingDamper {
   }
 
  private:
-  // G of (4).
-  template <class S>
-  static Matrix6<S> parameter_gradient(const Pose<S>& g, const Vector6<S>& z) {
-    const bushing::Pair::Pair<S> back(inverse(g));
-    DualMatrix<S> M;
-    back.linearize(DualMatrix<S>{}, angular(z), linear(z), M.A, M.B);
-    return -M.matrix();
-  }
-
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>
   [[gnu::noinline]] static void residual(const Data& data, const two_frames::Frames<S>& frames,

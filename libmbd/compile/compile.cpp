@@ -24,6 +24,7 @@
 #include "libmbd/compile/model.hpp"
 #include "libmbd/compile/nodal_terms.hpp"
 #include "libmbd/compile/plugin.hpp"
+#include "libmbd/compile/reductions.hpp"
 #include "libmbd/compile/redundancy.hpp"
 #include "libmbd/compile/section_point.hpp"
 #include "libmbd/compile/springs.hpp"
@@ -63,9 +64,24 @@ std::vector<Vec6> resultants_at_points(const ElementPlace& at, const State& stat
   return S;
 }
 
+// The same, linear in small deformations about the reference configuration: strains of increments dU of all nodes but the
+// ground, rates of strain of velocities that `rest`, a state in that configuration, has.
+std::vector<Vec6> linear_resultants_at_points(const ElementPlace& at, const State& rest,
+                                              std::span<const double> dU) {
+  const std::size_t points = at.batch->table().rule.points.size();
+  std::vector<Vec6> all(static_cast<std::size_t>(at.batch->resultant_count()));
+  at.batch->linearized_resultants(rest, dU, all);
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(points) * at.element;
+  std::vector<Vec6> S(first, first + static_cast<std::ptrdiff_t>(points));
+  if (at.damping == nullptr) return S;
+  std::vector<Vec6> viscous(points);
+  at.damping->resultants(rest, at.damping_element, viscous);
+  for (std::size_t i = 0; i < points; ++i) S[i] += viscous[i];
+  return S;
+}
+
 // At its place: the polynomial through the quadrature points, where the strains of a Gauss rule are most accurate.
-Vec6 resultants_there(const ElementPlace& at, const State& state) {
-  const std::vector<Vec6> S = resultants_at_points(at, state);
+Vec6 resultants_there(const ElementPlace& at, const std::vector<Vec6>& S) {
   const VecX l = lagrange(at.batch->table().rule.points, at.xi);
   Vec6 sum = Vec6::Zero();
   for (std::size_t i = 0; i < S.size(); ++i) sum += l(static_cast<Index>(i)) * S[i];
@@ -82,7 +98,12 @@ struct CompiledBeam {
 
 class Compiler {
  public:
-  explicit Compiler(const Scene& scene) : scene_(scene), system_(std::make_unique<System>()) {}
+  // `linear_about`: of a part that becomes component modes, the place of the frame in which it deforms little.
+  explicit Compiler(const Scene& scene, const std::optional<Place>& linear_about = {})
+      : scene_(scene),
+        linear_about_(linear_about),
+        reduced_(scene),
+        system_(std::make_unique<System>()) {}
 
   Model compile(const Extensions& extensions) {
     check_scene(scene_);
@@ -102,10 +123,12 @@ class Compiler {
     add_mass_damping();
     if (scene_.gravity) add_gravity();
     if (scene_.base_motion) add_base_motion();
+    if (!reductions_.empty()) add_components();
     const Nodes nodes = nodes_of_scene();
     NodalTerms::compile(scene_, nodes);
-    joints_.emplace(scene_, *system_, length_, nodes.find,
-                    [this](std::size_t joint) { return fusion_->is_fused(joint); });
+    joints_.emplace(scene_, *system_, length_, nodes.find, [this](std::size_t joint) {
+      return fusion_->is_fused(joint) || reduced_.of(scene_.joints[joint]) != nullptr;
+    });
     joints_->add_all();
     add_springs(nodes.find);
     for (const ExtensionScene& extension : scene_.extensions)
@@ -134,18 +157,23 @@ class Compiler {
     model.makers = joints_->makers();
     model.fused = joints_->fused();
     for (const Mat6& M : masses_) model.mass += M(0, 0);
+    for (const auto& part : reductions_) model.mass += part->model().mass;
     model.system = std::move(system_);
     return model;
   }
 
  private:
   void add_parts() {
-    for (const RigidScene& rigid : scene_.rigids) add_rigid(rigid);
+    for (const ReductionScene& reduction : scene_.reductions) add_reduction(reduction);
+    for (const RigidScene& rigid : scene_.rigids)
+      if (reduced_.of(rigid.of.front()) == nullptr) add_rigid(rigid);
     for (const BodyScene& body : scene_.bodies) add_body(body);
-    for (CompiledBeam& beam : beams_) add_beam(beam);
+    for (CompiledBeam& beam : beams_)
+      if (reduced_.of(beam.scene->name) == nullptr) add_beam(beam);
     for (const BodyScene& body : scene_.bodies) body_of_.try_emplace(body.name, &body);
     for (const BodyScene& body : scene_.bodies) attach_body(body);
-    for (const PointMassScene& mass : scene_.point_masses) add_point_mass(mass);
+    for (const PointMassScene& mass : scene_.point_masses)
+      if (reduced_.of(mass) == nullptr) add_point_mass(mass);
   }
 
   void add_control() {
@@ -191,7 +219,8 @@ class Compiler {
   void fuse() {
     std::vector<Fusion::Beam> beams;
     for (const CompiledBeam& beam : beams_)
-      if (rigid_of(beam.scene->name) == nullptr) beams.push_back({beam.scene, beam.boundaries});
+      if (rigid_of(beam.scene->name) == nullptr && reduced_.of(beam.scene->name) == nullptr)
+        beams.push_back({beam.scene, beam.boundaries});
     fusion_.emplace(scene_, beams);
     group_nodes_.assign(static_cast<std::size_t>(fusion_->groups()), -1);
   }
@@ -408,6 +437,109 @@ class Compiler {
     }
   }
 
+  // --- component modes ---
+
+  std::shared_ptr<ReducedPart> reduced_part(const ReductionScene& reduction) const {
+    return *std::ranges::find_if(reductions_,
+                                 [&](const auto& part) { return &part->scene() == &reduction; });
+  }
+
+  void add_reduction(const ReductionScene& reduction) {
+    ReducedPart& part =
+        *reductions_.emplace_back(std::make_shared<ReducedPart>(scene_, reduced_, reduction));
+    const System& own = *part.model().system;
+    for (Index n = 1; n < own.nodes(); ++n) include(own.reference_pose(n).r);
+    for (const int n : part.modes().nodes)
+      part.set_node(n, make_node(-1, own.node_name(n), own.reference_pose(n)).node);
+    for (const Model::Line& line : part.model().lines) {
+      CompiledBeam& beam = beams_[beam_of_.at(line.name)];
+      for (std::size_t k = 0; k < line.size(); ++k)
+        if (const int node = part.node_of(line.nodes[k]); node >= 0)
+          beam.nodes.push_back({node, line.s[k], 0.0, line.frames[k]});
+    }
+    // Of bodies, whether something acts on them or not; without, they have no node.
+    for (const Model::PlaceFrame& known : part.model().places)
+      if (known.place.kind == Place::Kind::body)
+        body_nodes_[known.place.name] = attachment_of(part, known);
+  }
+
+  static Attachment attachment_of(const ReducedPart& part, const Model::PlaceFrame& known) {
+    const Pose<double> pose = part.model().system->reference_pose(known.node) * known.frame;
+    return {part.node_of(known.node), known.place.kind == Place::Kind::beam, pose, nullptr,
+            !is_none(known.frame)};
+  }
+
+  // Of a place in a reduction; none where it has no node.
+  std::optional<Attachment> find_reduced(const Place& place) const {
+    const std::shared_ptr<ReducedPart> part = reduced_part(*reduced_.of(place));
+    const Model::PlaceFrame* const known = part->find(place);
+    if (known == nullptr || part->node_of(known->node) < 0) return {};
+    return attachment_of(*part, *known);
+  }
+
+  Index index_of(const ReductionScene& reduction) const {
+    return &reduction - scene_.reductions.data();
+  }
+
+  // After gravity and the motion of the base, which act on them.
+  void add_components() {
+    auto batch = std::make_unique<ComponentBatch>(
+        scene_.gravity ? scene_.gravity->acceleration : Vec3(Vec3::Zero()), base_);
+    auto inertia = std::make_unique<ComponentInertia>();
+    for (const auto& part : reductions_) {
+      std::vector<int> nodes;
+      for (const int n : part->modes().nodes) nodes.push_back(part->node_of(n));
+      inertia->add(part->modes().M, nodes);
+      batch->add(part->modes().element, std::move(nodes), label(part->scene()));
+    }
+    components_ = batch.get();
+    system_->add_batch(std::move(batch));
+    if (scene_.transient) system_->add_batch(std::move(inertia));
+  }
+
+  // A record of a place within: as the part by itself has it, in the motion that the whole gives its nodes.
+  Channel reduced_channel(const RecordScene& record) const {
+    const ReductionScene& reduction = *reduced_.of(*record.at);
+    const auto before = std::ranges::count_if(
+        std::span(scene_.records.data(), &record),
+        [&](const RecordScene& r) { return r.at && reduced_.of(*r.at) == &reduction; });
+    const std::shared_ptr<const ReducedPart> part = reduced_part(reduction);
+    const Channel& own = part->model().channels[static_cast<std::size_t>(before)];
+    return {own.columns, [part, batch = components_, k = index_of(reduction), sample = own.sample](
+                             const State& state, std::span<double> out) {
+              sample(part->state_within(state, *batch, k), out);
+            }};
+  }
+
+  // For pictures: through its nodes, and to its ends as if these were rigid on the nearest node of the part.
+  Model::Line reduced_line(const CompiledBeam& beam) const {
+    const std::shared_ptr<const ReducedPart> part = reduced_part(*reduced_.of(beam.scene->name));
+    const Model& own = part->model();
+    const Model::Line& line = *std::ranges::find(own.lines, beam.scene->name, &Model::Line::name);
+    Model::Line drawn{line.name, {}, {}, {}};
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      int node = part->node_of(line.nodes[k]);
+      if (node < 0 && k > 0 && k + 1 < line.size()) continue;
+      const Pose<double> H = own.system->reference_pose(line.nodes[k]) * line.frames[k];
+      if (node < 0) {
+        const int nearest = *std::ranges::min_element(part->modes().nodes, {}, [&](int n) {
+          return (own.system->reference_pose(n).r - H.r).norm();
+        });
+        node = part->node_of(nearest);
+      }
+      drawn.nodes.push_back(node);
+      drawn.frames.push_back(frame_in(node, H));
+      drawn.s.push_back(line.s[k]);
+    }
+    if (!line.resultants) return drawn;
+    drawn.stations = line.stations;
+    drawn.resultants = [part, batch = components_, k = index_of(part->scene()),
+                        within = line.resultants](const State& state, std::span<Vec6> out) {
+      within(part->state_within(state, *batch, k), out);
+    };
+    return drawn;
+  }
+
   // --- what is rigid ---
 
   const RigidScene* rigid_of(const std::string& name) const {
@@ -528,12 +660,18 @@ class Compiler {
       case Place::Kind::ground:
         return {};
       case Place::Kind::body:
-        if (const auto it = body_nodes_.find(place.name); it != body_nodes_.end())
+        if (const auto it = body_nodes_.find(place.name); it != body_nodes_.end()) {
+          if (it->second.node < 0) refuse_within(place, source, who);
           return it->second;
+        }
         break;
       case Place::Kind::beam:
-        if (const CompiledBeam* beam = find_beam(place.name))
-          return beam->boundary_nodes[boundary_at(*beam, place.parameter)];
+        if (const CompiledBeam* beam = find_beam(place.name)) {
+          if (reduced_.of(place) == nullptr)
+            return beam->boundary_nodes[boundary_at(*beam, place.parameter)];
+          if (const std::optional<Attachment> at = find_reduced(place)) return *at;
+          refuse_within(place, source, who);
+        }
         break;
     }
     std::vector<std::string_view> names;
@@ -552,6 +690,13 @@ class Compiler {
     }
     throw Error(source, fmt::format("{}: there is no {} \"{}\"{}", who, is_body ? "body" : "beam",
                                     place.name, suggest(place.name, names, "beams and bodies")));
+  }
+
+  [[noreturn]] void refuse_within(const Place& place, const Source& source,
+                                  std::string_view who) const {
+    throw Error(source, fmt::format("{}: {} lies within {}, which has no node there; let something "
+                                    "act there, or give another place",
+                                    who, in_quotes(text_of(place)), label(*reduced_.of(place))));
   }
 
   Pose<double> reference(int node) const { return system_->reference_pose(node); }
@@ -587,7 +732,7 @@ class Compiler {
           fmt::format("{}: inertia: no body has the principal values {:g}, {:g}, {:g}: each must "
                       "be at most the sum of the others; check the numbers",
                       who, principal(0), principal(1), principal(2)));
-    if (body.attached_to) return;
+    if (body.attached_to || reduced_.of(body.name) != nullptr) return;
     include(body.at);
     include(body.at + body.orientation * is.center);
     const Pose<double> pose = make_pose(body.orientation, body.at);
@@ -749,7 +894,9 @@ class Compiler {
         return MassNoGyroscopic::Data{all[n], central_inertia(masses_[n])};
       });
     for (const BodyScene& body : scene_.bodies) {
-      if (body.attached_to || body_nodes_.at(body.name).rigid != nullptr) continue;
+      if (body.attached_to || body_nodes_.at(body.name).rigid != nullptr ||
+          reduced_.of(body.name) != nullptr)
+        continue;
       const auto is_body = [&body](const Place& place) {
         return place.kind == Place::Kind::body && place.name == body.name;
       };
@@ -817,7 +964,8 @@ class Compiler {
   // Adds mass and static moment of each node that has mass.
   template <class E>
   void add_massive(ElementBatch<E>& batch, const Source& source, std::string_view who) const {
-    if (std::all_of(masses_.begin(), masses_.end(), [](const Mat6& M) { return M(0, 0) == 0.0; }))
+    if (reductions_.empty() &&
+        std::all_of(masses_.begin(), masses_.end(), [](const Mat6& M) { return M(0, 0) == 0.0; }))
       throw Error(source, fmt::format("{}: nothing in the scene has a mass; give sections <mass "
                                       "per_length=… inertia=…/> or bodies a mass, or leave it out",
                                       who));
@@ -833,7 +981,7 @@ class Compiler {
     auto batch = std::make_unique<ElementBatch<NodalGravity>>(
         NodalGravity::name, NodalGravity::Shared{scene_.gravity->acceleration});
     add_massive(*batch, scene_.gravity->source, "gravity");
-    system_->add_batch(std::move(batch));
+    if (batch->size() > 0) system_->add_batch(std::move(batch));
   }
 
   void add_base_motion() {
@@ -857,9 +1005,10 @@ class Compiler {
       shared.signals[i] = add_base_law(components[i], base, law, name, i);
     }
     if (!moves) return;
+    base_ = shared;
     auto batch = std::make_unique<ElementBatch<BaseMotion>>(BaseMotion::name, shared);
     add_massive(*batch, base.source, "base_motion");
-    system_->add_batch(std::move(batch));
+    if (batch->size() > 0) system_->add_batch(std::move(batch));
   }
 
   // A law whose derivative is an acceleration everywhere in the run. Returns its signal.
@@ -994,6 +1143,7 @@ class Compiler {
     if (name == known.front()) return {{}};
     for (const BodyScene& body : scene_.bodies) {
       const Attachment& at = body_nodes_.at(body.name);
+      if (at.node < 0) continue;  // within a reduction
       if (body.name == name) return {{at.node, at.node == 0 ? at.pose : frame_of(at)}};
       known.push_back(body.name);
     }
@@ -1004,6 +1154,7 @@ class Compiler {
         known.push_back(text_of({Place::Kind::beam, beam.scene->name, node->s}));
         if (known.back() == name) return {nodes.back()};
       }
+      if (nodes.empty()) continue;  // within a reduction
       if (beam.scene->name == name) return nodes;
       known.push_back(beam.scene->name);
     }
@@ -1028,7 +1179,7 @@ class Compiler {
     const CompiledBeam* const beam =
         place.kind == Place::Kind::beam ? find_beam(place.name) : nullptr;
     Attachment at = find(place, {}, who);
-    if (beam != nullptr && !is_boundary(*beam, place.parameter)) {
+    if (beam != nullptr && reduced_.of(place) == nullptr && !is_boundary(*beam, place.parameter)) {
       const BeamNode* const node = at.rigid == nullptr ? node_at(*beam, place.parameter) : nullptr;
       if (at.rigid == nullptr && node == nullptr) {
         const BeamNode* nearest = nullptr;
@@ -1092,7 +1243,12 @@ class Compiler {
 
   void add_lines(Model& model) const {
     for (const CompiledBeam& beam : beams_) {
-      if (rigid_of(beam.scene->name) != nullptr) {
+      const bool is_rigid = rigid_of(beam.scene->name) != nullptr;
+      if (reduced_.of(beam.scene->name) != nullptr) {
+        if (!is_rigid) model.lines.push_back(reduced_line(beam));
+        continue;
+      }
+      if (is_rigid) {
         std::vector<Model::RigidPoint>& line = model.rigid_lines.emplace_back();
         for (const BeamNode& node : beam.nodes) line.push_back({node.node, node.frame.r});
         continue;
@@ -1107,11 +1263,11 @@ class Compiler {
       model.lines.push_back(std::move(line));
     }
     for (const BodyScene& body : scene_.bodies)
-      if (const Attachment& at = body_nodes_.at(body.name); !body.attached_to)
+      if (const Attachment& at = body_nodes_.at(body.name); !body.attached_to && at.node >= 0)
         model.bodies.push_back({at.node, frame_of(at).r});
   }
 
-  static void add_resultants(const CompiledBeam& beam, Model::Line& line) {
+  void add_resultants(const CompiledBeam& beam, Model::Line& line) const {
     std::vector<ElementPlace> elements;
     for (std::size_t e = 0; e + 1 < beam.boundaries.size(); ++e) {
       const double s0 = beam.boundaries[e], s1 = beam.boundaries[e + 1];
@@ -1119,10 +1275,11 @@ class Compiler {
       for (const double xi : elements.back().batch->table().rule.points)
         line.stations.push_back(s0 + 0.5 * (s1 - s0) * (1.0 + xi));
     }
-    line.resultants = [elements = std::move(elements)](const State& state, std::span<Vec6> out) {
+    line.resultants = [elements = std::move(elements), at_points = at_points()](
+                          const State& state, std::span<Vec6> out) {
+      const AtPoints of = at_points(state);
       auto next = out.begin();
-      for (const ElementPlace& element : elements)
-        next = std::ranges::copy(resultants_at_points(element, state), next).out;
+      for (const ElementPlace& element : elements) next = std::ranges::copy(of(element), next).out;
     };
   }
 
@@ -1130,6 +1287,7 @@ class Compiler {
     std::set<std::tuple<Place::Kind, std::string, double>> seen;
     const auto add = [&](const Place& place) {
       if (!seen.emplace(place.kind, place.name, place.parameter).second) return;
+      if (reduced_.of(place) != nullptr && !find_reduced(place)) return;
       const Attachment at = find(place, scene_.source, {});
       model.places.push_back({place, at.node, frame_of(at)});
     };
@@ -1158,7 +1316,9 @@ class Compiler {
       for (const std::string& name : record.quantities)
         all.push_back(schema::find_quantity(schema::quantities_of(record), name));  // checked
       if (record.at) {
-        model.channels.push_back(channel(record, all, place_sample(record, all)));
+        model.channels.push_back(reduced_.of(*record.at) != nullptr
+                                     ? reduced_channel(record)
+                                     : channel(record, all, place_sample(record, all)));
         continue;
       }
       for (const schema::Quantity* const q : all)
@@ -1212,7 +1372,8 @@ class Compiler {
 
   PlaceReader motion_of(const RecordScene& record, const CompiledBeam* beam, bool rates) const {
     Attachment at = find(*record.at, record.source, label(record));
-    if (beam != nullptr && !is_boundary(*beam, record.at->parameter)) {
+    if (beam != nullptr && reduced_.of(*record.at) == nullptr &&
+        !is_boundary(*beam, record.at->parameter)) {
       const double s = record.at->parameter;
       const BeamNode* const node = at.rigid == nullptr ? node_at(*beam, s) : nullptr;
       if (at.rigid == nullptr && node == nullptr) return motion_within(*beam, s, rates);
@@ -1274,6 +1435,11 @@ class Compiler {
                                                const CompiledBeam* beam) const {
     if (beam == nullptr)
       find(*record.at, record.source, label(record));  // which says what there is
+    if (const ReductionScene* const reduction = reduced_.of(*record.at))
+      throw Error(record.source,
+                  fmt::format("{}: {} is part of {}: its sectional forces and moments are known to "
+                              "records, and not to sensors; record them, or leave them out",
+                              label(record), label(*beam->scene), label(*reduction)));
     if (const RigidScene* const rigid = rigid_of(beam->scene->name))
       throw Error(record.source,
                   fmt::format("{}: {} is rigid (part of {}), so that its sectional forces and "
@@ -1283,15 +1449,55 @@ class Compiler {
     const std::vector<ElementPlace> places =
         is_boundary(*beam, s) ? beam->ends[boundary_at(*beam, s)]
                               : std::vector{within(*beam, element_at(*beam, s), s)};
-    return [places](const State& state) {
+    return [places, at_points = at_points()](const State& state) {
+      const AtPoints of = at_points(state);
       Vec6 sum = Vec6::Zero();
-      for (const ElementPlace& at : places) sum += resultants_there(at, state);
+      for (const ElementPlace& at : places) sum += resultants_there(at, of(at));
       return Vec6(sum / static_cast<double>(places.size()));
     };
   }
 
+  // Sectional forces at the points of elements, in a state.
+  using AtPoints = std::function<std::vector<Vec6>(const ElementPlace&)>;
+  std::function<AtPoints(const State&)> at_points() const {
+    if (!linear_about_)
+      return [](const State& state) -> AtPoints {
+        return [&state](const ElementPlace& at) { return resultants_at_points(at, state); };
+      };
+    const int frame = find(*linear_about_, scene_.source, {}).node;
+    return [system = system_.get(), frame](const State& state) -> AtPoints {
+      std::vector<double> dU;
+      State rest = deformation_at_rest(*system, frame, state, dU);
+      return [rest = std::move(rest), dU = std::move(dU)](const ElementPlace& at) {
+        return linear_resultants_at_points(at, rest, dU);
+      };
+    };
+  }
+
+  // How a state is deformed against the frame of a node: increments of all nodes but the ground, body axes, and a state in
+  // the reference configuration that has their rates for velocities.
+  static State deformation_at_rest(const System& system, int frame, const State& state,
+                                   std::vector<double>& dU) {
+    State rest = system.reference_state();
+    const auto f = static_cast<std::size_t>(frame);
+    for (std::size_t n = 1; n < state.pose.size(); ++n) {
+      const Pose<double> in = relative(rest.pose[f], rest.pose[n]);
+      const Vec6 U = log_se3<double>(relative(state.pose[f] * in, state.pose[n]));
+      dU.insert(dU.end(), U.data(), U.data() + 6);
+      if (state.V.empty()) continue;
+      const Vec6 carried = body_twist<double>(in * exp_se3<double>(U), state.V[f]);
+      rest.V[n] = T_inverse_times<double>(U, Vec6(state.V[n] - carried));
+    }
+    return rest;
+  }
+
   const Scene& scene_;
+  std::optional<Place> linear_about_;
+  ReductionMembers reduced_;
   std::unique_ptr<System> system_;
+  std::vector<std::shared_ptr<ReducedPart>> reductions_;  // in the order of the scene
+  const ComponentBatch* components_ = nullptr;            // of these; of the system
+  BaseMotion::Shared base_;
   std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
       elastic_;
   std::map<std::tuple<Metric, Rule, int>, std::unique_ptr<BeamDampingBatch>> damping_;
@@ -1351,6 +1557,10 @@ std::string without_potential(const Scene& scene) {
 }
 
 Model compile(const Scene& scene) { return Compiler(scene).compile({}); }
+
+Model compile_part(const Scene& part, const Place& frame) {
+  return Compiler(part, frame).compile({});
+}
 
 Model compile(const Scene& scene, const Extensions& extensions) {
   return Compiler(scene).compile(extensions);

@@ -102,6 +102,9 @@ Fusion::Found Fusion::find(const Place& place, int depth) {
 void Fusion::index(std::span<const Beam> beams) {
   for (const BodyScene& body : scene_.bodies) bodies_.try_emplace(body.name, &body);
   for (const BeamScene& beam : scene_.beams) lines_of_.try_emplace(beam.name, &beam);
+  // What is in a reduction has no node for what is outside.
+  for (const ReductionScene& reduction : scene_.reductions)
+    for (const std::string& name : reduction.of) bodies_.erase(name), lines_of_.erase(name);
   for (const RigidScene& rigid : scene_.rigids)
     for (const std::string& name : rigid.of) rigid_of_.try_emplace(name, &rigid);
   for (const Beam& beam : beams) beams_.try_emplace(beam.beam->name, &beam);

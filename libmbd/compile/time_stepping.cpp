@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "libmbd/compile/model.hpp"
 #include "solvers/constraints/parts.hpp"
 #include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
@@ -16,7 +17,7 @@ namespace {
 // BDF of order 3 and more amplify undamped oscillations, of which beams have many.
 bool has_beams(const System& system) {
   return std::any_of(system.batches().begin(), system.batches().end(),
-                     [](const auto& batch) { return batch->type().starts_with("beam"); });
+                     [](const auto& batch) { return is_structure(*batch); });
 }
 
 }  // namespace
@@ -122,6 +123,19 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
                                               .max_order = has_beams(system) ? 2 : 5});
   }
   throw Error(transient.source, "transient: unknown method");
+}
+
+StaticOptions static_options(const Scene& scene, const StaticScene& statics) {
+  StaticOptions options;
+  options.steps = statics.steps;
+  options.newton.tolerance = statics.tolerance;
+  options.newton.line_search = statics.line_search;
+  options.solver = statics.solver;
+  options.has_potential = has_potential(scene);
+  Scene symmetric = scene;
+  for (BeamScene& beam : symmetric.beams) beam.form = Form::energy;
+  options.conservative = has_potential(symmetric);
+  return options;
 }
 
 }  // namespace mbd

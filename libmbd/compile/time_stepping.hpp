@@ -1,4 +1,4 @@
-// From a <transient> to the stepper that carries it out.
+// From a <transient> to the stepper that carries it out, from a <static> to the options of its solution.
 #pragma once
 
 #include <memory>
@@ -6,6 +6,7 @@
 #include "libmbd/core/system.hpp"
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/scene/transient.hpp"
+#include "solvers/statics/statics.hpp"
 #include "solvers/time/error_control.hpp"
 #include "solvers/time/stepper.hpp"
 
@@ -34,5 +35,8 @@ bool keeps_momenta(const System& system, const TransientScene& transient);
 // What integrates `system`, compiled from a scene with this transient, from t = 0. Throws Error for a method
 // that is not there, and as the stepper's constructor does.
 std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene& transient);
+
+// `statics` of the scene, which decides whether stability is counted and whether loads have a potential.
+StaticOptions static_options(const Scene& scene, const StaticScene& statics);
 
 }  // namespace mbd

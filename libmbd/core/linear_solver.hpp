@@ -32,6 +32,10 @@ struct BlockGraph {
 struct Slot {
   double* data = nullptr;
   Index ld = 0;
+
+  void add(const Mat6& block) const {
+    Eigen::Map<Mat6, 0, Eigen::OuterStride<>>(data, Eigen::OuterStride<>(ld)) += block;
+  }
 };
 
 enum class FactorStatus { ok, poor_pivot, singular };

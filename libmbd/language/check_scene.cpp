@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "joints/fixed.hpp"
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/language/schema.hpp"
 #include "libmbd/scene/label.hpp"
@@ -350,6 +351,73 @@ void check_members(const RigidScene& rigid, const Scene& scene, const Members& k
   }
 }
 
+// `taken`: by the reductions before, each with the name of its own.
+void check_parts(const ReductionScene& reduction, const Members& known,
+                 std::map<std::string, std::string>& taken) {
+  const Checked item(reduction);
+  item.fail_if(reduction.of.empty(), "of is empty; name beams and bodies");
+  for (const std::string& name : reduction.of) {
+    std::vector<std::string_view> names;
+    for (const auto& [other, attached] : known) names.push_back(other);
+    std::ranges::sort(names);
+    item.fail_if(!known.contains(name), "of: there is no beam or body " + in_quotes(excerpt(name)) +
+                                            suggest(name, names, "beams and bodies"));
+    const auto [first, is_new] = taken.try_emplace(name, reduction.name);
+    item.fail_if(!is_new, "of: " + in_quotes(name) + " is part of reduction " +
+                              in_quotes(first->second) + " already; name it once");
+  }
+}
+
+// What is in one, against the rest of the scene.
+void check_reductions(const Scene& scene) {
+  const Members known = members_of(scene);
+  std::map<std::string, std::string> taken;  // by part
+  for (const ReductionScene& reduction : scene.reductions) check_parts(reduction, known, taken);
+  const auto reduction_of = [&taken](std::string_view part) -> std::string {
+    const auto it = taken.find(std::string(part));
+    return it == taken.end() ? std::string() : it->second;
+  };
+  const auto of_place = [&](const Place& place) {
+    return place.kind == Place::Kind::ground ? std::string() : reduction_of(place.name);
+  };
+  for (const ReductionScene& reduction : scene.reductions) {
+    const Checked item(reduction);
+    item.fail_if(reduction.frame && of_place(*reduction.frame) != reduction.name,
+                 "frame is none of its places; give one of a beam or body in it");
+    item.fail_if(scene.transient && scene.transient->inertia != InertiaTerms::full,
+                 "inertia=\"no_gyroscopic\" is of nodes with masses of their own, which it has "
+                 "not; leave one of them out");
+  }
+  for (const RigidScene& rigid : scene.rigids)
+    for (const std::string& name : rigid.of)
+      Checked(rigid).fail_if(
+          reduction_of(name) != reduction_of(rigid.of.front()),
+          "of: " + in_quotes(name) + " and " + in_quotes(rigid.of.front()) +
+              " are not in the same reduction; put all of them into it, or none");
+  for (const BodyScene& body : scene.bodies)
+    if (const std::string of = reduction_of(body.name); body.attached_to && !of.empty())
+      Checked(body).fail_if(of_place(*body.attached_to) != of,
+                            "it is part of reduction " + in_quotes(of) +
+                                ", but what it is attached to is not; put that into it too, or "
+                                "leave the body out of it");
+  each_kind_along(scene, [&](const auto& items) {
+    for (const auto& along : items)
+      if constexpr (std::is_same_v<std::decay_t<decltype(along.beam)>, std::string>)
+        Checked(along).fail_if(!reduction_of(along.beam).empty(),
+                               "it acts along beam " + in_quotes(along.beam) +
+                                   ", which is part of reduction " +
+                                   in_quotes(reduction_of(along.beam)) +
+                                   "; leave the beam out of that, or let <load>s act at places");
+  });
+  for (const RecordScene& record : scene.records)
+    for (const JointScene& joint : scene.joints)
+      Checked(record).fail_if(
+          record.joint == joint.name && joint.kind == joint::Fixed::name &&
+              !of_place(joint.a).empty() && of_place(joint.a) == of_place(joint.b),
+          label(joint) + " is part of reduction " + in_quotes(of_place(joint.a)) +
+              ", where its reactions are not known; leave the record out");
+}
+
 void check(const Checked& item, const SpringScene& spring, const Scene&) {
   const bool elastic = spring.stiffness > 0.0 || spring.force;
   item.fail_if(!elastic && !(spring.damping > 0.0) && !spring.damping_force,
@@ -597,7 +665,8 @@ void check_names(const Scene& scene) {
     if constexpr (!T::item.names.empty()) {
       if (x.name.empty() && T::item.names == field::of_loads) return;
       constexpr bool has_places = std::is_same_v<T, BeamScene> || std::is_same_v<T, BodyScene> ||
-                                  std::is_same_v<T, RigidScene>;
+                                  std::is_same_v<T, RigidScene> ||
+                                  std::is_same_v<T, ReductionScene>;
       const Checked item(x);
       item.fail_if(has_places && x.name == "ground",
                    "\"ground\" is the inertial frame; choose another name");
@@ -640,6 +709,7 @@ void check_scene(const Scene& scene) {
     std::map<std::string, std::string> taken;
     for (const RigidScene& rigid : scene.rigids) check_members(rigid, scene, known, taken);
   }
+  if (!scene.reductions.empty()) check_reductions(scene);
   check_names(scene);
 }
 

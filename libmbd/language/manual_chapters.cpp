@@ -437,12 +437,12 @@ $EndElements
           source="equilibrium: the leg is pressed"/>
 </mbd>
 )xml"},
-    {"Bodies", "body shape point_mass rigid",
+    {"Bodies", "body shape point_mass rigid reduction",
      R"md(A free body has a frame of its own. One that is `attached_to` a place adds its mass there.
 
 `<rigid>` makes one body of beams and free bodies: one node in the frame of the first of them, with the mass of them all.
 Places of its beams stay places, for joints, loads, masses and records; sectional forces are not determined in it. Which
-beams may be rigid without changing a result: `mbd effects`.
+beams may be rigid without changing a result: `mbd effects`. `<reduction>` makes one element of component modes of them.
 
 What a body looks like is said by `<shape>`s inside it: boxes, cylinders, spheres, and meshes that other programs wrote (STL, OBJ,
 glTF). They cost a run nothing. One with a `density` is solid and adds its mass, so that a body need not state any; a mesh must then
@@ -460,6 +460,7 @@ says, or with the radii of gyration that their stiffness has.
   <fixed name="wall" between="ground shaft.start"/>
   <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
   <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+  <reduction name="rotor" of="shaft disk" modes="4"/>
   <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
   <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
   <rigid name="boom" of="arm fist"/>

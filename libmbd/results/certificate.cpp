@@ -10,6 +10,7 @@
 #include <set>
 
 #include "elements/beam/beam_elastic_batch.hpp"
+#include "elements/component/component_batch.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/results/report.hpp"
 #include "libmbd/scene/scene.hpp"
@@ -144,6 +145,8 @@ Audit::Audit(const Scene& scene, const System& system, bool certify)
     const Batch* const batch = system.batches()[b].get();
     if (const auto* const beams = dynamic_cast<const BeamElasticBatch*>(batch))
       flexible_.push_back({beams, std::make_unique<beam::MeshErrorRule>(beams->table())});
+    if (const auto* const components = dynamic_cast<const ComponentBatch*>(batch))
+      components_ = components;
     if (batch->type().starts_with("inertia")) continue;
     if (!certify && batch->type().starts_with("beam")) continue;
     const bool on_one =
@@ -357,6 +360,7 @@ void Audit::sample(const State& state) {
     }
   }
   if (samples_ % mesh_stride_ == 0) sample_mesh(state);
+  if (components_ != nullptr) sample_components(state);
   ++samples_;
 }
 
@@ -396,6 +400,28 @@ void Audit::add_mesh(Certificate& all) const {
                "energy of what the elements of beams leave out of the resultants, estimated, over "
                "the largest energy of these: about the relative error of deflections; more or "
                "higher elements lessen it"});
+}
+
+void Audit::sample_components(const State& state) {
+  for (Index k = 0; k < components_->size(); ++k) {
+    const double turn = components_->largest_turn(state, k);
+    if (turn > turned_.value) turned_in_ = components_->name_of(k);
+    turned_.look(turn, state.t);
+  }
+}
+
+// What linear modes leave out of a bend is of the square of its angle.
+void Audit::add_components(Certificate& all) const {
+  if (components_ == nullptr) return;
+  all.add({.name = "component modes",
+           .value = 0.5 * turned_.value * turned_.value,
+           .warn = small_method_error,
+           .fail = much_method_error,
+           .where = turned_in_ + (where(turned_).empty() ? "" : ", ") + where(turned_),
+           .why = fmt::format("half the square of the largest turn within a <reduction> ({:.2g} "
+                              "rad), which is what linear modes leave out, relative to "
+                              "deflections; leave the reduction out, or divide it",
+                              turned_.value)});
 }
 
 std::string Audit::where(const Worst& worst) const {
@@ -725,6 +751,7 @@ Certificate Audit::certificate(const RunReport& report) const {
   }
   if (!scene_.transient) add_equilibrium(all, report);
   add_mesh(all);
+  add_components(all);
   add_round_off(all);
   return all;
 }

@@ -42,6 +42,7 @@ namespace mbd {
 struct Scene;
 struct RunReport;
 class BeamElasticBatch;
+class ComponentBatch;
 class DenseStep;
 namespace beam {
 class MeshErrorRule;
@@ -133,6 +134,8 @@ class Audit {
   void add_round_off(Certificate& all) const;
   void sample_mesh(const State& state);
   void add_mesh(Certificate& all) const;
+  void sample_components(const State& state);
+  void add_components(Certificate& all) const;
 
   const Scene& scene_;
   const System& system_;
@@ -173,6 +176,9 @@ class Audit {
   Worst missed_;  // energy [J]
   std::string missed_most_by_;
   double bent_ = 0.0, unit_ = 0.0;  // largest energy, and that of a stretch of 1 [J]
+  const ComponentBatch* components_ = nullptr;
+  Worst turned_;  // a node of one of them against its frame [rad]
+  std::string turned_in_;
 
   mutable State scratch_;
   mutable std::vector<Vec6> p_;

@@ -337,7 +337,14 @@ class Explainer {
     const RigidScene* const a = rigid_with(scene_, joint.a.name);
     return a != nullptr && a == rigid_with(scene_, joint.b.name);
   }
-  bool is_flexible(const BeamScene& beam) const { return rigid_with(scene_, beam.name) == nullptr; }
+  bool is_reduced(const std::string& part) const {
+    return std::ranges::any_of(scene_.reductions, [&part](const ReductionScene& reduction) {
+      return std::ranges::find(reduction.of, part) != reduction.of.end();
+    });
+  }
+  bool is_flexible(const BeamScene& beam) const {
+    return rigid_with(scene_, beam.name) == nullptr && !is_reduced(beam.name);
+  }
 
   static bool is_coupled(const Section& section) {
     const auto off_diagonal = [](const Mat6& D) { return !D.isDiagonal(0.0); };
@@ -366,12 +373,15 @@ class Explainer {
   void beams() {
     if (!scene_.rigids.empty())
       present("beams and bodies that are one rigid body", from(scene_.rigids));
+    if (!scene_.reductions.empty())
+      present("beams and bodies that deform by component modes, little and linearly",
+              from(scene_.reductions));
     const Names flexible =
         from(scene_.beams, [this](const BeamScene& beam) { return is_flexible(beam); });
     if (flexible.empty()) {
       absent("elastic deformation", scene_.beams.empty()
                                         ? "no <beam>, <arc> or <curve>: every body is rigid"
-                                        : "every beam is part of a <rigid>");
+                                        : "every beam is part of a <rigid> or a <reduction>");
       return;
     }
     present("stretching, shearing, bending and twisting of beams, of any size of rotation",

@@ -15,7 +15,6 @@
 #include <span>
 
 #include "libmbd/compile/redundancy.hpp"
-#include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/stop.hpp"
 #include "libmbd/material/solid_shapes.hpp"

@@ -74,6 +74,38 @@ struct RigidScene {
   }
 };
 
+// Beams and bodies whose small deformations are component modes (Craig-Bampton): one element with the nodes at which others hold
+// them or act on them, and a few within (solvers/modes/component_modes.hpp). Motions of the whole may be large. Left out of the
+// scene, its parts are what they are else.
+struct ReductionScene {
+  Source source;
+  std::string name;
+  std::vector<std::string> of;  // at least one; none of them in another
+  int modes = 12;
+  std::optional<Place> frame;
+
+  static constexpr field::ItemKind item{
+      "reduction",
+      "Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is "
+      "fixed between them: static shapes of the places where something acts, and the slowest modes "
+      "with these held. For parts that deform little, whatever their motion; tension does not "
+      "stiffen them. Without it they are the beams they are.",
+      "reductions", field::of_parts, true};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = ReductionScene;
+    f(Field(&S::name, "name", "", required, "name, unique among beams, bodies and rigid ones",
+            item_name));
+    f(Field(&S::of, "of", "", required,
+            "names of beams and bodies; of a <rigid>, all of its parts"));
+    f(Field(&S::modes, "modes", "", preset,
+            "how many modes with its places held; 0: static shapes alone", Range{0.0, 1e3}));
+    f(Field(&S::frame, "frame", "", optional,
+            "place of it whose frame floats with it (default: of the places where something acts "
+            "the first by name)"));
+  }
+};
+
 struct PointMassScene {
   Source source;
   std::string name;

@@ -36,6 +36,7 @@ struct Scene {
   std::vector<BeamScene> beams;
   std::vector<BodyScene> bodies;
   std::vector<RigidScene> rigids;
+  std::vector<ReductionScene> reductions;
   std::vector<JointScene> joints;
   std::vector<DriveScene> drives;
   std::vector<MotionScene> motions;
@@ -75,6 +76,7 @@ void each_kind(SomeScene& scene, const F& f) {
   f(scene.bodies);
   f(scene.point_masses);
   f(scene.rigids);
+  f(scene.reductions);
   f(scene.joints);
   f(scene.drives);
   f(scene.motions);

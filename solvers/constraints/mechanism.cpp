@@ -8,7 +8,7 @@ namespace {
 
 // What makes nodes one rigid part, with every beam as a rigid body. Springs, dampers and bushings tie nothing: they
 // leave every motion, and give it a force.
-bool is_rigid(const Batch& batch) { return batch.type().starts_with("beam"); }
+bool is_rigid(const Batch& batch) { return is_structure(batch); }
 
 }  // namespace
 

@@ -80,8 +80,7 @@ bool strains_beams(const System& system, const State& state, const VecX& x) {
   const auto nodes = static_cast<int>(system.nodes());
   double most = 0.0;
   for (int n = 1; n < nodes; ++n) most = std::max(most, size_of(motion_of(n)));
-  const ConnectedParts parts =
-      find_parts(system, [](const Batch& batch) { return batch.type().starts_with("beam"); });
+  const ConnectedParts parts = find_parts(system, is_structure);
   for (int n = 1; n < nodes; ++n) {
     const auto part = static_cast<std::size_t>(parts.of_node[static_cast<std::size_t>(n)]);
     const int first = parts.first[part];

@@ -10,8 +10,11 @@
 namespace mbd {
 namespace {
 
-// M of each node, column by column: momenta are linear in velocities.
-std::vector<Mat6> mass_matrices(const System& system) {
+constexpr double round_off = 1e-9;
+
+// M of each node, column by column: momenta are linear in velocities. Of a node whose momentum depends on how others move
+// (component modes) what it is in those motions; `by_itself` says of which it does not.
+std::vector<Mat6> mass_matrices(const System& system, std::vector<char>& by_itself) {
   const auto n = static_cast<std::size_t>(system.nodes());
   std::vector<Mat6> M(n, Mat6::Zero());
   std::vector<Vec6> p(n);
@@ -20,6 +23,15 @@ std::vector<Mat6> mass_matrices(const System& system) {
     for (Vec6& V : state.V) V = Vec6::Unit(k);
     system.momenta(state, p);
     for (std::size_t i = 1; i < n; ++i) M[i].col(k) = p[i];
+  }
+  by_itself.assign(n, 1);
+  for (std::size_t i = 1; i < n; ++i)
+    state.V[i] =
+        Vec6::LinSpaced(1.0, 2.0) * (1.0 + 0.5 * std::sin(1.0 + 2.7 * static_cast<double>(i)));
+  system.momenta(state, p);
+  for (std::size_t i = 1; i < n; ++i) {
+    const Vec6 own = M[i] * state.V[i];
+    by_itself[i] = (p[i] - own).norm() <= round_off * (p[i].norm() + own.norm()) ? 1 : 0;
   }
   return M;
 }
@@ -39,7 +51,8 @@ Vec3 turn(const Mat3& J, const Vec3& dL) {
 FreeMomenta::FreeMomenta(const System& system) {
   const ConnectedParts parts = find_parts(system);
   if (!parts.any_free()) return;
-  const std::vector<Mat6> M = mass_matrices(system);
+  std::vector<char> by_itself;
+  const std::vector<Mat6> M = mass_matrices(system, by_itself);
   for (int k = 0; k < parts.count(); ++k) {
     if (parts.is_held[static_cast<std::size_t>(k)] != 0) continue;
     Part part;
@@ -50,10 +63,9 @@ FreeMomenta::FreeMomenta(const System& system) {
       // [m I, -m c~; m c~, J]
       const Mat3 moment = M[n].bottomLeftCorner<3, 3>();
       if (node.mass > 0.0) node.center = Vec3(moment(2, 1), moment(0, 2), moment(1, 0)) / node.mass;
-      constexpr double round_off = 1e-9;
       const double size = round_off * M[n].cwiseAbs().maxCoeff();
       has_masses_only =
-          has_masses_only &&
+          has_masses_only && by_itself[n] != 0 &&
           ((M[n].topLeftCorner<3, 3>() - node.mass * Mat3::Identity()).cwiseAbs().maxCoeff() <=
            size) &&
           ((moment - node.mass * hat(node.center)).cwiseAbs().maxCoeff() <= size);

@@ -26,7 +26,8 @@ class Archive;
 class FreeMomenta {
  public:
   FreeMomenta() = default;  // of nothing
-  // Of the parts of a system that nothing holds, but for those with inertia that is not that of masses (added mass).
+  // Of the parts of a system that nothing holds, but for those with inertia that is not that of masses at nodes (added mass,
+  // component modes).
   explicit FreeMomenta(const System& system);
 
   bool empty() const { return parts_.empty(); }

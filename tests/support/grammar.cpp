@@ -681,7 +681,7 @@ std::string Grammar::text_value(std::string_view element, std::string_view attri
 // Kind::names.
 std::string Grammar::word_values(std::string_view element, std::string_view attribute) {
   if (attribute == "quantities") return quantities();
-  if (element == "rigid")
+  if (element == "rigid" || element == "reduction")
     return parts_.size() < 2 ? std::string() : one_of(parts_).name + " " + one_of(parts_).name;
   if (attribute == "outputs") return new_names_.emplace_back(fmt::format("n{}", ++count_));
   return {};

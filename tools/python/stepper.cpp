@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "libmbd/compile/ports.hpp"
-#include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/results/report.hpp"
 #include "libmbd/scene/label.hpp"

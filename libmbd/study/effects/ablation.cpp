@@ -197,6 +197,7 @@ class Effects {
     add_each(scene_.point_masses);
     add_each(scene_.added_masses);
     if (scene_.transient && scene_.transient->inertia == InertiaTerms::full &&
+        scene_.reductions.empty() &&
         scene_.transient->balance.value_or(Balance::acceleration) == Balance::acceleration)
       add("gyroscopic", "gyroscopic moments of rotary inertia",
           "<transient … inertia=\"no_gyroscopic\"/>",

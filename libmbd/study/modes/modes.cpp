@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "libmbd/compile/static_options.hpp"
+#include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/text/files.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libmbd/compile/static_options.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/scene/label.hpp"
 #include "solvers/constraints/initial.hpp"

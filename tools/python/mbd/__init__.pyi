@@ -275,9 +275,9 @@ class Scene(Element):
           <point_mass>, <spring>, <bushing>, <joint_spring>, <joint_torque>, <drag>,
           <added_mass>, <extension>, <base_motion>, <gravity>, <static>, <path>, <mark>,
           <stop>, <transient>, <record>, <motion_output>, <plot>, <expect>, <input>,
-          <function>, <controller>, <fixed>, <rigid_link>, <revolute>, <prismatic>,
-          <cylindrical>, <screw>, <universal>, <spherical>, <planar>, <point_on_line>,
-          <distance>.
+          <function>, <controller>, <reduction>, <fixed>, <rigid_link>, <revolute>,
+          <prismatic>, <cylindrical>, <screw>, <universal>, <spherical>, <planar>,
+          <point_on_line>, <distance>.
 
         For example:
           <mbd name="balls" version="1">
@@ -1844,9 +1844,9 @@ class Scene(Element):
           <arc>, <curve>, <point>, <body>, <drive>, <motion>, <load>, <distributed>,
           <rigid>, <point_mass>, <spring>, <bushing>, <joint_spring>, <joint_torque>,
           <drag>, <added_mass>, <extension>, <mark>, <stop>, <record>, <plot>, <expect>,
-          <repeat>, <input>, <function>, <controller>, <fixed>, <rigid_link>,
-          <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>, <spherical>,
-          <planar>, <point_on_line>, <distance>.
+          <repeat>, <input>, <function>, <controller>, <reduction>, <fixed>,
+          <rigid_link>, <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>,
+          <spherical>, <planar>, <point_on_line>, <distance>.
 
         Attributes:
           count              whole number from 0 to 1000000, required
@@ -1996,6 +1996,27 @@ class Scene(Element):
             <expect quantity="cart.displacement" at="0.2" value="0.3" tolerance="1e-9" source="x(k+2) = target"/>
             <expect quantity="cart.speed" at="0.2" value="0" tolerance="1e-8" source="the same"/>
           </mbd>
+        """
+        ...
+    def reduction(self, *, name: Value = None, of: Value = None, modes: Value = None, frame: Value = None) -> ReductionElement:
+        """<reduction>
+          Makes one element of component modes (Craig-Bampton) of beams and bodies, with
+          what is fixed between them: static shapes of the places where something acts,
+          and the slowest modes with these held. For parts that deform little, whatever
+          their motion; tension does not stiffen them. Without it they are the beams
+          they are.
+          Stands in <mbd>, <repeat>, <defaults>.
+
+        Attributes:
+          name               name, required
+                             name, unique among beams, bodies and rigid ones
+          of                 words, required
+                             names of beams and bodies; of a <rigid>, all of its parts
+          modes              whole number from 0 to 1000, default 12
+                             how many modes with its places held; 0: static shapes alone
+          frame              place, optional
+                             place of it whose frame floats with it (default: of the
+                             places where something acts the first by name)
         """
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
@@ -3915,6 +3936,9 @@ class DefaultsElement(Element):
         ...
     def controller(self, *, name: Value = None, period: Value = None) -> ControllerElement:
         """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
+        ...
+    def reduction(self, *, name: Value = None, of: Value = None, modes: Value = None, frame: Value = None) -> ReductionElement:
+        """Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is fixed between them: static shapes of the places where something acts, and the slowest modes with these held. For parts that deform little, whatever their motion; tension does not stiffen them. Without it they are the beams they are."""
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
@@ -6891,6 +6915,9 @@ class RepeatElement(Element):
     def controller(self, *, name: Value = None, period: Value = None) -> ControllerElement:
         """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
         ...
+    def reduction(self, *, name: Value = None, of: Value = None, modes: Value = None, frame: Value = None) -> ReductionElement:
+        """Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is fixed between them: static shapes of the places where something acts, and the slowest modes with these held. For parts that deform little, whatever their motion; tension does not stiffen them. Without it they are the beams they are."""
+        ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
         ...
@@ -7138,6 +7165,9 @@ class ControllerElement(Element):
           </mbd>
         """
         ...
+
+class ReductionElement(Element):
+    ...
 
 class FixedElement(Element):
     ...
