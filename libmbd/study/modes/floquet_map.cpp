@@ -53,25 +53,52 @@ plot::Curve points_of(std::string label, int style) {
   return curve;
 }
 
-std::string over_one(const FloquetMap& map, std::size_t parameter,
-                     const std::vector<double>& values) {
-  plot::Panel growth, frequencies;
-  growth.title = "Growth of small motions over a period (above 0: unstable)";
-  growth.y_label = "Re l T";
-  frequencies.title = "Frequencies of small motions, inertial axes";
-  frequencies.y_label = "[Hz]";
-  plot::Curve largest;
-  plot::Curve modes = points_of("", 0);
+// [Hz] Up to where frequencies are drawn: how high they are known depends on the point, as harmonics of its period do.
+double highest_drawn(const FloquetMap& map) {
+  std::vector<double> highest;
+  for (const FloquetMap::Point& point : map.points) {
+    if (!point.study || point.study->modes.empty()) continue;
+    highest.push_back(0.0);
+    for (const NamedFloquetMode& mode : point.study->modes)
+      highest.back() = std::max(highest.back(), hertz(mode.inertial));
+  }
+  if (highest.empty()) return 0.0;
+  constexpr double margin = 1.2;
+  std::ranges::nth_element(highest, highest.begin() + std::ssize(highest) / 2);
+  return margin * highest[highest.size() / 2];
+}
+
+plot::Panel frequencies_over(const FloquetMap& map, const std::vector<double>& values) {
+  plot::Panel panel;
+  panel.title = "Frequencies of small motions, inertial axes (all of them: floquet.csv)";
+  panel.y_label = "[Hz]";
+  const double most = highest_drawn(map);
+  plot::Curve modes = points_of("", 0), once;
+  once.label = "once per period";
+  once.pale = true;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const std::optional<FloquetStudy>& study = map.points[i].study;
     if (!study) continue;
-    largest.trace.add({values[i], study->growth()});
     for (const NamedFloquetMode& mode : study->modes)
-      modes.trace.add({values[i], hertz(mode.inertial)});
+      if (hertz(mode.inertial) <= most) modes.trace.add({values[i], hertz(mode.inertial)});
+    if (1.0 / study->period <= most) once.trace.add({values[i], 1.0 / study->period});
   }
+  panel.curves.push_back(std::move(modes));
+  if (once.trace.points().size() > 1) panel.curves.push_back(std::move(once));
+  return panel;
+}
+
+std::string over_one(const FloquetMap& map, std::size_t parameter,
+                     const std::vector<double>& values) {
+  plot::Panel growth, frequencies = frequencies_over(map, values);
+  growth.title = "Growth of small motions over a period (above 0: unstable)";
+  growth.y_label = "Re l T";
+  plot::Curve largest;
+  for (std::size_t i = 0; i < map.points.size(); ++i)
+    if (const std::optional<FloquetStudy>& study = map.points[i].study)
+      largest.trace.add({values[i], study->growth()});
   growth.x_label = frequencies.x_label = title_of(map.plan, parameter);
   growth.curves.push_back(std::move(largest));
-  frequencies.curves.push_back(std::move(modes));
   std::vector<plot::Panel> panels{std::move(frequencies)};
   // Of round-off a curve above 0 would say unstable.
   if (std::ranges::any_of(map.points, [](const FloquetMap::Point& point) {
