@@ -70,12 +70,12 @@ double highest_drawn(const FloquetMap& map) {
 
 plot::Panel frequencies_over(const FloquetMap& map, const std::vector<double>& values) {
   plot::Panel panel;
-  panel.title = "Frequencies of small motions, inertial axes (all of them: floquet.csv)";
-  panel.y_label = "[Hz]";
+  panel.title = "Frequencies of small motions, inertial axes";
+  panel.y_label = "the lowest [Hz]";
   const double most = highest_drawn(map);
   plot::Curve modes = points_of("", 0), once;
   once.label = "once per period";
-  once.pale = true;
+  once.pale = once.plain = true;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const std::optional<FloquetStudy>& study = map.points[i].study;
     if (!study) continue;
