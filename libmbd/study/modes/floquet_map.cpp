@@ -53,7 +53,8 @@ plot::Curve points_of(std::string label, int style) {
   return curve;
 }
 
-// [Hz] Up to where frequencies are drawn: how high they are known depends on the point, as harmonics of its period do.
+// [Hz] Up to where frequencies are drawn: what three of four points know. How high that is depends on the point, as harmonics of its
+// period do.
 double highest_drawn(const FloquetMap& map) {
   std::vector<double> highest;
   for (const FloquetMap::Point& point : map.points) {
@@ -64,8 +65,9 @@ double highest_drawn(const FloquetMap& map) {
   }
   if (highest.empty()) return 0.0;
   constexpr double margin = 1.2;
-  std::ranges::nth_element(highest, highest.begin() + std::ssize(highest) / 2);
-  return margin * highest[highest.size() / 2];
+  const std::size_t quarter = highest.size() / 4;
+  std::ranges::nth_element(highest, highest.begin() + static_cast<std::ptrdiff_t>(quarter));
+  return margin * highest[quarter];
 }
 
 plot::Panel frequencies_over(const FloquetMap& map, const std::vector<double>& values) {
