@@ -371,9 +371,10 @@ Mat6 error_of(const Mat6& d, const Mat6& now, const Mat6& before) {
   Vec6 error;
   for (Index i = 0; i < 6; ++i) {
     const double shrinks = std::max(last(i) / first(i), ratio_of_all);
-    // What is left of a geometric series is below its last term times the root of its ratio, up to 0.38.
-    error(i) = shrinks <= 0.5 ? std::max(0.25, std::sqrt(shrinks)) * last(i)
-                              : 2.0 * std::max(last(i), first(i));
+    // What is left of a geometric series is less than 0.7 of its last term up to a ratio of 0.41. A ratio that is smaller now
+    // says little of the next ones: where rings are added at every other mesh they take turns, and what is singular is late
+    // to show.
+    error(i) = shrinks <= 0.5 ? 0.7 * last(i) : 2.0 * std::max(last(i), first(i));
   }
   error = error.cwiseMax(0.1 * error.maxCoeff());
   Mat6 result;

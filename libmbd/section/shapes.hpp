@@ -67,10 +67,9 @@ struct Converged {
   int elements = 0, unknowns = 0;
 };
 
-// `tolerance` is of an entry ij over sqrt(D_ii D_jj). The estimate e of a diagonal entry, over it, is its last change times
-// the root of its ratio r to the one before (or of the largest change to the largest before; no less than 0.1), which
-// bounds the rest of a geometric series and of those whose ratios grow to 0.38; where r > 0.5, twice the larger change; no
-// less than a tenth of the largest e. An entry ij has sqrt(e_i e_j), round-off where it is zero by symmetry; none has less
+// `tolerance` is of an entry ij over sqrt(D_ii D_jj). The estimate e of a diagonal entry, over it, is 0.7 of its last change,
+// which bounds the rest of a series whose ratios are 0.41 or less from here on; where its ratio to the change before (or
+// that of the largest change to the largest before) is above 0.5, twice the larger change; no less than a tenth of the largest e. An entry ij has sqrt(e_i e_j), round-off where it is zero by symmetry; none has less
 // than round-off, 1e-11. Ends, not reached, before a mesh of more than `most_unknowns`; an error of infinity: before there
 // was an estimate.
 Converged converge(const Mesher& mesher, const Vec3& curvature = Vec3::Zero(),

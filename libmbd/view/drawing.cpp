@@ -406,6 +406,12 @@ class Drawing {
     facts("drawn", drawn);
   }
 
+  const ReductionScene* reduction_of(const std::string& part) const {
+    for (const ReductionScene& reduction : scene_.reductions)
+      if (std::ranges::find(reduction.of, part) != reduction.of.end()) return &reduction;
+    return nullptr;
+  }
+
   void add_beam(const BeamScene& beam) {
     const auto rigid = rigid_with_.find(beam.name);
     const bool is_rigid = rigid != rigid_with_.end();
@@ -414,7 +420,8 @@ class Drawing {
     Json shape;
     if (line != nullptr) {
       shape["stations"] = line->stations;
-      shape["order"] = beam.order;
+      // Of component modes there are some nodes, and those of no elements.
+      if (reduction_of(beam.name) == nullptr) shape["order"] = beam.order;
     }
     Json points = Json::array();
     for (const At& at : made.points) points.push_back(json(at));
@@ -424,7 +431,9 @@ class Drawing {
     shape["rigid"] = is_rigid;
     Facts facts;
     facts("length", number(made.line.length, "m"));
-    if (!is_rigid)
+    if (const ReductionScene* const reduction = reduction_of(beam.name))
+      facts("component modes", "part of " + label(*reduction));
+    else if (!is_rigid)
       facts("elements", fmt::format("{} of order {}, {} nodes", stated_elements(scene_, beam),
                                     beam.order, made.s.size()));
     else

@@ -207,7 +207,7 @@ struct Beam {
   std::int64_t part;
   std::vector<At> points;
   std::vector<double> s, stations;
-  std::size_t order = 1;  // 0: a rigid one
+  std::size_t order = 1;  // 0: a rigid one, or one of component modes, a line through some nodes
   std::vector<std::array<double, 3>> sides;
   std::vector<Mat6> compliance;
   SectionOutline outline = {};
@@ -296,7 +296,7 @@ Parts parts_of(const Json& drawing, const StressesOfBeams& stresses = {}) {
         beam.stresses = known->second;
       if (part.contains("stations")) {
         beam.stations = part.at("stations").get<std::vector<double>>();
-        beam.order = part.at("order").get<std::size_t>();
+        beam.order = part.value("order", std::size_t{0});
       }
       if (part.contains("sides"))
         beam.sides = part.at("sides").get<std::vector<std::array<double, 3>>>();
@@ -355,7 +355,8 @@ class Scenery {
       add_line(pieces["lines"], beam, of);
       if (!of.empty()) add_stations(pieces["stations"], beam, of);
       add_outline(pieces["outlines"], beam);
-      if (!of.empty() && beam.stresses) add_stresses(pieces["stresses"], beam, of);
+      if (!of.empty() && beam.stresses && beam.order > 0)
+        add_stresses(pieces["stresses"], beam, of);
     }
     for (const Body& body : parts_.bodies) add_body(pieces["bodies"], body);
     for (const Joint& joint : parts_.joints) add_joint(pieces["joints"], joint);
@@ -416,7 +417,7 @@ class Scenery {
       piece.element.push_back(static_cast<std::int64_t>(element));
       piece.cell_part.push_back(beam.part);
     };
-    if (beam.order == 0) {  // rigid
+    if (beam.order == 0) {
       for (std::size_t i = 0; i < beam.points.size(); ++i) {
         piece.lines.push_back(static_cast<std::int64_t>(piece.size()));
         put(beam.s[i], now(beam.points[i]).r, reference(beam.points[i]).r, Vec6::Zero());
@@ -454,6 +455,7 @@ class Scenery {
   }
 
   void add_stations(Piece& piece, const Beam& beam, std::span<const double> resultants) const {
+    if (beam.order == 0) return;
     const std::size_t order = beam.order, rule = beam.points_of_rule();
     for (std::size_t q = 0; q < beam.stations.size(); ++q) {
       const std::size_t e = q / rule;

@@ -1,5 +1,6 @@
 #include "solvers/modes/component_modes.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -66,6 +67,7 @@ class HeldPencil final : public MotionPencil {
   double length_scale() const override { return length_; }
   bool is_damped_or_turns() const override { return false; }
   MatX mass_times(const MatX& X) const override { return M_ * X; }
+  MatX stiffness_times(const MatX& X) const { return K_ * X; }
   MatX rate_times(const MatX& X) const override { return MatX::Zero(X.rows(), X.cols()); }
   bool factor(double s) override {
     solver_.compute(Sparse(K_ + s * s * M_));
@@ -87,6 +89,24 @@ class HeldPencil final : public MotionPencil {
   Cholesky solver_;
 };
 
+// Modes to round-off of the matrices, by subspace iteration: what is a little off in them would be so in the element, where
+// two that ought to be alike (moved, turned) are compared. `pencil` has its factors at 0.
+void refine(const HeldPencil& pencil, MatX& shapes, VecX& squares) {
+  constexpr int times = 4;
+  for (int i = 0; i < times; ++i) {
+    stop::check();
+    pencil.solve(shapes = pencil.mass_times(shapes));
+    for (Index c = 0; c < shapes.cols(); ++c) shapes.col(c) /= shapes.col(c).cwiseAbs().maxCoeff();
+    const MatX M = shapes.transpose() * pencil.mass_times(shapes),
+               K = shapes.transpose() * pencil.stiffness_times(shapes);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> ritz(0.5 * (K + K.transpose()),
+                                                              0.5 * (M + M.transpose()));
+    if (ritz.info() != Eigen::Success) return;
+    shapes = MatX(shapes * ritz.eigenvectors());
+    squares = ritz.eigenvalues();
+  }
+}
+
 struct HeldModes {
   MatX shapes;  // columns, real
   std::vector<double> frequencies;
@@ -99,20 +119,28 @@ HeldModes held_modes(const Sparse& K, const Sparse& M, double length, int count)
     throw Error("modes is " + std::to_string(count) + ", but with its interfaces fixed it has " +
                 std::to_string(K.rows()) + " motions; ask for fewer, or give it more elements");
   HeldPencil pencil(K, M, length);
-  ModesFound found = find_modes_near(pencil, 0.0, 1.0, count);
+  // Some more are looked for, which part the last ones from those that follow.
+  constexpr int more = 6;
+  ModesFound found =
+      find_modes_near(pencil, 0.0, 1.0, std::min(count + more, static_cast<int>(K.rows())));
   if (found.failure.empty() && found.modes.size() < static_cast<std::size_t>(count))
     found.failure = "there are " + std::to_string(found.modes.size()) + ", not " +
                     std::to_string(count) + ": the other motions have no mass";
   if (!found.failure.empty()) throw Error("its modes were not found: " + found.failure);
   std::ranges::stable_sort(found.modes, {},
                            [](const Mode& mode) { return std::abs(mode.eigenvalue); });
-  for (int k = 0; k < count; ++k) {
+  MatX all(K.rows(), static_cast<Index>(found.modes.size()));
+  VecX squares(all.cols());
+  for (Index k = 0; k < all.cols(); ++k) {
     const Mode& mode = found.modes[static_cast<std::size_t>(k)];
     Index largest = 0;
     mode.shape.cwiseAbs().maxCoeff(&largest);
-    held.shapes.col(k) = (mode.shape / mode.shape(largest)).real();
-    held.frequencies.push_back(std::abs(mode.eigenvalue));
+    all.col(k) = (mode.shape / mode.shape(largest)).real();
+    squares(k) = std::norm(mode.eigenvalue);
   }
+  refine(pencil, all, squares);
+  held.shapes = all.leftCols(count);
+  for (int k = 0; k < count; ++k) held.frequencies.push_back(std::sqrt(std::max(0.0, squares(k))));
   return held;
 }
 

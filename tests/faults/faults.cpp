@@ -4,6 +4,7 @@
 //   MBD_FAULT="rename NAME N"  the Nth rename(2) to it: EIO
 //   MBD_FAULT="mkdir NAME N"   the Nth mkdir(2) of it: EACCES
 //   MBD_FAULT="malloc NAME N"  the Nth allocation after a file whose name holds NAME was opened by fopen: no memory
+//   MBD_FAULT="clock DAYS 0"   the time of day is that many days less whenever it is asked for
 //   MBD_FAULT="F STATUS N"     the Nth call of a solver's function F ends with that status: klu_analyze, klu_factor, klu_refactor,
 //                              klu_solve, the same of klu_z_, IDASolve, KINSol
 // N is counted from 1; with 0 none fails, and with a number behind it so many in a row do. The file MBD_FAULT_COUNT gets, at the end, how many there were, how many
@@ -26,6 +27,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 namespace {
 
@@ -152,6 +154,23 @@ int rename(const char* from, const char* to) {
     return -1;
   }
   return real(from, to);
+}
+
+static time_t set_back(time_t now) {
+  if (fault().at != 0 || std::strcmp(fault().call, "clock") != 0) return now;
+  return now - 86400 * std::atol(fault().name) * ++seen;
+}
+int clock_gettime(clockid_t clock, timespec* at) {
+  static const auto real = next<int (*)(clockid_t, timespec*)>("clock_gettime");
+  const int status = real(clock, at);
+  if (clock == CLOCK_REALTIME) at->tv_sec = set_back(at->tv_sec);
+  return status;
+}
+time_t time(time_t* at) {
+  static const auto real = next<time_t (*)(time_t*)>("time");
+  const time_t now = set_back(real(nullptr));
+  if (at != nullptr) *at = now;
+  return now;
 }
 
 // libstdc++ opens files so.

@@ -351,6 +351,25 @@ TEST_F(VtkFilesTest, StrainsOfDampedSectionsAreLeftOut) {
 }
 
 // A model before a run: one frame, without what a run gives.
+// Component modes have some of the nodes of their beams, and no elements: lines through them. (Once a division by zero.)
+TEST_F(VtkFilesTest, ComponentModesAreDrawnThroughTheirNodes) {
+  write_text(file("arm.xml"), R"(<mbd name="arm"><section name="s">
+      <stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="300" EI2="400" EI3="400"/><mass per_length="1" inertia="2e-4 1e-4 1e-4"/></section>
+      <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="4"/>
+      <beam name="c" section="s" from="1 0 0" to="1 1 0" normal="0 0 1"/>
+      <fixed name="f" between="ground b.start"/><fixed name="g" between="b.end c.start"/>
+      <reduction name="r" of="b" modes="2"/><gravity acceleration="0 0 -1"/>
+      <transient duration="0.1" step="0.001"/><record name="e" at="c.end" quantities="displacement"/></mbd>)");
+  const Output ran = mbd("run arm.xml -q -o arm --motion --hdf5");
+  EXPECT_EQ(ran.status, 0) << ran.text;
+  for (const char* command : {"export arm --vtk drawn", "export arm.xml --vtk of_model",
+                              "view arm -o arm.html", "view arm --image arm.png --colour M"}) {
+    const Output made = mbd(command);
+    EXPECT_EQ(made.status, 0) << command << "\n" << made.text;
+  }
+  EXPECT_TRUE(fs::exists(file("drawn/arm.pvd")));
+}
+
 TEST_F(VtkFilesTest, AModelIsItsReferenceConfiguration) {
   const Output made =
       mbd("export " + quote((models / "four_bar.xml").string()) + " --vtk drawn --set tilt=0");

@@ -2,19 +2,22 @@
 // analytic NACA 0012, strips b t^3/3, and the shapes tube, box, I and C, whose meshes are made in another way; invariance to
 // units, to where and which way round points are listed, and to mirrors; what is refused, by line.
 //
-// Tried in airfoil.cpp and contour.cpp, and killed: depths of the other side of a mitre times 0.97 (FourLinesAreABox and six
-// more); the sector listed last goes through butt corners (ButtCorners, ThreeWalls); normals of webs to the left, their plies
-// from the other side, or from the middle on (WebBetweenFlanges); plies of sectors from outside, their normals inward
-// (CircleIsATube and others); chords for splines, walls 1 % thinner (SkinOfNaca0012, CircleIsATube and others); numbers of
-// points, fractions not turned where points are listed backward (ListedFromElsewhere, StatedInOtherUnits); fractions of the
-// number of points (BareSectors, TwoCells); borders left under feet, webs on the thinner sector (ListedFromElsewhere,
-// Mirrored); no finer elements at free ends (BareSectors); one line of elements
-// across a thick core (SandwichWebs). Overlaps, holes, radii, surfaces, contours and webs that cross, feet on
-// feet and pieces not looked for: each by Refused. In shapes.cpp: estimates a hundredth (SectionAccuracy).
+// Tried in airfoil.cpp as its meshes are now, and killed: normals of webs to the left, their plies from the other side
+// (WebBetweenFlanges), their mass left out (the same); crossings not looked for (Refused); butt corners of one sector go the
+// other way (ButtCornersOfOneSector), those of others mitred (ButtCorners, ThreeWalls); lines of elements upright beside blunt
+// ends of short walls, one line of elements across a thick core (SandwichWebs); no rings under webs (WebBetweenFlanges); no
+// elements as long as what corners cut (ThreeWalls, SkinOfNaca0012); no finer ones at free ends (BareSectors); points of the
+// contour not looked at (BareSectors); borders left under feet (ListedFromElsewhere, Mirrored); normals that jump by 2 pi
+// (CircleIsATube); rings without limit (RingsDoNot). In shapes.cpp: estimates a tenth (SandwichWebs). Lives: folded cells not
+// looked for, which other checks see too. With earlier meshes, and killed: depths of the other side of a mitre times 0.97; plies
+// of sectors from outside, their normals inward; chords for splines, walls 1 % thinner; numbers of points, fractions not turned
+// where points are listed backward; fractions of the number of points; webs on the thinner sector. Overlaps, holes, radii,
+// contours and webs that cross, feet on feet and pieces not looked for: each by Refused.
 
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -263,6 +266,36 @@ TEST(Airfoil, ButtCornersAreThoseOfABox) {
   EXPECT_LT(difference(analysis_of(airfoil, 5, 4).stiffness, box), 5e-5);
 }
 
+// Of one sector the wall before a corner goes through, as points are listed: below and to the right at the lower right.
+TEST(Airfoil, ButtCornersOfOneSectorFollowTheListing) {
+  Airfoil airfoil{
+      rectangle(-0.03, -0.02, 0.03, 0.02), 0.0, section::Corners::butt, {all_round(two_plies)}, {}};
+  for (const double normal : {-0.5 * pi, 0.0}) {
+    const section::Mesh mesh = section::airfoil(airfoil, materials())({1, 1});
+    int there = 0;
+    for (const section::Element& element : mesh.elements)
+      for (const int node : element.nodes)
+        if ((mesh.nodes[static_cast<std::size_t>(node)] - Point(0.03, -0.02)).norm() < 1e-9) {
+          EXPECT_NEAR(std::remainder(element.normals.at(0) - normal, 2 * pi), 0.0, 1e-9);
+          ++there;
+        }
+    EXPECT_GT(there, 0);
+    std::ranges::reverse(airfoil.points);
+  }
+}
+
+// Foils that are hardly more than what is one place: rings round their corners stay wider than what is one node.
+TEST(Airfoil, RingsDoNotComeToNothing) {
+  const Airfoil airfoil{rectangle(0, 0, 0.3, 0.1),
+                        0.0,
+                        section::Corners::mitred,
+                        {all_round({{1, 1.5e-9, 0.0}, {0, 1e-3, 0.0}})},
+                        {}};
+  const section::Mesh mesh = section::airfoil(airfoil, materials())({1, 9});
+  for (const section::Element& element : mesh.elements)
+    ASSERT_EQ(std::set<int>(element.nodes.begin(), element.nodes.end()).size(), 4U) << element.name;
+}
+
 // Of one isotropic material the kind of its corners does not matter, whatever their angles: 90, 150 and 60 degrees inside, and
 // 240.
 TEST(Airfoil, CornersOfOneMaterialAreAlike) {
@@ -291,10 +324,11 @@ TEST(Airfoil, WebBetweenFlangesIsAnI) {
       section::Corners::mitred,
       {sector(1, 2, two_plies), sector(2, 3, {}), sector(3, 4, two_plies), sector(4, 1, {})},
       {up}};
-  const Mat6 i =
-      analysis_of(section::i_section(0.05, 0.03, two_plies, three_plies, materials()), 5, 3)
-          .stiffness;
-  EXPECT_LT(difference(analysis_of(airfoil, 5, 4).stiffness, i), 1e-4);
+  const section::Analysis i =
+      analysis_of(section::i_section(0.05, 0.03, two_plies, three_plies, materials()), 5, 3);
+  const section::Analysis found = analysis_of(airfoil, 5, 4);
+  EXPECT_LT(difference(found.stiffness, i.stiffness), 1e-4);
+  EXPECT_LT((found.mass - i.mass).cwiseAbs().maxCoeff(), 1e-9 * i.mass(0, 0));
 }
 
 TEST(Airfoil, ThreeWallsAreAC) {
@@ -318,6 +352,43 @@ TEST(Airfoil, SandwichWebsAreKnownAsWellAsIsSaid) {
   const Mat6 d = section::analyse(mesher({6, 3})).stiffness;
   EXPECT_LT(difference(wing.stiffness, d), wing.found->error.maxCoeff());
   EXPECT_LT(difference(section::analyse(mesher({4, 3})).stiffness, d), 1.5e-5);
+}
+
+// NACA 0021 with caps and two webs of unlike plies: what every mesh is said to be known to holds for every entry. (By
+// the root of the ratio of the last changes, which was taken before, one like it was 1.3 times as far off in its fourth mesh.)
+TEST(AirfoilSlow, TwoWebsAreKnownAsWellAsIsSaid) {
+  std::vector<Point> points = naca_points(20);
+  for (Point& x : points) x(1) *= 21.0 / 12.0;
+  const Layup skin{{1, 2e-3, 45 * degree}, {1, 1e-3, 0}},
+      cap{{1, 2e-3, 45 * degree}, {0, 12e-3, 0}, {1, 1e-3, 0}},
+      sandwich{{1, 1e-3, 45 * degree}, {2, 10e-3, 0}, {1, 1e-3, 45 * degree}};
+  Airfoil airfoil{points, pi / 3, section::Corners::mitred, {}, {}};
+  const double borders[] = {0.0, 0.25, 0.38, 0.62, 0.75, 1.0};
+  for (int i = 0; i < 5; ++i) {
+    AirfoilSector part = all_round(i % 2 == 1 ? cap : skin);
+    part.from.fraction = borders[i];
+    part.to.fraction = borders[i + 1];
+    airfoil.sectors.push_back(part);
+  }
+  airfoil.webs = {web(0.27, 0.73, sandwich), web(0.36, 0.64, {{1, 3e-3, -30 * degree}})};
+  std::vector<section::MeshMaterial> with_foam = materials();
+  with_foam.push_back({section::stiffness_of(section::isotropic(60e6, 0.3)), 60.0, "foam"});
+  const section::Mesher mesher = section::airfoil(airfoil, with_foam);
+  const Mat6 d = section::analyse(mesher({7, 6})).stiffness;
+  const auto levels = section::levels_of(false);
+  Mat6 last = Mat6::Zero(), change = last;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Mat6 now = section::analyse(mesher(levels[i])).stiffness;
+    const Mat6 step = (now - last).cwiseAbs();
+    if (i > 1) {
+      const Mat6 said = section::error_of(now, step, change);
+      EXPECT_TRUE(((now - d).cwiseAbs().array() <= said.array()).all())
+          << i << "\n"
+          << (now - d).cwiseQuotient(said);
+    }
+    last = now;
+    change = step;
+  }
 }
 
 // ---- the same section, said in another way ---------------------------------------------------------

@@ -681,7 +681,13 @@ std::string Grammar::text_value(std::string_view element, std::string_view attri
 // Kind::names.
 std::string Grammar::word_values(std::string_view element, std::string_view attribute) {
   if (attribute == "quantities") return quantities();
-  if (element == "rigid" || element == "reduction")
+  if (element == "reduction") {
+    std::vector<std::string> beams;
+    for (const Part& part : parts_)
+      if (part.is_beam) beams.push_back(part.name);
+    return beams.empty() ? std::string() : reduced_ = one_of(beams);
+  }
+  if (element == "rigid")
     return parts_.size() < 2 ? std::string() : one_of(parts_).name + " " + one_of(parts_).name;
   if (attribute == "outputs") return new_names_.emplace_back(fmt::format("n{}", ++count_));
   return {};
@@ -689,6 +695,9 @@ std::string Grammar::word_values(std::string_view element, std::string_view attr
 
 std::string Grammar::value(const Element& element, const Attribute& a) {
   const Size size = size_of(a.unit);
+  if (element.name == "reduction" && a.name == "modes") return std::to_string(below(5));
+  if (element.name == "reduction" && a.name == "frame")
+    return reduced_.empty() ? std::string() : reduced_ + (chance(0.5) ? ".start" : "@0.5");
   switch (a.kind) {
     case Kind::name:
       return new_names_.emplace_back(fmt::format("n{}", ++count_));

@@ -86,6 +86,7 @@ class Grammar {
   std::vector<std::string> sections_, materials_, layups_, joints_, springs_, functions_, inputs_,
       places_;
   std::vector<std::string> new_names_;    // of the item that is being made
+  std::string reduced_;                   // the beam of the last <reduction>
   std::vector<std::string> inner_names_;  // what a controller gives
   bool law_is_table_ = false;             // of a bushing
   int count_ = 0;

@@ -712,6 +712,7 @@ class Scene(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
@@ -917,6 +918,7 @@ class Scene(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
@@ -962,6 +964,7 @@ class Scene(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
@@ -2017,6 +2020,36 @@ class Scene(Element):
           frame              place, optional
                              place of it whose frame floats with it (default: of the
                              places where something acts the first by name)
+
+        For example:
+          <mbd name="top_and_rotor">
+            <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
+            <section name="shaft">
+              <stiffness EA="2e7" GA2="7e6" GA3="7e6" GJ="1.3e3" EI2="1.7e3" EI3="1.7e3"/>
+              <mass per_length="0.8" inertia="1e-4 5e-5 5e-5"/>
+            </section>
+            <beam name="shaft" section="shaft" from="0 0 0" to="1 0 0" normal="0 0 1"/>
+            <fixed name="wall" between="ground shaft.start"/>
+            <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
+            <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
+            <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
+            <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
+            <rigid name="boom" of="arm fist"/>
+            <body name="rock" at="0 2 0" orientation="0 0 45*deg" mass="1" inertia="1 2 2.5"
+                  velocity="0.1 0 0" angular_velocity="0 1 0.01"/>
+            <!-- A hammer of two solids, on a floor that is only seen. -->
+            <body name="hammer" at="0 4 0" angular_velocity="0 0 1">
+              <shape box="0.03 0.1 0.03" density="7800" colour="gray"/>
+              <shape cylinder="0.03 0.3" at="0.15 0 0" orientation="0 pi/2 0" density="700" colour="maroon"/>
+            </body>
+            <body name="floor" attached_to="ground"><shape box="3 8 0.1" at="0 2 -1" colour="silver"/></body>
+            <transient duration="0.1" step="1e-3"/>
+            <record name="rock" at="rock" quantities="position angular_velocity"/>
+            <record name="disk" at="disk" quantities="displacement"/>
+            <expect quantity="rock.position.1" at="0.1" value="0.01" tolerance="1e-6"
+                    source="no force acts"/>
+          </mbd>
         """
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
@@ -3776,6 +3809,7 @@ class DefaultsElement(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
@@ -5902,6 +5936,7 @@ class BeamElement(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
@@ -5978,6 +6013,7 @@ class ArcElement(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
@@ -6092,6 +6128,7 @@ class CurveElement(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
@@ -6174,6 +6211,7 @@ class BodyElement(Element):
             <fixed name="wall" between="ground shaft.start"/>
             <body name="disk" attached_to="shaft.end" mass="5" inertia="0.1 0.05 0.05"/>
             <point_mass name="unbalance" at="disk" mass="0.1" offset="0 0.05 0"/>
+            <reduction name="rotor" of="shaft disk" modes="4"/>
             <beam name="arm" section="shaft" from="0 3 0" to="0.5 3 0" normal="0 0 1"/>
             <body name="fist" at="0.5 3 0" mass="2" inertia="0.01 0.01 0.01" velocity="0 0 0.1"/>
             <rigid name="boom" of="arm fist"/>
