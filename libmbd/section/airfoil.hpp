@@ -6,8 +6,9 @@
 // so the walls exist where kappa d < 1: thinner than the contour's radius. At a corner between the curves 1 and 2 the
 // interfaces d1 and d2 meet where
 //   (2)  x1(u1, d1) = x2(u2, d2),
-// solved by Newton's method: mitred corners have d1 = d2 on their line; in butt ones the wall before the corner (as
-// points are listed) goes through to d2 = 0, and the wall after it stands on d1 = its thickness. Curves go on along their
+// solved by Newton's method: mitred corners have d1 = d2 on their line; in butt ones the wall of the sector that is
+// listed first (of one sector, the wall before the corner as points are listed) goes through to d2 = 0, and the other one
+// stands on d1 = its thickness. Curves go on along their
 // tangents beyond corners, which (2) needs of those that point inward; these are always mitred.
 //
 // A web is straight, between two places of the contour; its plies lie about that line, their normal n to the right of
