@@ -21,6 +21,8 @@ class ClassicalBatch final : public ElementBatch<Classical<N>, BeamElasticBatch>
              typename Kernel::Shared{make_table<N>(table), {}}),
         table_(table) {}
 
+  bool is_structure() const override { return true; }
+
   int add_stiffness(const Mat6& D) override {
     this->shared().stiffness.push_back(D);
     return static_cast<int>(this->shared().stiffness.size()) - 1;

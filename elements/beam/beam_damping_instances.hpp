@@ -23,6 +23,8 @@ class DampingBatch final : public ElementBatch<Damping<MetricType, N>, BeamDampi
              typename Kernel::Shared{table.order, static_cast<int>(table.rule.points.size()), {}}),
         table_(table) {}
 
+  bool is_structure() const override { return true; }
+
   int add_viscosity(const Mat6& C) override {
     this->shared().viscosity.push_back(C);
     return static_cast<int>(this->shared().viscosity.size()) - 1;

@@ -24,6 +24,8 @@ class ElasticBatch final : public ElementBatch<Elastic<MetricType, FormType, N>,
              typename Kernel::Shared{make_table<N>(table), {}}),
         table_(table) {}
 
+  bool is_structure() const override { return true; }
+
   int add_stiffness(const Mat6& D) override {
     this->shared().stiffness.push_back(D);
     return static_cast<int>(this->shared().stiffness.size()) - 1;

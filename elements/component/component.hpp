@@ -10,8 +10,8 @@
 //           and on node 0   -[ m b ; s x b ],   s = S_0 + P u                                             (4)
 // Inertia:  r_k = (M V')_k - V_k~^T (M V)_k,   V = [V_0 … V_n-1] in body axes                              (5)
 // Symbols: K [N/m, N, N.m], C the same times s: symmetric, positive (semi)definite, 6(n-1); M [kg, kg.m, kg.m2] and
-// M_a [kg/s …], 6n, of velocities of all nodes, M_a V being damping; a: acceleration of gravity less that of the base, inertial [m/s2]; m [kg] and
-// static moment S_0 + P u about node 0, its axes [kg.m]: of the part as it is deformed.
+// M_a [kg/s …], 6n, of velocities of all nodes, M_a V being damping; a: acceleration of gravity less that of the base,
+// inertial [m/s2]; m [kg] and static moment S_0 + P u about node 0, its axes [kg.m]: of the part as it is deformed.
 //
 // M is that of velocities in body axes, and has no pose in it: rigid motion has exactly its mass, momenta of free parts and
 // energy are kept exactly. (3), (4) are gradients of E - a.(m r_0 + R_0 s). What is left out is of second order in the
@@ -142,11 +142,11 @@ class Motion {
     const Index n = data_.nodes(), m = 6 * (n - 1);
     out.K.setZero(6 * n, 6 * n);
     out.D_V.setZero(6 * n, 6 * n);
-    MatrixX<S> E = MatrixX<S>::Zero(m, 6 * n), dW = MatrixX<S>::Zero(m, 6 * n);
+    MatrixX<S> E = MatrixX<S>::Zero(m, 6 * n);
     MatrixX<S> E_rate = MatrixX<S>::Zero(m, 6 * n);
     const bool damped = data_.C.size() > 0;
     for (Index k = 0; k + 1 < n; ++k) pair_tangent(k, damped, E, E_rate, out.K);
-    dW = data_.K.template cast<S>() * E;
+    MatrixX<S> dW = data_.K.template cast<S>() * E;
     if (damped) dW += data_.C.template cast<S>() * E_rate;
     const Matrix3<S> b_hat = hat(b_);
     const MatrixX<S> P = data_.P.template cast<S>();

@@ -72,10 +72,6 @@ void add_to(std::span<const int> nodes, const VecX& own, VecX& r) {
     r.segment<6>(6 * nodes[k]) += own.segment<6>(6 * static_cast<Index>(k));
 }
 
-Mat6 at_node(const Mat6& rate, const TangentWeights& weights, std::size_t node) {
-  return weights.T_inv.empty() ? rate : Mat6(rate * weights.T_inv[node]);
-}
-
 }  // namespace
 
 MatX component::inertia_tangent(const MatX& M, std::span<const NodeState<double>> x, double rate,
@@ -139,7 +135,7 @@ bool ComponentBatch::linearize(const State& state, const TangentWeights& weights
   return run<Want::tangent>(state, r, [&](const Part& part, const MatX& K, const MatX& D_V) {
     each_block(part, [&](std::size_t a, std::size_t b, std::size_t node, std::size_t slot) {
       const Mat6 rate = weights.V * block_of(D_V, a, b);
-      slots[slot].add(weights.U * block_of(K, a, b) + at_node(rate, weights, node));
+      slots[slot].add(weights.U * block_of(K, a, b) + weights.at_node(rate, node));
     });
   });
 }
@@ -306,7 +302,7 @@ bool ComponentInertia::linearize(const State& state, const TangentWeights& weigh
   run<Want::tangent>(state, r, [&](const Part& part, const MatX& D_V) {
     each_block(part, [&](std::size_t a, std::size_t b, std::size_t node, std::size_t slot) {
       const Mat6 rate = weights.V * block_of(D_V, a, b) + A * block_of(part.M, a, b);
-      slots[slot].add(at_node(rate, weights, node));
+      slots[slot].add(weights.at_node(rate, node));
     });
   });
   return true;

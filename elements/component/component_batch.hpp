@@ -35,6 +35,7 @@ class ComponentBatch final : public Batch {
                                         const Eigen::MatrixXd& shapes, bool rates) const;
 
   std::string_view type() const override { return name; }
+  bool is_structure() const override { return true; }
   Index size() const override { return static_cast<Index>(parts_.size()); }
   std::size_t bytes() const override;
   void connect(BlockGraph& graph) override;

@@ -28,11 +28,6 @@ bool is_finite(std::span<const Vec6> all) {
   return true;
 }
 
-Mat6 rate_of(const Mat6& C, const TangentWeights& weights, std::size_t node) {
-  const Mat6 rate = weights.V * C;
-  return weights.T_inv.empty() ? rate : Mat6(rate * weights.T_inv[node]);
-}
-
 }  // namespace
 
 std::shared_ptr<const Force> make_force(
@@ -138,7 +133,7 @@ void ForceBatch::each_block(const State& state, const F& f) const {
 bool ForceBatch::linearize(const State& state, const TangentWeights& weights, VecX& r,
                            std::span<const Slot> slots) const {
   each_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
-    slots[slot].add(weights.U * K + rate_of(C, weights, node));
+    slots[slot].add(weights.U * K + weights.at_node(weights.V * C, node));
   });
   return residual(state, r);
 }
@@ -146,7 +141,7 @@ bool ForceBatch::linearize(const State& state, const TangentWeights& weights, Ve
 void ForceBatch::add_rate_tangent(const State& state, const TangentWeights& weights,
                                   std::span<const Slot> slots) const {
   each_block(state, [&](const Mat6&, const Mat6& C, std::size_t node, std::size_t slot) {
-    slots[slot].add(rate_of(C, weights, node));
+    slots[slot].add(weights.at_node(weights.V * C, node));
   });
 }
 

@@ -65,20 +65,35 @@ std::vector<Vec6> resultants_at_points(const ElementPlace& at, const State& stat
 }
 
 // The same, linear in small deformations about the reference configuration: strains of increments dU of all nodes but the
-// ground, rates of strain of velocities that `rest`, a state in that configuration, has.
-std::vector<Vec6> linear_resultants_at_points(const ElementPlace& at, const State& rest,
-                                              std::span<const double> dU) {
-  const std::size_t points = at.batch->table().rule.points.size();
-  std::vector<Vec6> all(static_cast<std::size_t>(at.batch->resultant_count()));
-  at.batch->linearized_resultants(rest, dU, all);
-  const auto first = all.begin() + static_cast<std::ptrdiff_t>(points) * at.element;
-  std::vector<Vec6> S(first, first + static_cast<std::ptrdiff_t>(points));
-  if (at.damping == nullptr) return S;
-  std::vector<Vec6> viscous(points);
-  at.damping->resultants(rest, at.damping_element, viscous);
-  for (std::size_t i = 0; i < points; ++i) S[i] += viscous[i];
-  return S;
-}
+// ground, rates of strain of velocities that `rest`, a state in that configuration, has. Those of a batch are found together,
+// when one of its elements is asked for first.
+class LinearResultants {
+ public:
+  LinearResultants(State rest, std::vector<double> dU)
+      : rest_(std::move(rest)), dU_(std::move(dU)) {}
+
+  std::vector<Vec6> operator()(const ElementPlace& at) {
+    const std::size_t points = at.batch->table().rule.points.size();
+    const auto [found, is_new] = of_batch_.try_emplace(at.batch);
+    std::vector<Vec6>& all = found->second;
+    if (is_new) {
+      all.resize(static_cast<std::size_t>(at.batch->resultant_count()));
+      at.batch->linearized_resultants(rest_, dU_, all);
+    }
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(points) * at.element;
+    std::vector<Vec6> S(first, first + static_cast<std::ptrdiff_t>(points));
+    if (at.damping == nullptr) return S;
+    std::vector<Vec6> viscous(points);
+    at.damping->resultants(rest_, at.damping_element, viscous);
+    for (std::size_t i = 0; i < points; ++i) S[i] += viscous[i];
+    return S;
+  }
+
+ private:
+  State rest_;
+  std::vector<double> dU_;
+  std::map<const BeamElasticBatch*, std::vector<Vec6>> of_batch_;
+};
 
 // At its place: the polynomial through the quadrature points, where the strains of a Gauss rule are most accurate.
 Vec6 resultants_there(const ElementPlace& at, const std::vector<Vec6>& S) {
@@ -1468,9 +1483,7 @@ class Compiler {
     return [system = system_.get(), frame](const State& state) -> AtPoints {
       std::vector<double> dU;
       State rest = deformation_at_rest(*system, frame, state, dU);
-      return [rest = std::move(rest), dU = std::move(dU)](const ElementPlace& at) {
-        return linear_resultants_at_points(at, rest, dU);
-      };
+      return LinearResultants(std::move(rest), std::move(dU));
     };
   }
 
@@ -1523,12 +1536,6 @@ class Compiler {
 };
 
 }  // namespace
-
-const RigidScene* rigid_with(const Scene& scene, std::string_view name) {
-  for (const RigidScene& rigid : scene.rigids)
-    if (std::find(rigid.of.begin(), rigid.of.end(), name) != rigid.of.end()) return &rigid;
-  return nullptr;
-}
 
 std::string without_potential(const Scene& scene) {
   for (const BeamScene& beam : scene.beams)

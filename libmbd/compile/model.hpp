@@ -104,9 +104,6 @@ Model compile(const Scene& scene);
 // not have.
 Model compile(const Scene& scene, const Extensions& extensions);
 
-// What makes the beam or body of that name rigid; nullptr if nothing does.
-const RigidScene* rigid_with(const Scene& scene, std::string_view name);
-
 // Why the forces of a scene have no potential; empty if they have one. Where they have, equilibria are
 // stable or not by the inertia of their tangent (stability.hpp).
 std::string without_potential(const Scene& scene);

@@ -17,7 +17,7 @@ namespace {
 // BDF of order 3 and more amplify undamped oscillations, of which beams have many.
 bool has_beams(const System& system) {
   return std::any_of(system.batches().begin(), system.batches().end(),
-                     [](const auto& batch) { return is_structure(*batch); });
+                     [](const auto& batch) { return batch->is_structure(); });
 }
 
 }  // namespace

@@ -23,6 +23,11 @@ struct TangentWeights {
   double V = 0.0;
   double A = 0.0;
   std::span<const Mat6> T_inv = {};  // by node; empty for the identity
+
+  // D T^-1 of the node: D by velocities or accelerations, weighted already.
+  Mat6 at_node(const Mat6& D, std::size_t node) const {
+    return T_inv.empty() ? D : Mat6(D * T_inv[node]);
+  }
 };
 
 struct Energies {
@@ -39,6 +44,9 @@ class Batch {
   virtual std::string_view type() const = 0;  // e.g. "beam elastic, geodesic, energy form, N = 3"
   virtual Index size() const = 0;             // number of elements or joints
   virtual std::size_t bytes() const = 0;      // of data, indices and slots
+
+  // Holds nodes together as one deformable body: elements of structures, and damping within such.
+  virtual bool is_structure() const { return false; }
 
   // Appends this batch's contributions to the graph; they keep the place they get there.
   virtual void connect(BlockGraph& graph) = 0;

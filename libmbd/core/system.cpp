@@ -268,8 +268,7 @@ void System::add_feedback(const State& state, const TangentWeights& weights, dou
   if (feedback_.empty()) return;
   each_feedback_block(state, [&](const Mat6& K, const Mat6& C, std::size_t node, std::size_t slot) {
     Mat6 block = U * K;
-    if (weights.V != 0.0)
-      block += weights.V * (weights.T_inv.empty() ? C : Mat6(C * weights.T_inv[node]));
+    if (weights.V != 0.0) block += weights.V * weights.at_node(C, node);
     add_block(slots[slot], block);
   });
 }

@@ -329,42 +329,46 @@ Members members_of(const Scene& scene) {
   return known;
 }
 
-// `taken`: by the rigid ones before, each with the name of its own.
+// The part of that name. Names are gathered where one is unknown only, of which there may be thousands.
+bool is_attached(const Checked& item, const Scene& scene, const Members& known,
+                 const std::string& name) {
+  if (const auto found = known.find(name); found != known.end()) return found->second;
+  std::vector<std::string_view> names;
+  for (const BeamScene& b : scene.beams) names.push_back(b.name);
+  for (const BodyScene& b : scene.bodies) names.push_back(b.name);
+  item.fail("of: there is no beam or body " + in_quotes(excerpt(name)) +
+            suggest(name, names, "beams and bodies"));
+}
+
+// `taken`: by groups of the kind before, each with the name of its own.
+template <class Group>
+void take_part(const Checked& item, const Group& group, const std::string& name,
+               std::map<std::string, std::string>& taken) {
+  const auto [first, is_new] = taken.try_emplace(name, group.name);
+  item.fail_if(!is_new, "of: " + in_quotes(name) + " is part of " +
+                            std::string(Group::item.element) + " " + in_quotes(first->second) +
+                            " already; name it once");
+}
+
 void check_members(const RigidScene& rigid, const Scene& scene, const Members& known,
                    std::map<std::string, std::string>& taken) {
   const Checked item(rigid);
   item.fail_if(rigid.of.empty(), "of is empty; name beams and free bodies that are to be one");
   for (const std::string& name : rigid.of) {
-    const auto found = known.find(name);
-    if (found == known.end()) {
-      std::vector<std::string_view> names;
-      for (const BeamScene& b : scene.beams) names.push_back(b.name);
-      for (const BodyScene& b : scene.bodies) names.push_back(b.name);
-      item.fail("of: there is no beam or body " + in_quotes(excerpt(name)) +
-                suggest(name, names, "beams and bodies"));
-    }
-    item.fail_if(found->second, "of: body " + in_quotes(excerpt(name)) +
-                                    " is attached to something and moves with that; leave it out");
-    const auto [first, is_new] = taken.try_emplace(name, rigid.name);
-    item.fail_if(!is_new, "of: " + in_quotes(name) + " is part of rigid " +
-                              in_quotes(first->second) + " already; name it once");
+    item.fail_if(is_attached(item, scene, known, name),
+                 "of: body " + in_quotes(excerpt(name)) +
+                     " is attached to something and moves with that; leave it out");
+    take_part(item, rigid, name, taken);
   }
 }
 
-// `taken`: by the reductions before, each with the name of its own.
-void check_parts(const ReductionScene& reduction, const Members& known,
+void check_parts(const ReductionScene& reduction, const Scene& scene, const Members& known,
                  std::map<std::string, std::string>& taken) {
   const Checked item(reduction);
   item.fail_if(reduction.of.empty(), "of is empty; name beams and bodies");
   for (const std::string& name : reduction.of) {
-    std::vector<std::string_view> names;
-    for (const auto& [other, attached] : known) names.push_back(other);
-    std::ranges::sort(names);
-    item.fail_if(!known.contains(name), "of: there is no beam or body " + in_quotes(excerpt(name)) +
-                                            suggest(name, names, "beams and bodies"));
-    const auto [first, is_new] = taken.try_emplace(name, reduction.name);
-    item.fail_if(!is_new, "of: " + in_quotes(name) + " is part of reduction " +
-                              in_quotes(first->second) + " already; name it once");
+    is_attached(item, scene, known, name);  // or not: both may be in one
+    take_part(item, reduction, name, taken);
   }
 }
 
@@ -372,7 +376,8 @@ void check_parts(const ReductionScene& reduction, const Members& known,
 void check_reductions(const Scene& scene) {
   const Members known = members_of(scene);
   std::map<std::string, std::string> taken;  // by part
-  for (const ReductionScene& reduction : scene.reductions) check_parts(reduction, known, taken);
+  for (const ReductionScene& reduction : scene.reductions)
+    check_parts(reduction, scene, known, taken);
   const auto reduction_of = [&taken](std::string_view part) -> std::string {
     const auto it = taken.find(std::string(part));
     return it == taken.end() ? std::string() : it->second;

@@ -337,13 +337,8 @@ class Explainer {
     const RigidScene* const a = rigid_with(scene_, joint.a.name);
     return a != nullptr && a == rigid_with(scene_, joint.b.name);
   }
-  bool is_reduced(const std::string& part) const {
-    return std::ranges::any_of(scene_.reductions, [&part](const ReductionScene& reduction) {
-      return std::ranges::find(reduction.of, part) != reduction.of.end();
-    });
-  }
   bool is_flexible(const BeamScene& beam) const {
-    return rigid_with(scene_, beam.name) == nullptr && !is_reduced(beam.name);
+    return rigid_with(scene_, beam.name) == nullptr && reduction_with(scene_, beam.name) == nullptr;
   }
 
   static bool is_coupled(const Section& section) {

@@ -39,6 +39,26 @@ const Section* section_of(const Scene& scene, const BeamScene& beam) {
   return nullptr;
 }
 
+namespace {
+
+template <class Groups>
+auto group_with(const Groups& groups, std::string_view name) {
+  const auto it = std::ranges::find_if(groups, [name](const auto& group) {
+    return std::ranges::find(group.of, name) != group.of.end();
+  });
+  return it == groups.end() ? nullptr : &*it;
+}
+
+}  // namespace
+
+const ReductionScene* reduction_with(const Scene& scene, std::string_view name) {
+  return group_with(scene.reductions, name);
+}
+
+const RigidScene* rigid_with(const Scene& scene, std::string_view name) {
+  return group_with(scene.rigids, name);
+}
+
 int stated_elements(const Scene& scene, const BeamScene& beam) {
   return beam.elements * static_cast<int>(parts_of(scene, beam).size() - 1);
 }

@@ -60,6 +60,10 @@ void each_kind_along(SomeScene& scene, const F& f) {
 // The section that the beam names; nullptr: there is none.
 const Section* section_of(const Scene& scene, const BeamScene& beam);
 
+// The reduction that the beam or body of that name is part of, or that makes it rigid; nullptr: none.
+const ReductionScene* reduction_with(const Scene& scene, std::string_view name);
+const RigidScene* rigid_with(const Scene& scene, std::string_view name);
+
 // How many elements the beam states, before its places add some.
 int stated_elements(const Scene& scene, const BeamScene& beam);
 

@@ -69,9 +69,9 @@ struct Converged {
 
 // `tolerance` is of an entry ij over sqrt(D_ii D_jj). The estimate e of a diagonal entry, over it, is 0.7 of its last change,
 // which bounds the rest of a series whose ratios are 0.41 or less from here on; where its ratio to the change before (or
-// that of the largest change to the largest before) is above 0.5, twice the larger change; no less than a tenth of the largest e. An entry ij has sqrt(e_i e_j), round-off where it is zero by symmetry; none has less
-// than round-off, 1e-11. Ends, not reached, before a mesh of more than `most_unknowns`; an error of infinity: before there
-// was an estimate.
+// that of the largest change to the largest before) is above 0.5, twice the larger change; no less than a tenth of the
+// largest e. An entry ij has sqrt(e_i e_j), round-off where it is zero by symmetry; none has less than round-off, 1e-11.
+// Ends, not reached, before a mesh of more than `most_unknowns`; an error of infinity: before there was an estimate.
 Converged converge(const Mesher& mesher, const Vec3& curvature = Vec3::Zero(),
                    double tolerance = 1e-6, int most_unknowns = 200'000);
 

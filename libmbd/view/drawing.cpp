@@ -406,22 +406,17 @@ class Drawing {
     facts("drawn", drawn);
   }
 
-  const ReductionScene* reduction_of(const std::string& part) const {
-    for (const ReductionScene& reduction : scene_.reductions)
-      if (std::ranges::find(reduction.of, part) != reduction.of.end()) return &reduction;
-    return nullptr;
-  }
-
   void add_beam(const BeamScene& beam) {
     const auto rigid = rigid_with_.find(beam.name);
     const bool is_rigid = rigid != rigid_with_.end();
+    const ReductionScene* const reduction = reduction_with(scene_, beam.name);
     const Model::Line* const line = line_of(beam.name);
     Line made = placed(beam, line, is_rigid ? &rigid->second : nullptr);
     Json shape;
     if (line != nullptr) {
       shape["stations"] = line->stations;
       // Of component modes there are some nodes, and those of no elements.
-      if (reduction_of(beam.name) == nullptr) shape["order"] = beam.order;
+      if (reduction == nullptr) shape["order"] = beam.order;
     }
     Json points = Json::array();
     for (const At& at : made.points) points.push_back(json(at));
@@ -431,7 +426,7 @@ class Drawing {
     shape["rigid"] = is_rigid;
     Facts facts;
     facts("length", number(made.line.length, "m"));
-    if (const ReductionScene* const reduction = reduction_of(beam.name))
+    if (reduction != nullptr)
       facts("component modes", "part of " + label(*reduction));
     else if (!is_rigid)
       facts("elements", fmt::format("{} of order {}, {} nodes", stated_elements(scene_, beam),

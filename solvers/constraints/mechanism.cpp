@@ -1,16 +1,11 @@
 #include "solvers/constraints/mechanism.hpp"
 
+#include <functional>
+
 #include "libmbd/core/se3.hpp"
 #include "solvers/constraints/parts.hpp"
 
 namespace mbd {
-namespace {
-
-// What makes nodes one rigid part, with every beam as a rigid body. Springs, dampers and bushings tie nothing: they
-// leave every motion, and give it a force.
-bool is_rigid(const Batch& batch) { return is_structure(batch); }
-
-}  // namespace
 
 Mechanism analyze_mechanism(const System& system, const State& state) {
   Mechanism result;
@@ -18,7 +13,9 @@ Mechanism analyze_mechanism(const System& system, const State& state) {
 
   // Lengths: rotations times L.
   const double L = system.length_scale();
-  const ConnectedParts parts = find_parts(system, is_rigid);
+  // Rigid parts: every structure as a rigid body. Springs, dampers and bushings tie nothing: they leave every motion, and
+  // give it a force.
+  const ConnectedParts parts = find_parts(system, std::mem_fn(&Batch::is_structure));
   const std::vector<int>& part = parts.of_node;
   result.rigid_parts = parts.count();
   const std::vector<int>& origin = parts.first;

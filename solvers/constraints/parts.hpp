@@ -18,11 +18,6 @@ struct ConnectedParts {
   bool all_free() const;
 };
 
-// What holds nodes together as one deformable body, and damping within such: beams and component modes.
-inline bool is_structure(const Batch& batch) {
-  return batch.type().starts_with("beam") || batch.type() == "component modes";
-}
-
 // `ties`: which batches count; all by default. What acts on single nodes (loads, gravity, drag) ties nothing.
 ConnectedParts find_parts(const System& system, const std::function<bool(const Batch&)>& ties = {});
 

@@ -91,11 +91,12 @@ class HeldPencil final : public MotionPencil {
 
 // Modes to round-off of the matrices, by subspace iteration: what is a little off in them would be so in the element, where
 // two that ought to be alike (moved, turned) are compared. `pencil` has its factors at 0.
-void refine(const HeldPencil& pencil, MatX& shapes, VecX& squares) {
+void refine(const HeldPencil& pencil, MatX& shapes) {
   constexpr int times = 4;
   for (int i = 0; i < times; ++i) {
     stop::check();
-    pencil.solve(shapes = pencil.mass_times(shapes));
+    shapes = pencil.mass_times(shapes);
+    pencil.solve(shapes);
     for (Index c = 0; c < shapes.cols(); ++c) shapes.col(c) /= shapes.col(c).cwiseAbs().maxCoeff();
     const MatX M = shapes.transpose() * pencil.mass_times(shapes),
                K = shapes.transpose() * pencil.stiffness_times(shapes);
@@ -103,18 +104,12 @@ void refine(const HeldPencil& pencil, MatX& shapes, VecX& squares) {
                                                               0.5 * (M + M.transpose()));
     if (ritz.info() != Eigen::Success) return;
     shapes = MatX(shapes * ritz.eigenvectors());
-    squares = ritz.eigenvalues();
   }
 }
 
-struct HeldModes {
-  MatX shapes;  // columns, real
-  std::vector<double> frequencies;
-};
-
-HeldModes held_modes(const Sparse& K, const Sparse& M, double length, int count) {
-  HeldModes held{MatX(K.rows(), count), {}};
-  if (count == 0) return held;
+// The slowest of them, in columns.
+MatX held_modes(const Sparse& K, const Sparse& M, double length, int count) {
+  if (count == 0) return MatX(K.rows(), 0);
   if (count > K.rows())
     throw Error("modes is " + std::to_string(count) + ", but with its interfaces fixed it has " +
                 std::to_string(K.rows()) + " motions; ask for fewer, or give it more elements");
@@ -130,18 +125,14 @@ HeldModes held_modes(const Sparse& K, const Sparse& M, double length, int count)
   std::ranges::stable_sort(found.modes, {},
                            [](const Mode& mode) { return std::abs(mode.eigenvalue); });
   MatX all(K.rows(), static_cast<Index>(found.modes.size()));
-  VecX squares(all.cols());
   for (Index k = 0; k < all.cols(); ++k) {
     const Mode& mode = found.modes[static_cast<std::size_t>(k)];
     Index largest = 0;
     mode.shape.cwiseAbs().maxCoeff(&largest);
     all.col(k) = (mode.shape / mode.shape(largest)).real();
-    squares(k) = std::norm(mode.eigenvalue);
   }
-  refine(pencil, all, squares);
-  held.shapes = all.leftCols(count);
-  for (int k = 0; k < count; ++k) held.frequencies.push_back(std::sqrt(std::max(0.0, squares(k))));
-  return held;
+  refine(pencil, all);
+  return all.leftCols(count);
 }
 
 // Displacements over the length.
@@ -184,12 +175,6 @@ std::vector<int> choose_within(const MatX& shapes, double length) {
 struct Nodes {
   int frame;
   std::vector<int> held, kept, rest;
-
-  std::vector<int> within() const {
-    std::vector<int> both = kept;
-    both.insert(both.end(), rest.begin(), rest.end());
-    return both;
-  }
 };
 
 // Rows of (1), (2) of the rest; columns of held, then kept.
@@ -217,8 +202,8 @@ MatX shapes_of_rest(const Sparse& K, const Nodes& nodes, const MatX& S_m, const 
 
 MatX symmetric(const MatX& A) { return 0.5 * (A + A.transpose()); }
 
-// The matrices of the element, of the shapes of all nodes.
-void set_matrices(const SmallMotions& motions, const Nodes& nodes,
+// The matrices of the element, of the shapes of all nodes. K: of all of the part.
+void set_matrices(const SmallMotions& motions, const Sparse& K, const Nodes& nodes,
                   std::span<const Mat6> mass_damping, ComponentModes& result) {
   const System& system = motions.system();
   const auto all = static_cast<Index>(system.nodes()) - 1;
@@ -238,7 +223,7 @@ void set_matrices(const SmallMotions& motions, const Nodes& nodes,
   component::Data& element = result.element;
   for (std::size_t k = 1; k < result.nodes.size(); ++k)
     element.A.push_back(relative(frame, system.reference_pose(result.nodes[k])));
-  element.K = symmetric(T.transpose() * (motions.stiffness_matrix() * T));
+  element.K = symmetric(T.transpose() * (K * T));
   result.M = symmetric(whole.transpose() * (motions.mass_matrix() * whole));
   const MatX of_rigid = rigid.transpose() * (motions.mass_matrix() * rigid);
   element.mass = of_rigid(0, 0);
@@ -288,9 +273,7 @@ ComponentModes component_modes(const SmallMotions& motions, std::span<const int>
     factor(solver, K_J);
     if (!nodes.held.empty() && !within.empty())
       S = -solver.solve(MatX(submatrix(K, within, nodes.held)));
-    HeldModes held = held_modes(K_J, submatrix(M, within, within), length, modes);
-    F = std::move(held.shapes);
-    result.frequencies = std::move(held.frequencies);
+    F = held_modes(K_J, submatrix(M, within, within), length, modes);
   }
   const std::vector<int> chosen = choose_within(F, length);
   std::vector<int> left;
@@ -316,7 +299,7 @@ ComponentModes component_modes(const SmallMotions& motions, std::span<const int>
   for (std::size_t k = 0; k < nodes.rest.size(); ++k)
     result.shapes.middleRows<6>(6 * Index{nodes.rest[k] - 1}) =
         of_rest.middleRows<6>(6 * static_cast<Index>(k));
-  set_matrices(motions, nodes, mass_damping, result);
+  set_matrices(motions, K, nodes, mass_damping, result);
   return result;
 }
 

@@ -26,7 +26,6 @@ struct ComponentModes {
   std::vector<int> nodes;  // of the element: the frame, the other interfaces, those within
   // Deformation of every node but the ground, of u of the element, body axes: 6 rows a node [m, rad].
   Eigen::MatrixXd shapes;
-  std::vector<double> frequencies;  // of the modes with interfaces fixed, rising [rad/s]
 };
 
 // At most so many nodes may an element have: its matrices are full.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "solvers/constraints/parts.hpp"
 #include "solvers/newton/increments.hpp"
@@ -80,7 +81,7 @@ bool strains_beams(const System& system, const State& state, const VecX& x) {
   const auto nodes = static_cast<int>(system.nodes());
   double most = 0.0;
   for (int n = 1; n < nodes; ++n) most = std::max(most, size_of(motion_of(n)));
-  const ConnectedParts parts = find_parts(system, is_structure);
+  const ConnectedParts parts = find_parts(system, std::mem_fn(&Batch::is_structure));
   for (int n = 1; n < nodes; ++n) {
     const auto part = static_cast<std::size_t>(parts.of_node[static_cast<std::size_t>(n)]);
     const int first = parts.first[part];

@@ -15,6 +15,7 @@
 #include "libmbd/language/quantities.hpp"
 #include "libmbd/language/reader.hpp"
 #include "libmbd/run/run.hpp"
+#include "libmbd/scene/places.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -653,17 +653,22 @@ std::string Grammar::quantities() {
   return some;
 }
 
+// Empty if there is none.
+std::string Grammar::a_beam() {
+  std::vector<std::string> beams;
+  for (const Part& part : parts_)
+    if (part.is_beam) beams.push_back(part.name);
+  return beams.empty() ? std::string() : one_of(beams);
+}
+
 std::string Grammar::text_value(std::string_view element, std::string_view attribute) {
   const auto from = [this](const std::vector<std::string>& names) {
     return names.empty() ? std::string() : one_of(names);
   };
-  std::vector<std::string> beams;
-  for (const Part& part : parts_)
-    if (part.is_beam) beams.push_back(part.name);
   if (attribute == "section") return from(sections_);
   if (attribute == "material") return from(materials_);
   if (attribute == "layup" || attribute == "flange" || attribute == "web") return from(layups_);
-  if (attribute == "beam") return from(beams);
+  if (attribute == "beam") return a_beam();
   if (attribute == "joint") return from(joints_);
   if (attribute == "spring") return from(springs_);
   if (attribute == "colour") return "teal";
@@ -681,12 +686,7 @@ std::string Grammar::text_value(std::string_view element, std::string_view attri
 // Kind::names.
 std::string Grammar::word_values(std::string_view element, std::string_view attribute) {
   if (attribute == "quantities") return quantities();
-  if (element == "reduction") {
-    std::vector<std::string> beams;
-    for (const Part& part : parts_)
-      if (part.is_beam) beams.push_back(part.name);
-    return beams.empty() ? std::string() : reduced_ = one_of(beams);
-  }
+  if (element == "reduction") return reduced_ = a_beam();
   if (element == "rigid")
     return parts_.size() < 2 ? std::string() : one_of(parts_).name + " " + one_of(parts_).name;
   if (attribute == "outputs") return new_names_.emplace_back(fmt::format("n{}", ++count_));

@@ -73,6 +73,7 @@ class Grammar {
   std::string along_a_curve(Item& one);
   std::string content(const mbd::schema::Element& element, Item& item, double share);
   std::string value(const mbd::schema::Element& element, const mbd::schema::Attribute& attribute);
+  std::string a_beam();
   std::string text_value(std::string_view element, std::string_view attribute);
   std::string word_values(std::string_view element, std::string_view attribute);
   std::string number(const mbd::schema::Attribute& attribute);

@@ -11,6 +11,7 @@
 #include "libmbd/language/schema.hpp"
 #include "libmbd/results/history.hpp"
 #include "libmbd/scene/label.hpp"
+#include "libmbd/scene/places.hpp"
 #include "libmbd/study/effects/straightened.hpp"
 #include "libmbd/text/spelling.hpp"
 

@@ -79,11 +79,8 @@ std::string free_name(const Scene& scene, std::string name) {
 }
 
 bool can_be_straightened(const Scene& scene, const BeamScene& beam) {
-  if (std::holds_alternative<Straight>(beam.line) || rigid_with(scene, beam.name) != nullptr)
-    return false;
-  if (std::ranges::any_of(scene.reductions, [&](const ReductionScene& of) {
-        return std::ranges::find(of.of, beam.name) != of.of.end();
-      }))
+  if (std::holds_alternative<Straight>(beam.line) || rigid_with(scene, beam.name) != nullptr ||
+      reduction_with(scene, beam.name) != nullptr)
     return false;
   const Section* const section = section_of(scene, beam);
   if (section == nullptr || beam.elements < 1) return false;

@@ -53,8 +53,8 @@ plot::Curve points_of(std::string label, int style) {
   return curve;
 }
 
-// [Hz] Up to where frequencies are drawn: what three of four points know. How high that is depends on the point, as harmonics of its
-// period do.
+// [Hz] Up to where frequencies are drawn: what three of four points know. How high that is depends on the point, as
+// harmonics of its period do.
 double highest_drawn(const FloquetMap& map) {
   std::vector<double> highest;
   for (const FloquetMap::Point& point : map.points) {
