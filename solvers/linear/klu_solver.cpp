@@ -237,6 +237,15 @@ class KluPencilSolver final : public PencilSolver {
                     reinterpret_cast<double*>(B.data()), &common_) != 1)
       std::fill(B.begin(), B.end(), std::numeric_limits<double>::quiet_NaN());
   }
+  void solve_transposed(std::span<std::complex<double>> b) const override {
+    const int n = blocks_.columns.n;
+    constexpr int conjugated = 0;
+    if (n == 0) return;
+    if (complex_.numeric == nullptr ||
+        klu_z_tsolve(symbolic_, complex_.numeric, n, 1, reinterpret_cast<double*>(b.data()),
+                     conjugated, &common_) != 1)
+      std::fill(b.begin(), b.end(), std::numeric_limits<double>::quiet_NaN());
+  }
 
   double reciprocal_condition() const override {
     if (blocks_.columns.n == 0) return 1.0;

@@ -3,7 +3,9 @@
 // for one real and one complex x. Blocks of multipliers (constraint gradients) are taken from P0 as they are.
 #pragma once
 
+#include <algorithm>
 #include <complex>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -42,10 +44,14 @@ class PencilSolver {
   // b := E(x)^-1 b, b := E(z)^-1 b. NaN if the last factorisation was not ok.
   virtual void solve(std::span<double> b) const = 0;
   virtual void solve(std::span<std::complex<double>> b) const = 0;
-  // The same of several, one after the other in B.
+  // Those of several, one after the other in B.
   virtual void solve_columns(std::span<double> B, Index columns) const { each(B, columns); }
   virtual void solve_columns(std::span<std::complex<double>> B, Index columns) const {
     each(B, columns);
+  }
+  // b := E(z)^-T b. NaN where the solver has none: that of KLU has.
+  virtual void solve_transposed(std::span<std::complex<double>> b) const {
+    std::ranges::fill(b, std::numeric_limits<double>::quiet_NaN());
   }
 
   // Estimate of 1/(|E(x)| |E(x)^-1|) for the real x.

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "libmbd/core/stop.hpp"
+#include "solvers/modes/condition.hpp"
 #include "solvers/statics/stability.hpp"
 
 namespace mbd {
@@ -356,11 +357,13 @@ struct ModeSearch {
 ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   const Eigen::SparseMatrix<double> sizes = motions.sizes_of_stiffness();
   ModesFound found = ModeSearch{motions, sizes, options}.run();
+  set_conditions(motions, found.modes);
   for (Mode& mode : found.modes) {
     const double square = std::norm(mode.eigenvalue);
     if (!mode.rigid && square > 0.0)
-      mode.round_off = std::max(0.5 * share_lost * cancelling(motions, sizes, mode) / square,
-                                mode.residual > blurred ? mode.residual : 0.0);
+      mode.round_off =
+          std::max(0.5 * share_lost * mode.condition * cancelling(motions, sizes, mode) / square,
+                   mode.residual > blurred ? mode.residual : 0.0);
   }
   return found;
 }

@@ -29,9 +29,11 @@ struct Mode {
   double residual = 0.0;  // |T x - theta x| / |theta x|, T at the shift
   bool rigid = false;     // nothing answers the motion: the eigenvalue is 0
   // Of the eigenvalue, relative: what round-off of the stiffness may have made of it, where that is a sum in which nearly all
-  // cancels, as in the bending of a slender beam of very many nodes; or the residual where that is larger and no round-off. An
+  // cancels, as in the bending of a slender beam of very many nodes, times the condition; or the residual where that is larger and no round-off. An
   // estimate of its size; 0 of a rigid one.
   double round_off = 0.0;
+  // Of the eigenvalue, condition.hpp; 0 of a rigid one.
+  double condition = 0.0;
 
   double frequency()
       const;  // |l|/(2 pi) of an oscillation [Hz], undamped; 0 of what does not oscillate

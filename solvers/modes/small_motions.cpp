@@ -104,6 +104,17 @@ Eigen::SparseMatrix<double> SmallMotions::nonzeros(int power) const {
   return matrix;
 }
 
+bool SmallMotions::is_symmetric() const {
+  constexpr double round_off = 1e-9;  // and what is left of equilibrium by its iterations
+  const Eigen::SparseMatrix<double> K = nonzeros(0),
+                                    skew = K - Eigen::SparseMatrix<double>(K.transpose());
+  const VecX size = K.diagonal().cwiseAbs().cwiseSqrt();
+  for (Index column = 0; column < skew.outerSize(); ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(skew, column); it; ++it)
+      if (std::abs(it.value()) > round_off * size(it.row()) * size(column)) return false;
+  return true;
+}
+
 Eigen::SparseMatrix<double> SmallMotions::constraint_gradient() const {
   std::vector<Eigen::Triplet<double>> entries;
   std::unordered_set<const double*> seen;
@@ -164,6 +175,14 @@ void SmallMotions::solve_columns(Columns& B) const {
 }
 template void SmallMotions::solve_columns(Eigen::MatrixXd&) const;
 template void SmallMotions::solve_columns(Eigen::MatrixXcd&) const;
+
+// E = S Q, S of the rows of motions: Q^-T = S E^-T.
+VecXc SmallMotions::solve_transposed(const VecXc& b) const {
+  VecXc all = VecXc::Zero(unknowns());
+  all.head(motions_) = b;
+  pencil_->solve_transposed({all.data(), static_cast<std::size_t>(all.size())});
+  return scale_ * all.head(motions_);
+}
 
 void SmallMotions::solve_all(VecX& b) const {
   b.head(motions_) *= scale_;

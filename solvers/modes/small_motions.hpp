@@ -39,6 +39,7 @@ class SmallMotions final : public MotionPencil {
   const VecX& residual() const { return r_; }    // of the state, as System::residual
 
   bool is_damped_or_turns() const override { return has_rates_; }
+  bool is_symmetric() const;                       // K is, but for round-off of its diagonal
   double stiffness() const { return stiffness_; }  // largest entry of K [N/m] (largest_stiffness)
   double mass() const { return mass_; }            // the same of M [kg]
 
@@ -66,6 +67,8 @@ class SmallMotions final : public MotionPencil {
   bool factor(std::complex<double> s) override;
   void solve(Eigen::MatrixXd& B) const override { solve_columns(B); }
   void solve(Eigen::MatrixXcd& B) const override { solve_columns(B); }
+  // The motions of Q^-T [b; 0], of a complex shift.
+  VecXc solve_transposed(const VecXc& b) const;
   // x = Q^-1 b, of all unknowns; scaled rows and multipliers are this function's business.
   void solve_all(VecX& b) const;
   double reciprocal_condition() const { return pencil_->reciprocal_condition(); }

@@ -127,7 +127,7 @@ py::dict modes(const ModelHandle& model, int count, const std::string& near,
   const double nothing = std::nan("");
   py::array_t<Complex> eigenvalues(modes), shapes({modes, nodes, py::ssize_t{6}});
   py::array_t<double> frequencies(modes), damping(modes), orbits(modes), inertial(modes),
-      positions({nodes, py::ssize_t{3}}), residuals(modes);
+      positions({nodes, py::ssize_t{3}}), residuals(modes), conditions(modes);
   py::list names, parts;
   for (py::ssize_t n = 0; n < nodes; ++n)
     for (py::ssize_t k = 0; k < 3; ++k)
@@ -139,6 +139,7 @@ py::dict modes(const ModelHandle& model, int count, const std::string& near,
     damping.mutable_at(m) = mode.damping_ratio();
     orbits.mutable_at(m) = mode.orbit.value_or(nothing);
     residuals.mutable_at(m) = mode.residual;
+    conditions.mutable_at(m) = mode.condition;
     const auto whirl = mode.whirl(study->rotation ? study->rotation->rate : 0.0, study->axes);
     inertial.mutable_at(m) = whirl ? *whirl / (2.0 * std::numbers::pi) : nothing;
     names.append(mode.name);
@@ -166,6 +167,7 @@ py::dict modes(const ModelHandle& model, int count, const std::string& near,
   all["orbits"] = orbits;
   all["inertial_frequencies"] = inertial;
   all["residuals"] = residuals;
+  all["conditions"] = conditions;
   all["axes"] = study->rotation
                     ? py::object(py::str(study->axes == ModeAxes::turning ? "turning" : "resting"))
                     : py::object(py::none());

@@ -119,17 +119,17 @@ std::string to_text(const ModesStudy& study) {
 std::string to_csv(const ModesStudy& study) {
   std::string text =
       "mode,re_eigenvalue,im_eigenvalue,frequency,damping_ratio,orbit,inertial_frequency,residual,"
-      "round_off,rigid,name\n"
-      "# -,1/s,1/s,Hz,-,-,Hz,-,-,-,-\n";
+      "round_off,condition,rigid,name\n"
+      "# -,1/s,1/s,Hz,-,-,Hz,-,-,-,-,-\n";
   for (std::size_t i = 0; i < study.modes.size(); ++i) {
     const NamedMode& mode = study.modes[i];
     const std::optional<double> whirl = mode.whirl(rate_of(study), study.axes);
-    text +=
-        fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3g},{:.3g},{},{}\n", i + 1,
-                    mode.eigenvalue.real(), mode.eigenvalue.imag(), mode.frequency(),
-                    mode.damping_ratio(), mode.orbit ? fmt::format("{:.6f}", *mode.orbit) : "",
-                    whirl ? fmt::format("{:.17g}", *whirl / (2.0 * std::numbers::pi)) : "",
-                    mode.residual, mode.round_off, mode.rigid ? 1 : 0, study::csv_cell(mode.name));
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3g},{:.3g},{:.6g},{},{}\n",
+                        i + 1, mode.eigenvalue.real(), mode.eigenvalue.imag(), mode.frequency(),
+                        mode.damping_ratio(), mode.orbit ? fmt::format("{:.6f}", *mode.orbit) : "",
+                        whirl ? fmt::format("{:.17g}", *whirl / (2.0 * std::numbers::pi)) : "",
+                        mode.residual, mode.round_off, mode.condition, mode.rigid ? 1 : 0,
+                        study::csv_cell(mode.name));
   }
   return text;
 }
@@ -165,6 +165,7 @@ std::string to_json(const ModesStudy& study) {
     one["damping_ratio"] = mode.damping_ratio();
     one["residual"] = mode.residual;
     one["round_off"] = mode.round_off;
+    one["condition"] = mode.condition;
     one["rigid"] = mode.rigid;
     if (mode.orbit) one["orbit"] = *mode.orbit;
     if (const auto whirl = mode.whirl(rate_of(study), study.axes))
