@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "libmbd/core/stop.hpp"
 #include "libmbd/language/item.hpp"
 #include "libmbd/language/read_tree.hpp"
 #include "libmbd/material/shaped_sections.hpp"
@@ -96,6 +97,7 @@ class Reader {
         {"repeat", &Reader::repeat_children},
     };
     for (const xml::Element& child : parent.xml().children) {
+      stop::check();
       const Item item(child, parent);
       if (const auto read = readers.find(child.name); read != readers.end())
         (this->*read->second)(item);
@@ -238,6 +240,7 @@ class Reader {
   template <class F>
   void each(const Item& parent, const F& f) {
     for (const xml::Element& child : parent.xml().children) {
+      stop::check();
       const Item item(child, parent);
       if (item.element().name == "repeat")
         repeat(item, [&] { each(item, f); });

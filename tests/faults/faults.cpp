@@ -1,6 +1,7 @@
 // Faults of the system, one at a time: preloaded into a program (LD_PRELOAD), it lets one call fail and no other.
 //   MBD_FAULT="write NAME N"   the Nth write(2) to a file whose name holds NAME: ENOSPC
 //   MBD_FAULT="open NAME N"    the Nth open(2) to write it: EMFILE
+//   MBD_FAULT="plant NAME N"   before the Nth open(2) that makes it, a link of its name to the file MBD_FAULT_VICTIM is there
 //   MBD_FAULT="rename NAME N"  the Nth rename(2) to it: EIO
 //   MBD_FAULT="mkdir NAME N"   the Nth mkdir(2) of it: EACCES
 //   MBD_FAULT="malloc NAME N"  the Nth allocation after a file whose name holds NAME was opened by fopen: no memory
@@ -134,6 +135,10 @@ int open(const char* path, int flags, ...) {
   if ((flags & O_ACCMODE) != O_RDONLY && fails("open", path)) {
     errno = EMFILE;
     return -1;
+  }
+  if ((flags & O_CREAT) != 0 && fails("plant", path)) {
+    unlink(path);
+    if (symlink(std::getenv("MBD_FAULT_VICTIM"), path) != 0) std::abort();
   }
   return real(path, flags, mode);
 }

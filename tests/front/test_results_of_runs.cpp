@@ -284,6 +284,23 @@ TEST(StopsSlow, InsideFloquet) {
   });
 }
 
+// A mistake at the end of the text: all before it is reading.
+TEST(StopsSlow, InsideTheReader) {
+  const std::string model = R"(<mbd name="m"><repeat count="100000" index="i">
+    <body name="b{i}" mass="1+i" inertia="1 1 1" at="i sin(i) 0"/></repeat><body name="b0"/></mbd>)";
+  expect_ends_when_told([&](const std::atomic<bool>& stop) {
+    const stop::Scope scope(&stop);
+    try {
+      read_model_text(model);
+      ADD_FAILURE() << "no error";
+    } catch (const Stopped&) {
+      throw;
+    } catch (const Error& error) {
+      EXPECT_SAYS(std::string(error.what()), "mass");
+    }
+  });
+}
+
 TEST(StopsSlow, InsideSections) {
   const char* const section =
       R"(<mbd name="m"><material name="steel" E="2e11" nu="0.3"/>
@@ -435,6 +452,25 @@ TEST(FailingCallsSlow, EachInTurn) {
           << "without the system's reason: " << ended.err;
     }
   }
+}
+
+// Somebody is quicker: links stand where files are to be made. What they show to stays as it is.
+TEST(FailingCallsSlow, LinksPlantedInTurn) {
+  if (!faults_work()) GTEST_SKIP() << "the sanitizers are loaded first";
+  const FaultyRuns runs(model_file("pendulum"));
+  const fs::path victim = runs.directory.path() / "victim";
+  write_file(victim, "as it was");
+  setenv("MBD_FAULT_VICTIM", victim.c_str(), 1);
+  Counted all;
+  EXPECT_EQ(runs.run("plant * 0", &all).status, 0);
+  EXPECT_GE(all.calls, 3);
+  for (long n = 1; n <= all.calls; ++n) {
+    const Ended ended = runs.run(fmt::format("plant * {}", n));
+    EXPECT_EQ(contents(victim), "as it was") << n;
+    EXPECT_EQ(ended.status, 1) << n;
+    EXPECT_SAYS(ended.err, "File exists");
+  }
+  unsetenv("MBD_FAULT_VICTIM");
 }
 
 // Once from each of a part of the places of the program that ask for memory (12 frames of the stack; every third and every twelfth

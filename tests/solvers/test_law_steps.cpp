@@ -155,6 +155,41 @@ TEST(LawSteps, LawsThatAreNotResolvedAreSaid) {
   EXPECT_NE(report.certificate.verdict(), Verdict::pass);
 }
 
+// A force whose period is the step, or a part or a multiple of it: at the ends of steps it looks constant, and would push far
+// away what it shakes by a few micrometres, x = F/(m w^2) (1 - cos wt). No certificate passes what is a tenth of that off, and
+// steps that an error chooses see the force.
+TEST(LawSteps, NoStepIsAnAliasOfALaw) {
+  constexpr double period = 0.01, force = 10.0, w = 2.0 * std::numbers::pi / period;
+  Scene scene =
+      scene_of(oscillator + slides +
+               fmt::format(R"(<load at="b" force="{}*cos(2*pi*t/{}) 0 0"/>)", force, period));
+  scene.transient->duration = 1.0;
+  scene.transient->output = 1.5e-3;
+  const auto error = [&](const History& history) {
+    double most = 0.0;
+    const auto &t = history.table["time"], &x = history.table["b.displacement.1"];
+    for (std::size_t k = 0; k < t.size(); ++k)
+      most = std::max(most, std::abs(x[k] - force / (mass * w * w) * (1.0 - std::cos(w * t[k]))));
+    return most / (2.0 * force / (mass * w * w));
+  };
+  int off = 0;
+  for (const TimeMethod method : {TimeMethod::generalized_alpha, TimeMethod::radau})
+    for (const double share : {3.0, 2.0, 1.5, 1.0, 2.0 / 3.0, 0.5, 1.0 / 3.0, 0.25, 0.01}) {
+      change_stepping(*scene.transient, {.method = method, .step = share * period});
+      const History history = run_to_table(scene);
+      const bool is_off = error(history) > 0.1;
+      off += is_off ? 1 : 0;
+      EXPECT_FALSE(is_off && history.report.certificate.verdict() == Verdict::pass)
+          << name_of(method) << ' ' << share << ": " << error(history);
+    }
+  EXPECT_GE(off, 8);
+  for (const TimeMethod method :
+       {TimeMethod::generalized_alpha, TimeMethod::radau, TimeMethod::ida}) {
+    change_stepping(*scene.transient, {.method = method, .tolerance = 1e-8});
+    EXPECT_LT(error(run_to_table(scene)), 0.05) << name_of(method);
+  }
+}
+
 // Laws that are smooth in the steps that an error asks for do not change them; those of time that are constant cost
 // nothing.
 TEST(LawSteps, LimitNothingWhereLawsAreSlow) {
