@@ -199,12 +199,12 @@ TEST_F(ViewPageSlow, WorkOfAFrameIsThatOfFewCalls) {
       answer.joints = of(() => mbdView.setFrame(7));
       return answer;)"));
   };
-  const Json few = work_of(20), many = work_of(200);
+  const Json few = work_of(20), many = work_of(60);
   EXPECT_LE(few.at("all").at("calls"), 16) << few.dump();
   EXPECT_EQ(many.at("all").at("calls"), few.at("all").at("calls")) << many.dump();
   EXPECT_EQ(many.at("all").at("uploads"), few.at("all").at("uploads")) << many.dump();
   EXPECT_LE(many.at("all").at("uploads"), 8);
-  EXPECT_LE(many.at("all").at("bytes"), 45000 * 24 + 64 * 4 * 200) << many.dump();
+  EXPECT_LE(many.at("all").at("bytes"), 45000 * 24 + 64 * 4 * 60) << many.dump();
   for (const Json& answer : {few, many}) {
     EXPECT_EQ(answer.at("seen"), true);
     EXPECT_EQ(answer.at("back"), true);
