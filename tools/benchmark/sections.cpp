@@ -14,12 +14,14 @@ using namespace mbd;
 section::Mesh squares(int side, int order) {
   std::vector<section::Cell> cells;
   for (int j = 0; j < side; ++j)
-    for (int i = 0; i < side; ++i)
-      cells.push_back({[i, j, side](double xi, double eta) {
-                         return section::Point(0.1 * (i + xi) / side, 0.1 * (j + eta) / side);
-                       },
-                       [](double, double) { return 0.5 * std::numbers::pi; },
-                       {false, false, false, false}});
+    for (int i = 0; i < side; ++i) {
+      section::Cell& cell = cells.emplace_back();
+      cell.map = [i, j, side](double xi, double eta) {
+        return section::Point(0.1 * (i + xi) / side, 0.1 * (j + eta) / side);
+      };
+      cell.normal = [](double, double) { return 0.5 * std::numbers::pi; };
+      cell.marked = {false, false, false, false};
+    }
   const std::vector<section::MeshMaterial> steel{
       {section::stiffness_of(section::isotropic(210e9, 0.3)), 7800.0, "steel"}};
   return section::mesh_of(cells, {order, 1}, steel, 1e-8);
