@@ -43,13 +43,6 @@ Eigen::Matrix<double, 3, 6> rigid(const Point& x) {
   return z;
 }
 
-// Displacements of nodes w, their derivatives along the line dw and strains of the section as a rigid one g, column by
-// column.
-template <class Scalar>
-struct Field {
-  MatrixOf<Scalar> w, dw;
-  Columns6<Scalar> g;
-};
 // Nodal resultants of stress on the face of the section, P, and of the rest, Q: P' = Q in equilibrium.
 template <class Scalar>
 struct Resultants {
@@ -59,7 +52,8 @@ struct Resultants {
 // One element at its integration points.
 struct Integrated {
   const ShapeTable* table = nullptr;
-  Eigen::MatrixXd d2, d3;  // derivatives of shape functions along b2, b3 (point, node)
+  // (node, 3 points): shape functions at all points, then their derivatives along b2, then those along b3.
+  Eigen::MatrixXd shapes;
   std::vector<double> area, metric;
   std::vector<Point> at;
   std::vector<Stiffness> stiffness;  // one, or one a point
@@ -131,58 +125,32 @@ class Operators {
   const Mesh& mesh() const { return mesh_; }
   Index size() const { return 3 * static_cast<Index>(mesh_.nodes.size()); }
 
-  // (4): what a field of displacements makes.
+  // (4): what a field makes of displacements of nodes w, their derivatives along the line dw and strains of the section as a
+  // rigid one g, column by column.
   template <class Scalar>
-  Resultants<Scalar> act(const Field<Scalar>& field) const {
-    const Index columns = field.g.cols();
+  Resultants<Scalar> act(const MatrixOf<Scalar>& w, const MatrixOf<Scalar>& dw,
+                         const Columns6<Scalar>& g) const {
+    const Index columns = g.cols();
     Resultants<Scalar> sum{MatrixOf<Scalar>::Zero(size(), columns),
                            MatrixOf<Scalar>::Zero(size(), columns)};
+    MatrixOf<Scalar> nodal, at, along, p, q;  // (3 column + component, node or place among shapes)
     for (std::size_t e = 0; e < elements_.size(); ++e) {
       const std::vector<int>& nodes = mesh_.elements[e].nodes;
       const Integrated& element = elements_[e];
-      const Eigen::MatrixXd& n = element.table->n;
-      const MatrixOf<Scalar> w = gather<Scalar>(field.w, nodes),
-                             dw = gather<Scalar>(field.dw, nodes);
-      const MatrixOf<Scalar> u = n * w, u2 = element.d2 * w, u3 = element.d3 * w, ds = n * dw;
-      MatrixOf<Scalar> p(u.rows(), u.cols()), q(u.rows(), u.cols()), q2(u.rows(), u.cols()),
-          q3(u.rows(), u.cols());
-      for (Index i = 0; i < u.rows(); ++i) {
-        const auto point = static_cast<std::size_t>(i);
-        const double area = element.area[point], metric = element.metric[point];
-        const Point& x = element.at[point];
-        const Eigen::Matrix<double, 3, 6> z = rigid(x);
-        for (Index c = 0; c < columns; ++c) {
-          const Vector3<Scalar> here = u.template block<1, 3>(i, 3 * c).transpose(),
-                                along2 = u2.template block<1, 3>(i, 3 * c).transpose(),
-                                along3 = u3.template block<1, 3>(i, 3 * c).transpose();
-          const Vector3<Scalar> along1 =
-              (ds.template block<1, 3>(i, 3 * c).transpose() + cross(k_) * here +
-               k_(0) * (x(1) * along2 - x(0) * along3) + z * field.g.col(c)) /
-              metric;
-          Vector6<Scalar> strain;
-          strain << along1(0), along2(1), along3(2), along2(2) + along3(1), along1(2) + along3(0),
-              along1(1) + along2(0);
-          const Vector6<Scalar> stress = element.c(point) * strain;
-          const Vector3<Scalar> face(stress(0), stress(5), stress(4)),
-              on2(stress(5), stress(1), stress(3)), on3(stress(4), stress(3), stress(2));
-          p.template block<1, 3>(i, 3 * c) = area * face.transpose();
-          q.template block<1, 3>(i, 3 * c) = area * (cross(k_).transpose() * face).transpose();
-          q2.template block<1, 3>(i, 3 * c) =
-              area * (metric * on2 + k_(0) * x(1) * face).transpose();
-          q3.template block<1, 3>(i, 3 * c) =
-              area * (metric * on3 - k_(0) * x(0) * face).transpose();
-        }
-      }
-      const MatrixOf<Scalar> of_p = n.transpose() * p;
-      const MatrixOf<Scalar> of_q =
-          n.transpose() * q + element.d2.transpose() * q2 + element.d3.transpose() * q3;
+      const auto points = static_cast<Index>(element.area.size());
+      const auto n = element.shapes.leftCols(points);
+      gather(w, nodes, nodal);
+      at.noalias() = nodal * element.shapes;
+      gather(dw, nodes, nodal);
+      along.noalias() = nodal * n;
+      for (Index i = 0; i < points; ++i) stress_at(element, i, g, at, along);
+      p.noalias() = along * n.transpose();
+      q.noalias() = at * element.shapes.transpose();
       for (std::size_t a = 0; a < nodes.size(); ++a) {
+        const auto node = static_cast<Index>(a);
         for (Index c = 0; c < columns; ++c) {
-          const auto row = static_cast<Index>(a);
-          sum.p.template block<3, 1>(3 * nodes[a], c) +=
-              of_p.template block<1, 3>(row, 3 * c).transpose();
-          sum.q.template block<3, 1>(3 * nodes[a], c) +=
-              of_q.template block<1, 3>(row, 3 * c).transpose();
+          sum.p.template block<3, 1>(3 * nodes[a], c) += p.template block<3, 1>(3 * c, node);
+          sum.q.template block<3, 1>(3 * nodes[a], c) += q.template block<3, 1>(3 * c, node);
         }
       }
     }
@@ -193,8 +161,8 @@ class Operators {
   template <class Scalar>
   void matrix(std::size_t e, Scalar lambda, MatrixOf<Scalar>& result) const {
     const Integrated& element = elements_[e];
-    const Eigen::MatrixXd& n = element.table->n;
-    const Index points = n.rows(), nodes = n.cols();
+    const auto points = static_cast<Index>(element.area.size());
+    const Index nodes = element.shapes.rows();
     MatrixOf<Scalar> strains = MatrixOf<Scalar>::Zero(6 * points, 3 * nodes),
                      stresses(6 * points, 3 * nodes);
     const Matrix3<Scalar> turn =
@@ -203,8 +171,9 @@ class Operators {
       const auto point = static_cast<std::size_t>(i);
       const Point& x = element.at[point];
       for (Index a = 0; a < nodes; ++a) {
-        const double d2 = element.d2(i, a), d3 = element.d3(i, a);
-        Matrix3<Scalar> along1 = turn * n(i, a);
+        const double n = element.shapes(a, i), d2 = element.shapes(a, points + i),
+                     d3 = element.shapes(a, 2 * points + i);
+        Matrix3<Scalar> along1 = turn * n;
         along1.diagonal().array() += k_(0) * (x(1) * d2 - x(0) * d3);
         along1 /= element.metric[point];
         auto b = strains.template block<6, 3>(6 * i, 3 * a);
@@ -271,15 +240,46 @@ class Operators {
       for (std::size_t point = 0; point < elements_[e].area.size(); ++point) f(e, point);
   }
 
-  // Nodes by rows; columns 3 c + component.
+  // Rows 3 column + component; nodes by columns.
   template <class Scalar>
-  static MatrixOf<Scalar> gather(const MatrixOf<Scalar>& all, const std::vector<int>& nodes) {
-    MatrixOf<Scalar> some(static_cast<Index>(nodes.size()), 3 * all.cols());
+  static void gather(const MatrixOf<Scalar>& all, const std::vector<int>& nodes,
+                     MatrixOf<Scalar>& some) {
+    some.resize(3 * all.cols(), static_cast<Index>(nodes.size()));
     for (std::size_t a = 0; a < nodes.size(); ++a)
       for (Index c = 0; c < all.cols(); ++c)
-        some.template block<1, 3>(static_cast<Index>(a), 3 * c) =
-            all.template block<3, 1>(3 * nodes[a], c).transpose();
-    return some;
+        some.template block<3, 1>(3 * c, static_cast<Index>(a)) =
+            all.template block<3, 1>(3 * nodes[a], c);
+  }
+
+  // Of point i of an element, in place of its displacements, `at` and their derivatives along b2 and b3, and of those along
+  // the line, `along`: what shape functions and their derivatives weight in Q, and in P.
+  template <class Scalar>
+  void stress_at(const Integrated& element, Index i, const Columns6<Scalar>& g,
+                 MatrixOf<Scalar>& at, MatrixOf<Scalar>& along) const {
+    const auto point = static_cast<std::size_t>(i);
+    const auto points = static_cast<Index>(element.area.size());
+    const double area = element.area[point], metric = element.metric[point];
+    const Point& x = element.at[point];
+    const Mat3 turn = cross(k_);
+    const Eigen::Matrix<double, 3, 6> z = rigid(x);
+    for (Index c = 0; c < g.cols(); ++c) {
+      auto here = at.template block<3, 1>(3 * c, i),
+           along2 = at.template block<3, 1>(3 * c, points + i),
+           along3 = at.template block<3, 1>(3 * c, 2 * points + i),
+           along1 = along.template block<3, 1>(3 * c, i);
+      const Vector3<Scalar> d1 =
+          (along1 + turn * here + k_(0) * (x(1) * along2 - x(0) * along3) + z * g.col(c)) / metric;
+      Vector6<Scalar> strain;
+      strain << d1(0), along2(1), along3(2), along2(2) + along3(1), d1(2) + along3(0),
+          d1(1) + along2(0);
+      const Vector6<Scalar> stress = area * (element.c(point) * strain);
+      const Vector3<Scalar> face(stress(0), stress(5), stress(4)),
+          on2(stress(5), stress(1), stress(3)), on3(stress(4), stress(3), stress(2));
+      along1 = face;
+      here = turn.transpose() * face;
+      along2 = metric * on2 + k_(0) * x(1) * face;
+      along3 = metric * on3 - k_(0) * x(0) * face;
+    }
   }
 
   Integrated integrate(std::size_t e) {
@@ -293,8 +293,8 @@ class Operators {
       x.row(a) = mesh_.nodes[static_cast<std::size_t>(element.nodes[static_cast<std::size_t>(a)])];
     const Index points = table.n.rows();
     const Eigen::MatrixX2d at = table.n * x, dx1 = table.d1 * x, dx2 = table.d2 * x;
-    result.d2.resize(points, nodes);
-    result.d3.resize(points, nodes);
+    result.shapes.resize(nodes, 3 * points);
+    result.shapes.leftCols(points) = table.n.transpose();
     const Stiffness& material =
         mesh_.materials[static_cast<std::size_t>(element.material)].stiffness;
     if (element.normals.size() == 1)
@@ -312,8 +312,9 @@ class Operators {
                         "{:g}, beyond the centre of curvature, 1 + k2 x3 - k3 x2 = {:g} is "
                         "not positive",
                         at(i, 0) * unit_, at(i, 1) * unit_, metric));
-      result.d2.row(i) = (dx2(i, 1) * table.d1.row(i) - dx1(i, 1) * table.d2.row(i)) / determinant;
-      result.d3.row(i) = (dx1(i, 0) * table.d2.row(i) - dx2(i, 0) * table.d1.row(i)) / determinant;
+      const auto d1 = table.d1.row(i).transpose(), d2 = table.d2.row(i).transpose();
+      result.shapes.col(points + i) = (dx2(i, 1) * d1 - dx1(i, 1) * d2) / determinant;
+      result.shapes.col(2 * points + i) = (dx1(i, 0) * d2 - dx2(i, 0) * d1) / determinant;
       result.area.push_back(determinant * table.weights[static_cast<std::size_t>(i)]);
       result.metric.push_back(metric);
       result.at.push_back(at.row(i).transpose());
@@ -343,6 +344,7 @@ template <class Scalar>
 class Bordered {
  public:
   using MatrixX = MatrixOf<Scalar>;
+  static constexpr int border = 18;  // springs, strains and multipliers
 
   Bordered(const Operators& operators, const std::vector<Front>& fronts, Scalar lambda,
            const Eigen::MatrixXd& z, const Eigen::MatrixXd& h)
@@ -374,10 +376,10 @@ class Bordered {
           "or "
           "the stiffnesses of its materials too far apart");
 
-    Field<Scalar> unit{MatrixX::Zero(operators.size(), 6), MatrixX::Zero(operators.size(), 6),
-                       Columns6<Scalar>::Identity(6, 6)};
-    const Resultants<Scalar> of_g = operators.act(unit);
-    border_ = MatrixX::Zero(operators.size(), 18);
+    const MatrixX still = MatrixX::Zero(operators.size(), 6);
+    const Resultants<Scalar> of_g =
+        operators.act<Scalar>(still, still, Columns6<Scalar>::Identity(6, 6));
+    border_ = MatrixX::Zero(operators.size(), border);
     for (std::size_t p = 0; p < 6; ++p)
       border_.template block<3, 1>(3 * pins[p].first, static_cast<Index>(p)) =
           pins[p].second.template cast<Scalar>();
@@ -385,7 +387,7 @@ class Bordered {
     border_.rightCols(6) = h.template cast<Scalar>();
     solved_ = border_;
     factors_->solve(solved_);
-    MatrixX small = MatrixX::Zero(18, 18);
+    MatrixX small = MatrixX::Zero(border, border);
     small.topLeftCorner(6, 6).diagonal().setConstant(Scalar(1.0 / spring));
     small.block(6, 6, 6, 6) = z.transpose().template cast<Scalar>() * of_g.p;
     small_.compute(small - border_.adjoint() * solved_);
@@ -395,18 +397,28 @@ class Bordered {
     MatrixX v;
     Columns6<Scalar> g, mu;
   };
-  Solution solve(const MatrixX& r1, const Columns6<Scalar>& r2, const Columns6<Scalar>& r3) const {
-    MatrixX v = r1;
-    factors_->solve(v);
-    MatrixX right = -border_.adjoint() * v;
+  Solution solve(MatrixX r1, const Columns6<Scalar>& r2, const Columns6<Scalar>& r3) const {
+    factors_->solve(r1);
+    MatrixX right = -border_.adjoint() * r1;
     right.middleRows(6, 6) += r2;
     right.bottomRows(6) += r3;
-    const MatrixX y = small_.solve(right);
-    v -= solved_ * y;
-    return {std::move(v), y.middleRows(6, 6), y.bottomRows(6)};
+    return freed(std::move(r1), right);
+  }
+  // With r1 and r3 zero, without a pass over the factors.
+  Solution solve(const Columns6<Scalar>& r2) const {
+    MatrixX right = MatrixX::Zero(border, r2.cols());
+    right.middleRows(6, 6) = r2;
+    return freed(MatrixX::Zero(border_.rows(), r2.cols()), right);
   }
 
  private:
+  // Of the solution v with springs, and the border's right-hand side less what v makes of it.
+  Solution freed(MatrixX v, const MatrixX& right) const {
+    const MatrixX y = small_.solve(right);
+    v.noalias() -= solved_ * y;
+    return {std::move(v), y.middleRows(6, 6), y.bottomRows(6)};
+  }
+
   static constexpr double spring =
       1.0;  // of the order of the material's stiffness, in units of the analysis
 
@@ -491,15 +503,12 @@ class CentralSolutions {
 
   const Operators& operators() const { return operators_; }
 
-  // W (3 nodes x 6) and G for unit resultants.
+  // W (3 nodes x 6) and G for unit resultants, and what they make.
   void solve() {
     if (k_.isZero(0.0))
       solve_straight();
     else
       solve_curved();
-    transport_ = transport_of(k_);
-    final_ = {w_, w_ * transport_, Columns6<double>(g_)};
-    resultants_ = operators_.act(final_);
   }
 
   // Z^T P - 1, relative to what is summed.
@@ -508,86 +517,91 @@ class CentralSolutions {
     return (z_p - Mat6::Identity()).cwiseAbs().maxCoeff();
   }
   double largest_multiplier() const { return largest_multiplier_; }
+  int factorisations() const { return factorisations_; }
+  int solutions() const { return solutions_; }
   const Eigen::MatrixXd& w() const { return w_; }
   const Mat6& g() const { return g_; }
 
   // (8)
   Mat6 compliance() const {
-    const Mat6 f = w_.transpose() * resultants_.q + final_.dw.transpose() * resultants_.p +
+    const Mat6 f = w_.transpose() * resultants_.q +
+                   (w_ * transport_of(k_)).transpose() * resultants_.p +
                    g_.transpose() * (z_.transpose() * resultants_.p);
     return 0.5 * (f + f.transpose());
   }
 
  private:
-  static constexpr int refinements = 2;  // the first solution, from zero, among them: 3 in all
+  // Of solutions, at most. One takes errors down by about what it changes, so that after a change of 1e-9 the next would
+  // be of round-off.
+  static constexpr int most_refinements = 4;
+  static constexpr double last_change = 1e-9;
 
-  // Columns of one eigenvalue, that depend on others through T: fields of them are (v, v T, g), and P' = P T.
+  // Columns whose fields are (v, w', g), and what they make: P' = Q.
   template <class Scalar>
   struct Level {
     MatrixOf<Scalar> v;
     Columns6<Scalar> g;
+    Resultants<Scalar> made;
   };
 
-  // `dw_of` and `dp_of` give w' and P' of these columns from their own values.
-  template <class Scalar, class DwOf, class DpOf>
-  Level<Scalar> solve_level(const Bordered<Scalar>& system, const Columns6<Scalar>& unit,
-                            const DwOf& dw_of, const DpOf& dp_of,
-                            MatrixOf<Scalar>* p_of = nullptr) {
-    using MatrixX = MatrixOf<Scalar>;
-    const Index columns = unit.cols();
-    Level<Scalar> level{MatrixX::Zero(operators_.size(), columns),
-                        Columns6<Scalar>::Zero(6, columns)};
-    Columns6<Scalar> mu = Columns6<Scalar>::Zero(6, columns);
-    for (int i = 0; i <= refinements + 1; ++i) {
-      stop::check();
-      const Resultants<Scalar> now =
-          operators_.act(Field<Scalar>{level.v, dw_of(level.v), level.g});
-      if (i == refinements + 1) {
-        if (p_of != nullptr) *p_of = now.p;
-        const double scale = now.q.cwiseAbs().maxCoeff() + now.p.cwiseAbs().maxCoeff();
-        largest_multiplier_ = std::max(
-            largest_multiplier_, (h_.template cast<Scalar>() * mu).cwiseAbs().maxCoeff() / scale);
-        break;
-      }
-      const MatrixX r1 = dp_of(now.p) - now.q - h_.template cast<Scalar>() * mu;
-      const Columns6<Scalar> r2 = unit - z_.transpose().template cast<Scalar>() * now.p;
-      const Columns6<Scalar> r3 = -h_.transpose().template cast<Scalar>() * level.v;
-      const auto solution = system.solve(r1, r2, r3);
-      level.v += solution.v;
-      level.g += solution.g;
-      mu += solution.mu;
-    }
-    return level;
+  template <class Scalar>
+  Bordered<Scalar> factorise(Scalar lambda) {
+    ++factorisations_;
+    solutions_ += Bordered<Scalar>::border;
+    return Bordered<Scalar>(operators_, fronts_, lambda, z_, h_);
   }
 
-  // Khat takes forces to moments and moments to nothing.
+  // By columns, of displacements and of the strains g, which make displacements as large: lengths are over the section's size.
+  template <class Scalar>
+  static Eigen::ArrayXd sizes(const MatrixOf<Scalar>& v, const Columns6<Scalar>& g) {
+    const auto nodes = static_cast<double>(v.rows()) / 3.0;
+    return (v.colwise().squaredNorm() / nodes + g.colwise().squaredNorm()).cwiseSqrt().transpose();
+  }
+
+  // For the resultants `unit`. `dw_of` and `dp_of` give w' of these columns from their v, and P' from their P.
+  template <class Scalar, class DwOf, class DpOf>
+  Level<Scalar> solve_level(const Bordered<Scalar>& system, const Columns6<Scalar>& unit,
+                            const DwOf& dw_of, const DpOf& dp_of) {
+    auto [v, g, mu] = system.solve(unit);
+    const MatrixOf<Scalar> h = h_.template cast<Scalar>(), z = z_.template cast<Scalar>();
+    bool done = false;
+    for (int i = 0;; ++i) {
+      stop::check();
+      Resultants<Scalar> now = operators_.template act<Scalar>(v, dw_of(v), g);
+      if (done || i == most_refinements) {
+        const double scale = now.q.cwiseAbs().maxCoeff() + now.p.cwiseAbs().maxCoeff();
+        largest_multiplier_ = std::max(largest_multiplier_, (h * mu).cwiseAbs().maxCoeff() / scale);
+        return {std::move(v), std::move(g), std::move(now)};
+      }
+      const auto change = system.solve(dp_of(now.p) - now.q - h * mu, unit - z.transpose() * now.p,
+                                       -h.transpose() * v);
+      solutions_ += static_cast<int>(v.cols());
+      v += change.v;
+      g += change.g;
+      mu += change.mu;
+      done = (sizes(change.v, change.g) <= last_change * sizes(v, g)).all();
+    }
+  }
+
+  // All at once: forces depend on moments alone, so that they are refined once they have the moments' first solution.
   void solve_straight() {
-    const Bordered<double> system(operators_, fronts_, 0.0, z_, h_);
-    const Mat6 khat = transport_of(Vec3::Zero());
-    const Eigen::Matrix3d moments_of_forces = khat.bottomLeftCorner<3, 3>();
-    Columns6<double> unit = Mat6::Identity().rightCols<3>();
-    Eigen::MatrixXd p;
-    const auto zero = [&](const Eigen::MatrixXd& v) {
-      return Eigen::MatrixXd::Zero(v.rows(), v.cols()).eval();
+    const Bordered<double> system = factorise(0.0);
+    const auto along = [khat = transport_of(Vec3::Zero())](const Eigen::MatrixXd& x) {
+      return Eigen::MatrixXd(x * khat);
     };
-    const Level<double> moments = solve_level<double>(system, unit, zero, zero, &p);
-    unit = Mat6::Identity().leftCols<3>();
-    const Eigen::MatrixXd dw = moments.v * moments_of_forces, dp = p * moments_of_forces;
-    const Level<double> forces = solve_level<double>(
-        system, unit, [&](const Eigen::MatrixXd&) { return dw; },
-        [&](const Eigen::MatrixXd&) { return dp; });
-    w_.resize(operators_.size(), 6);
-    w_ << forces.v, moments.v;
-    g_ << forces.g, moments.g;
+    Level<double> level = solve_level<double>(system, Mat6::Identity(), along, along);
+    w_ = std::move(level.v);
+    g_ = level.g;
+    resultants_ = std::move(level.made);
   }
 
   void solve_curved() {
     const Schur schur = schur_of(k_);
-    MatrixOf<Complex> v(operators_.size(), 6), p(operators_.size(), 6);
+    MatrixOf<Complex> v(operators_.size(), 6), p(operators_.size(), 6), q(operators_.size(), 6);
     Columns6<Complex> g(6, 6);
-    const Bordered<double> at_zero(operators_, fronts_, 0.0, z_, h_);
+    const Bordered<double> at_zero = factorise(0.0);
     const Complex lambda = schur.t(1, 1);
-    const Bordered<Complex> at_lambda(operators_, fronts_, lambda, z_, h_);
+    const Bordered<Complex> at_lambda = factorise(lambda);
     const auto column = [&]<class Scalar>(const Bordered<Scalar>& system, Index j) {
       const Scalar own = [&] {
         if constexpr (std::is_same_v<Scalar, double>)
@@ -607,24 +621,26 @@ class CentralSolutions {
         dp += schur.t(i, j) * p.col(i);
       }
       const MatrixOf<Scalar> others = as_scalar(dv), others_p = as_scalar(dp);
-      MatrixOf<Scalar> of_p;
       const Columns6<Scalar> unit = as_scalar(schur.q.col(j));
       const Level<Scalar> level = solve_level<Scalar>(
           system, unit, [&](const MatrixOf<Scalar>& x) { return (own * x + others).eval(); },
-          [&](const MatrixOf<Scalar>& x) { return (own * x + others_p).eval(); }, &of_p);
+          [&](const MatrixOf<Scalar>& x) { return (own * x + others_p).eval(); });
       v.col(j) = level.v.template cast<Complex>();
       g.col(j) = level.g.template cast<Complex>();
-      p.col(j) = of_p.template cast<Complex>();
+      p.col(j) = level.made.p.template cast<Complex>();
+      q.col(j) = level.made.q.template cast<Complex>();
     };
     for (const Index first : {0, 3}) {
       column(at_zero, first);
       column(at_lambda, first + 1);
-      v.col(first + 2) = v.col(first + 1).conjugate();
+      for (MatrixOf<Complex>* const x : {&v, &p, &q})
+        x->col(first + 2) = x->col(first + 1).conjugate();
       g.col(first + 2) = g.col(first + 1).conjugate();
-      p.col(first + 2) = p.col(first + 1).conjugate();
     }
-    w_ = (v * schur.q.adjoint()).real();
-    g_ = (g * schur.q.adjoint()).real();
+    const MatrixOf<Complex> back = schur.q.adjoint();
+    w_ = (v * back).real();
+    g_ = (g * back).real();
+    resultants_ = {(p * back).real(), (q * back).real()};
   }
 
   Operators operators_;
@@ -632,9 +648,9 @@ class CentralSolutions {
   Eigen::MatrixXd z_, h_;
   std::vector<Front> fronts_;
   Eigen::MatrixXd w_;
-  Mat6 g_, transport_;
+  Mat6 g_;
   double largest_multiplier_ = 0.0;
-  Field<double> final_;
+  int factorisations_ = 0, solutions_ = 0;
   Resultants<double> resultants_;
 };
 
@@ -698,6 +714,8 @@ Analysis analyse(const Mesh& mesh, const Vec3& curvature) {
   analysis.gamma = strain.asDiagonal() * central.g() * inverse.asDiagonal();
   analysis.largest_multiplier = central.largest_multiplier();
   analysis.largest_imbalance = central.imbalance();
+  analysis.factorisations = central.factorisations();
+  analysis.solutions = central.solutions();
   return analysis;
 }
 

@@ -6,6 +6,7 @@
 //   Run/<model>                          stepping of a whole model, CPU seconds
 //   Ladder/<rung>                        a chain with one effect more on each rung (ladder.cpp)
 //   Roofline/…                           block LU against what the processor can do (roofline.cpp)
+//   Section/<elements of a side>/<order> analysis of a section of square elements (sections.cpp)
 // Times on a shared machine are noisy: compare ratios within one run.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
