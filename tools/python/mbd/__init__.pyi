@@ -7310,7 +7310,8 @@ def modes(model: Any, *, set: Any = None, count: Any = 10, near: Any = None, rat
       eigenvalues (n,) complex [1/s]; frequencies (n,) [Hz]; damping_ratios (n,); names, list of n
       shapes (n, k, 6) complex: displacements [m] and rotations [rad], inertial axes; positions (k, 3) [m]; nodes, names
       parts: list of n dicts, shares of kinetic energy; orbits, inertial_frequencies (n,) [Hz]: nan without whirl
-      residuals (n,); axes: "turning", "resting" or None; notes
+      residuals (n,); conditions (n,), of the eigenvalues: |dl|/|l| is at most half of it times a change of the forces
+      over |l|^2 times the mass; axes: "turning", "resting" or None; notes
     Raises ModelError and UseError.
     """
     ...
