@@ -12,7 +12,7 @@
 
 namespace mbd {
 
-// Sets them: one factorisation each, but where nothing damps, turns or follows. The factors of `motions` are used.
+// Sets them: one factorisation each where something turns or follows, and of the last. The factors of `motions` are used.
 void set_conditions(SmallMotions& motions, std::vector<Mode>& modes);
 
 }  // namespace mbd

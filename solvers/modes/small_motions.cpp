@@ -106,13 +106,15 @@ Eigen::SparseMatrix<double> SmallMotions::nonzeros(int power) const {
 
 bool SmallMotions::is_symmetric() const {
   constexpr double round_off = 1e-9;  // and what is left of equilibrium by its iterations
-  const Eigen::SparseMatrix<double> K = nonzeros(0),
-                                    skew = K - Eigen::SparseMatrix<double>(K.transpose());
-  const VecX size = K.diagonal().cwiseAbs().cwiseSqrt();
-  for (Index column = 0; column < skew.outerSize(); ++column)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(skew, column); it; ++it)
-      if (std::abs(it.value()) > round_off * size(it.row()) * size(column)) return false;
-  return true;
+  const auto is = [](const Eigen::SparseMatrix<double>& A) {
+    const Eigen::SparseMatrix<double> skew = A - Eigen::SparseMatrix<double>(A.transpose());
+    const VecX size = A.diagonal().cwiseAbs().cwiseSqrt();
+    for (Index column = 0; column < skew.outerSize(); ++column)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(skew, column); it; ++it)
+        if (std::abs(it.value()) > round_off * size(it.row()) * size(column)) return false;
+    return true;
+  };
+  return is(nonzeros(0)) && is(C_);
 }
 
 Eigen::SparseMatrix<double> SmallMotions::constraint_gradient() const {

@@ -39,7 +39,7 @@ class SmallMotions final : public MotionPencil {
   const VecX& residual() const { return r_; }    // of the state, as System::residual
 
   bool is_damped_or_turns() const override { return has_rates_; }
-  bool is_symmetric() const;                       // K is, but for round-off of its diagonal
+  bool is_symmetric() const;  // K and C are, but for round-off of their diagonals
   double stiffness() const { return stiffness_; }  // largest entry of K [N/m] (largest_stiffness)
   double mass() const { return mass_; }            // the same of M [kg]
 

@@ -192,5 +192,26 @@ TEST(Conditions, OfWhatIsDampedAndTurns) {
   expect_dense(turning.motions(), 4);
 }
 
+// Damped out of proportion, but symmetric; of a round beam each eigenvalue twice, with any two shapes: as of one that is
+// nearly round.
+TEST(Conditions, OfARoundBeam) {
+  const auto beam = [](double EI3) {
+    return read(fmt::format(R"(
+      <section name="s"><stiffness EA="1e5" GA2="1e5" GA3="1e5" GJ="10" EI2="1" EI3="{}"/>
+        <mass per_length="1" inertia="2e-4 1e-4 1e-4"/></section>
+      <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="3"/>
+      <fixed name="F" between="ground b.start"/>
+      <bushing name="d" between="ground b@0.5"><matrix of="damping">0 0 0 0 0 0  0 9 0 0 0 0  0 0 9 0 0 0
+        0 0 0 0 0 0  0 0 0 0 0 0  0 0 0 0 0 0</matrix></bushing><static/>)",
+                            EI3));
+  };
+  MotionsOfScene nearly(beam(1.001)), round(beam(1.0));
+  expect_dense(nearly.motions(), 5);
+  const auto some = modes_of(nearly.motions(), 7), twice = modes_of(round.motions(), 7);
+  for (std::size_t k = 0; k < 5; ++k)
+    EXPECT_NEAR(twice[k].condition, some[k].condition, 2e-3 * some[k].condition) << k;
+  EXPECT_GT(some[2].condition, 1.001);
+}
+
 }  // namespace
 }  // namespace mbd::test::test_conditions
