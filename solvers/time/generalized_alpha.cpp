@@ -27,8 +27,10 @@ constexpr int few_alternations = 3, more_alternations = 5;
 constexpr double much_ringing = 5e-3;    // gdot/h, of the accelerations, after few alternations,
 constexpr double some_ringing = 5e-4;    // and after more
 constexpr double least_of_speed = 5e-5;  // gdot, of the velocities
-constexpr double too_large = 0.02;       // gdot, of the velocities, but for
-constexpr long steps_of_a_start = 20;    // where all velocities may be small
+constexpr double of_round_off = 1e-6;    // rates of one kind, of those of the other
+constexpr double steps_of_round_off = 100.0;  // gdot h, of the round-off of positions
+constexpr double too_large = 0.02;            // gdot, of the velocities, but for
+constexpr long steps_of_a_start = 20;         // where all velocities may be small
 constexpr double damps_little =
     0.91;  // rho_infinity: beyond, a step that fails is taken for ringing
 // Rank-tolerant steps: increments of multipliers that fall no faster, where those of the motion are that small.
@@ -574,6 +576,9 @@ bool GeneralizedAlpha::rings() {
   alternations_ = alternates ? alternations_ + 1 : 0;
   std::swap(gdot_old_, gdot_);
   ++steps_since_start_;
+  // What round-off of positions makes of rates of gaps [m/s]; of angles, over the scene's length.
+  const double length = system_.length_scale();
+  const double round_off = steps_of_round_off * round_off_of_positions(end_) / h_;
   // Of the largest velocity, or acceleration, of its kind: gaps of points and angles.
   const auto share = [&](const std::vector<Vec6>& motions) {
     double linear = 0.0, angular = 0.0, worst = 0.0;
@@ -581,10 +586,15 @@ bool GeneralizedAlpha::rings() {
       linear = std::max(linear, v.head<3>().norm());
       angular = std::max(angular, v.tail<3>().norm());
     }
+    // Where nothing turns, or nothing but turns, its rates are of round-off, and so are the rates of its gaps.
+    linear = std::max(linear, of_round_off * length * angular);
+    angular = std::max(angular, of_round_off * linear / length);
     for (const ConstraintInfo& c : system_.constraints())
       for (Index i = 0; i < c.rows; ++i) {
-        const double most = c.is_position[static_cast<std::size_t>(i)] ? linear : angular;
-        if (most > 0.0) worst = std::max(worst, std::abs(gdot_old_(c.first_row + i)) / most);
+        const bool is_position = c.is_position[static_cast<std::size_t>(i)];
+        const double rate = std::abs(gdot_old_(c.first_row + i));
+        if (rate > (is_position ? round_off : round_off / length))
+          worst = std::max(worst, rate / (is_position ? linear : angular));
       }
     return worst;
   };
