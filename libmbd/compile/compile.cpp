@@ -52,15 +52,19 @@ struct ElementPlace {
   Index damping_element;
 };
 
+void add_viscous(const ElementPlace& at, const State& state, std::vector<Vec6>& S) {
+  if (at.damping == nullptr || state.V.empty()) return;
+  std::vector<Vec6> viscous(S.size());
+  at.damping->resultants(state, at.damping_element, viscous);
+  for (std::size_t i = 0; i < S.size(); ++i) S[i] += viscous[i];
+}
+
 // Sectional forces at the quadrature points of its element, elastic and viscous.
 std::vector<Vec6> resultants_at_points(const ElementPlace& at, const State& state) {
   const std::size_t points = at.batch->table().rule.points.size();
   std::vector<Vec6> S(points);
   at.batch->resultants(state, at.element, S);
-  if (at.damping == nullptr || state.V.empty()) return S;
-  std::vector<Vec6> viscous(points);
-  at.damping->resultants(state, at.damping_element, viscous);
-  for (std::size_t i = 0; i < points; ++i) S[i] += viscous[i];
+  add_viscous(at, state, S);
   return S;
 }
 
@@ -82,10 +86,7 @@ class LinearResultants {
     }
     const auto first = all.begin() + static_cast<std::ptrdiff_t>(points) * at.element;
     std::vector<Vec6> S(first, first + static_cast<std::ptrdiff_t>(points));
-    if (at.damping == nullptr) return S;
-    std::vector<Vec6> viscous(points);
-    at.damping->resultants(rest_, at.damping_element, viscous);
-    for (std::size_t i = 0; i < points; ++i) S[i] += viscous[i];
+    add_viscous(at, rest_, S);
     return S;
   }
 

@@ -329,10 +329,10 @@ Members members_of(const Scene& scene) {
   return known;
 }
 
-// The part of that name. Names are gathered where one is unknown only, of which there may be thousands.
-bool is_attached(const Checked& item, const Scene& scene, const Members& known,
-                 const std::string& name) {
-  if (const auto found = known.find(name); found != known.end()) return found->second;
+// Names are gathered where one is unknown only: there may be thousands.
+void require_part(const Checked& item, const Scene& scene, const Members& known,
+                  const std::string& name) {
+  if (known.contains(name)) return;
   std::vector<std::string_view> names;
   for (const BeamScene& b : scene.beams) names.push_back(b.name);
   for (const BodyScene& b : scene.bodies) names.push_back(b.name);
@@ -355,9 +355,9 @@ void check_members(const RigidScene& rigid, const Scene& scene, const Members& k
   const Checked item(rigid);
   item.fail_if(rigid.of.empty(), "of is empty; name beams and free bodies that are to be one");
   for (const std::string& name : rigid.of) {
-    item.fail_if(is_attached(item, scene, known, name),
-                 "of: body " + in_quotes(excerpt(name)) +
-                     " is attached to something and moves with that; leave it out");
+    require_part(item, scene, known, name);
+    item.fail_if(known.at(name), "of: body " + in_quotes(excerpt(name)) +
+                                     " is attached to something and moves with that; leave it out");
     take_part(item, rigid, name, taken);
   }
 }
@@ -367,7 +367,7 @@ void check_parts(const ReductionScene& reduction, const Scene& scene, const Memb
   const Checked item(reduction);
   item.fail_if(reduction.of.empty(), "of is empty; name beams and bodies");
   for (const std::string& name : reduction.of) {
-    is_attached(item, scene, known, name);  // or not: both may be in one
+    require_part(item, scene, known, name);
     take_part(item, reduction, name, taken);
   }
 }

@@ -12,7 +12,8 @@
 
 namespace mbd {
 
-// Sets them: one factorisation each where something turns or follows, and of the last. The factors of `motions` are used.
+// Sets them: one factorisation each where something turns or follows, or where the last may be repeated by some that were
+// not found. The factors of `motions` are used.
 void set_conditions(SmallMotions& motions, std::vector<Mode>& modes);
 
 }  // namespace mbd

@@ -357,12 +357,13 @@ struct ModeSearch {
 ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   const Eigen::SparseMatrix<double> sizes = motions.sizes_of_stiffness();
   ModesFound found = ModeSearch{motions, sizes, options}.run();
-  set_conditions(motions, found.modes);
+  if (options.conditions) set_conditions(motions, found.modes);
   for (Mode& mode : found.modes) {
     const double square = std::norm(mode.eigenvalue);
+    const double condition = mode.condition > 0.0 ? mode.condition : 1.0;
     if (!mode.rigid && square > 0.0)
       mode.round_off =
-          std::max(0.5 * share_lost * mode.condition * cancelling(motions, sizes, mode) / square,
+          std::max(0.5 * share_lost * condition * cancelling(motions, sizes, mode) / square,
                    mode.residual > blurred ? mode.residual : 0.0);
   }
   return found;

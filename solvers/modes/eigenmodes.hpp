@@ -29,10 +29,10 @@ struct Mode {
   double residual = 0.0;  // |T x - theta x| / |theta x|, T at the shift
   bool rigid = false;     // nothing answers the motion: the eigenvalue is 0
   // Of the eigenvalue, relative: what round-off of the stiffness may have made of it, where that is a sum in which nearly all
-  // cancels, as in the bending of a slender beam of very many nodes, times the condition; or the residual where that is larger and no round-off. An
-  // estimate of its size; 0 of a rigid one.
+  // cancels, as in the bending of a slender beam of very many nodes, times the condition if that is known; or the residual
+  // where that is larger and no round-off. An estimate of its size; 0 of a rigid one.
   double round_off = 0.0;
-  // Of the eigenvalue, condition.hpp; 0 of a rigid one.
+  // Of the eigenvalue (condition.hpp), if it was asked for; 0 of a rigid one.
   double condition = 0.0;
 
   double frequency()
@@ -50,6 +50,7 @@ struct ModeOptions {
   // [rad/s] below the frequencies, if they are known about: scales (3), and is the shift where free motions hide modes from 0.
   double expected = 0.0;
   FreeMotions free_motions = FreeMotions::looked_for;
+  bool conditions = false;  // of the eigenvalues: where something turns, a factorisation each
 };
 
 struct ModesFound {

@@ -21,7 +21,7 @@ using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
 
 std::vector<Mode> modes_of(SmallMotions& motions, int count) {
-  const ModesFound found = find_modes(motions, {.count = count});
+  const ModesFound found = find_modes(motions, {.count = count, .conditions = true});
   EXPECT_EQ(found.failure, "");
   return found.modes;
 }

@@ -367,6 +367,7 @@ ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
   ModeOptions mode_options;
   mode_options.count = options.count;
   mode_options.near = options.near;
+  mode_options.conditions = true;
   study.modes = scene_motions.modes(mode_options);
   study.work = scene_motions.work();
   if (options.near == 0.0)
