@@ -604,6 +604,21 @@ void check(const Checked& item, const TransientScene& transient, const Scene&) {
       "output is a time between rows or the ends of steps, not both; leave one of them out");
 }
 
+void check(const Checked& item, const ModesScene& modes, const Scene& scene) {
+  const std::string contradiction = modes.contradiction();
+  item.fail_if(!contradiction.empty(), contradiction);
+  item.fail_if(modes.at && scene.transient && *modes.at > scene.transient->duration,
+               "at is after the end of the <transient>; ask for an earlier state, or give it a "
+               "longer duration");
+  std::vector<std::string_view> parts;
+  for (const BodyScene& body : scene.bodies) parts.push_back(body.name);
+  for (const BeamScene& beam : scene.beams) parts.push_back(beam.name);
+  for (const std::string& name : modes.at_rest)
+    item.fail_if(std::find(parts.begin(), parts.end(), name) == parts.end(),
+                 "at_rest: no body and no beam is called " + in_quotes(excerpt(name)) +
+                     suggest(name, parts, "bodies and beams"));
+}
+
 void check(const Checked& item, const RecordScene& record, const Scene&) {
   item.fail_if(record.at && record.joint,
                "give one of the attributes \"at\" and \"joint\", not both (neither: the whole "

@@ -820,6 +820,34 @@ A path goes on until a `<stop>`, its `length` or its `points`.
           source="shooting of the rod equations"/>
 </mbd>
 )xml"},
+    {"Modes", "modes",
+     R"md(`<modes/>` asks for modes of small motions: what `mbd modes` finds, whose options have the names of these
+attributes and hold before them. It changes nothing in a run. `mbd run` writes `modes.csv` (a row a mode) and
+`modes.json` (with shapes) beside the results of a run that came to its end, and prints what `mbd modes` would;
+sweeps and studies, which run a model many times, do not. Without `rate` and `at` modes are those about the
+static equilibrium at t = 0, as `<static>` finds it.
+
+With `mac="on"` there are `mac.csv` (a row a mode and another) and `mac.json`, which say how alike shapes a, b are:
+|a^H M b|^2/((a^H M a)(b^H M b)), the modal assurance criterion weighted by mass M, 1 of the same shape, 0 with
+nothing in common. M makes one sum of displacements and rotations, and of nodes that stand closely here and widely there. Modes of what
+neither damps nor turns are orthogonal in it; others need not be. Of an eigenvalue that is there
+several times, as bending of a round shaft, any mixture of its shapes is one too: such modes are a group, compared as a whole
+(`mac_of_groups`: the squares of the cosines of the principal angles between two spans, their mean over the smaller
+dimension; of single modes the criterion itself). `mbd modes MODEL --compare OTHER` compares them with modes of another
+model or of a `modes.json`, at nodes of the same names, and says which is which.
+)md",
+     R"xml(<mbd name="fork">
+  <!-- A strip bent by a small force, and its frequencies then. -->
+  <material name="steel" E="200 GPa" nu="0.3" density="7800 kg/m3"/>
+  <section name="strip"> <rectangle width="10 mm" height="2 mm" material="steel"/> </section>
+  <beam name="prong" section="strip" from="0 0 0" to="0.2 0 0" normal="0 0 1" elements="2" order="5"/>
+  <fixed name="root" between="ground prong.start"/>
+  <load at="prong.end" force="0 0 -0.1"/>
+  <static/>
+  <modes count="4" mac="on"/>
+  <record name="tip" at="prong.end" quantities="displacement"/>
+</mbd>
+)xml"},
     {"Results", "record motion_output plot expect",
      R"md(A run writes `history.csv` (the records, a row per time step), `history.svg` (the plots) and
 `report.json`. A column is called by its record, its quantity and, if that has three components,

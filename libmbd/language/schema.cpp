@@ -163,7 +163,7 @@ constexpr std::string_view order =
     "body shape drive motion load distributed rigid point_mass spring bushing matrix law "
     "joint_spring "
     "joint_torque table drag added_mass extension base_motion gravity static path mark stop "
-    "transient record "
+    "transient modes record "
     "motion_output plot expect repeat";
 
 std::vector<Element> elements_of_files() {

@@ -315,6 +315,10 @@ void files(std::string& text, const RunReport& report) {
       what = "the motion of all nodes, for mbd view";
     else if (name == "view.html")
       what = "the motion as a page, for a browser";
+    else if (name == "modes.csv" || name == "modes.json")
+      what = name == "modes.csv" ? "modes of small motions" : "the same, with shapes";
+    else if (name == "mac.csv" || name == "mac.json")
+      what = "how alike the modes are";
     else if (name == "report.json")
       what = "settings, counts, costs and checks of this run";
     item(text, "  " + name, what);

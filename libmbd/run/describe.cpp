@@ -623,6 +623,8 @@ class Explainer {
   }
 
   void analyses() {
+    if (scene_.modes)  // said where they are asked for, as they change nothing in the run
+      present("modes of small motions, beside the run", {at("<modes>", scene_.modes->source)});
     if (scene_.statics)
       present(fmt::format("equilibrium at t = 0, loads raised in steps, the first of 1/{}",
                           scene_.statics->steps),

@@ -59,6 +59,7 @@ constexpr long most_monitored = 200;  // states whose residuals and energies are
 
 constexpr const char* result_files[] = {"report.json", "history.csv",  "history.svg", "path.csv",
                                         "path.svg",    "shapes.svg",   "motion.bin",  "run.h5",
+                                        "modes.csv",   "modes.json",   "mac.csv",     "mac.json",
                                         "view.html",   checkpoint_file};
 
 Seconds& operator+=(Seconds& sum, const Seconds& more) {

@@ -175,6 +175,55 @@ struct TransientScene {
   }
 };
 
+// Modes of small motions that the scene asks for, beside its run (libmbd/study/modes): about equilibrium, or with one of
+// `rate` and `at` about a steady rotation or a state of the run.
+struct ModesScene {
+  Source source = {};
+  int count = 10;
+  double near = 0.0;
+  std::optional<double> rate = {}, at = {};
+  std::optional<Vec3> axis = {}, through = {};  // of the rotation
+  std::vector<std::string> at_rest = {};
+  bool mac = false;
+
+  static constexpr field::ItemKind item{
+      "modes",
+      "Modes of small motions: frequencies, damping and shapes, in modes.csv and modes.json beside "
+      "the results of a run. `mbd modes` has options of the same names, which hold before these "
+      "attributes."};
+  static void each_field(const auto& f) {
+    using namespace field;
+    using S = ModesScene;
+    f(Field(&S::count, "count", "", preset, "how many", Range{1.0, 1e4}));
+    f(Field(&S::near, "near", "Hz", preset, "those nearest to this frequency", not_negative));
+    f(Field(&S::rate, "rate", "rad/s", optional,
+            "about steady rotation of the whole at this rate (default: about equilibrium)"));
+    f(Field(&S::at, "at", "s", optional,
+            "about the state of a run at this time: what small motions are at that moment",
+            not_negative));
+    f(Field(&S::axis, "axis", "", "1 0 0", "axis of the rotation", inertial));
+    f(Field(&S::through, "through", "m", "0 0 0", "a point of it", point));
+    f(Field(&S::at_rest, "at_rest", "", optional,
+            "bodies and flexible beams that do not turn, as the housing of a bearing"));
+    f(Field(&S::mac, "mac", "", preset,
+            "how alike the modes are, weighted by mass, in mac.csv and mac.json: modal assurance "
+            "criterion"));
+  }
+
+  Vec3 direction() const { return axis.value_or(Vec3::UnitX()).normalized(); }
+  Vec3 point_of_axis() const { return through.value_or(Vec3::Zero()); }
+
+  // Why what is stated cannot be together; empty if it can.
+  std::string contradiction() const {
+    if (rate && at)
+      return "rate is of a steady rotation, at of the state of a run; give one of them";
+    if (axis && !(axis->norm() > 0.0)) return "axis: give a direction that is not zero";
+    if (!rate && (axis || through || !at_rest.empty()))
+      return "axis, through and at_rest are of a steady rotation; give its rate, or leave them out";
+    return {};
+  }
+};
+
 // One line of output: quantities of a place, of a joint or motion, of a spring, or (with none) of the whole
 // system, whenever a row of results is written.
 struct RecordScene {

@@ -55,6 +55,7 @@ struct Scene {
   std::optional<StaticScene> statics;  // equilibrium at t = 0, before the transient if there is one
   std::optional<TransientScene> transient;
   std::optional<PathScene> path;  // instead of both
+  std::optional<ModesScene> modes;
   std::vector<RecordScene> records;
   std::optional<MotionOutputScene> motion_output;
   std::vector<PlotScene> plots;
@@ -94,6 +95,7 @@ void each_kind(SomeScene& scene, const F& f) {
   f(scene.statics);
   f(scene.path);
   f(scene.transient);
+  f(scene.modes);
   f(scene.records);
   f(scene.motion_output);
   f(scene.plots);

@@ -27,11 +27,34 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+void add_model(Hdf5File& file, const Scene& scene) {
+  file.add_group("model", {{"name", scene.name}});
+  if (scene.file.empty()) return;  // built in C++
+  file.add_text("model/text", text_of(scene.file), {{"file", scene.file}});
+  for (std::size_t i = 0; i < scene.includes.size(); ++i)
+    file.add_text("model/include_" + std::to_string(i + 1), text_of(scene.includes[i]),
+                  {{"file", scene.includes[i]}});
+}
+
 }  // namespace
 
-void require_run_file() {
+void require_hdf5(std::string_view file) {
   const std::string why = why_no_hdf5();
-  if (!why.empty()) throw Error("run.h5: " + why);
+  if (!why.empty()) throw Error(std::string(file) + ": " + why);
+}
+
+void add_origin(Hdf5File& file, std::string_view format_of_file, const Scene& scene) {
+  file.add_attributes(
+      {{"format", std::string(format_of_file)},
+       {"model", scene.name},
+       {"file", scene.file},
+       {"mbd", std::string(version())},
+       {"commit", std::string(build_facts().commit) + (build_facts().modified ? ", modified" : "")},
+       {"date", utc_now("%Y-%m-%dT%H:%M:%SZ")}});
+  Hdf5Attributes parameters;
+  for (const auto& [name, value] : scene.parameters) parameters.emplace_back(name, value);
+  file.add_group("parameters", parameters);
+  add_model(file, scene);
 }
 
 struct RunFile::Content {
@@ -44,32 +67,13 @@ struct RunFile::Content {
   Content(const std::filesystem::path& path, const Scene& scene, const Model& model,
           const std::string& run, std::span<const Column> columns, std::string_view drawing)
       : file(path) {
-    file.add_attributes({{"format", std::string(format)},
-                         {"model", scene.name},
-                         {"file", scene.file},
-                         {"mbd", std::string(version())},
-                         {"commit", std::string(build_facts().commit) +
-                                        (build_facts().modified ? ", modified" : "")},
-                         {"date", utc_now("%Y-%m-%dT%H:%M:%SZ")},
-                         {"run", run}});
-    Hdf5Attributes parameters;
-    for (const auto& [name, value] : scene.parameters) parameters.emplace_back(name, value);
-    file.add_group("parameters", parameters);
-    add_model(scene);
+    add_origin(file, format, scene);
+    file.add_attributes({{"run", run}});
     file.add_text("drawing", std::string(drawing));
     add_history(scene, columns);
     add_motion(model, columns.front());
     report = file.add_bytes("report");
     file.start();
-  }
-
-  void add_model(const Scene& scene) {
-    file.add_group("model", {{"name", scene.name}});
-    if (scene.file.empty()) return;  // built in C++
-    file.add_text("model/text", text_of(scene.file), {{"file", scene.file}});
-    for (std::size_t i = 0; i < scene.includes.size(); ++i)
-      file.add_text("model/include_" + std::to_string(i + 1), text_of(scene.includes[i]),
-                    {{"file", scene.includes[i]}});
   }
 
   void add_history(const Scene& scene, std::span<const Column> columns) {

@@ -34,8 +34,13 @@
 
 namespace mbd {
 
-// Throws Error where such files cannot be written: built without libhdf5, or it cannot be loaded.
-void require_run_file();
+class Hdf5File;
+
+// Throws Error, which names the file, where such files cannot be written: built without libhdf5, or it cannot be loaded.
+void require_hdf5(std::string_view file = "run.h5");
+
+// What such a file says of where it comes from: the attributes above but `run`, /parameters and /model.
+void add_origin(Hdf5File& file, std::string_view format, const Scene& scene);
 
 // Shown to run() as one of its observers. The file is there from the first row on. Throws Error if the disk is full: the
 // file then holds what was written before, and the run ends.

@@ -44,6 +44,30 @@ class Exported : public ProgramTest {
   std::string python_;
 };
 
+// ---- campbell.h5 -------------------------------------------------------------------------------
+
+// Seen by the script: columns of modes exchanged, rows of rates shifted, im for re, another unit, the text left out.
+TEST_F(Exported, CampbellDiagramsAreReadByH5py) {
+  require_python("h5py, numpy, pandas", "python3-h5py and python3-pandas");
+  if (IsSkipped()) return;
+  const fs::path model = fs::path(MBD_SOURCE_DIR) / "models" / "shaft.xml";
+  const std::string words = " --rates 0:70 --points 6 --without gravity -s d=0 --count 4";
+  const Output made =
+      mbd("campbell " + quote(model.string()) + words + " --hdf5 -o d -u shaft@0.5=\"20 g.cm\"");
+  if (made.text.find("libhdf5") != std::string::npos) GTEST_SKIP() << made.text;
+  ASSERT_EQ(made.status, 0) << made.text;
+  expect_says(made.text, {"campbell.svg, campbell.csv, campbell.h5, unbalance.csv"});
+  const Output read = script("read_campbell.py", "d " + quote(model.string()));
+  EXPECT_EQ(read.status, 0) << read.text;
+  expect_says(read.text, {"rates, 4 modes 53.59760768"});  // its critical speed (test_campbell.cpp)
+  // Of an older diagram nothing stays.
+  ASSERT_EQ(mbd("campbell " + quote(model.string()) + words + " -q -o d").status, 0);
+  EXPECT_FALSE(fs::exists(file("d/campbell.h5")));
+  fs::create_directories(file("d/campbell.h5/x"));
+  expect_says(mbd("campbell " + quote(model.string()) + words + " --hdf5 -q -o d").text,
+              {"campbell.h5: cannot be written"});
+}
+
 // ---- run.h5 ------------------------------------------------------------------------------------
 
 class RunFileTest : public Exported {

@@ -37,6 +37,39 @@ def test_modes_of_a_spring():
         assert found["frequencies"][0] == pytest.approx(numpy.sqrt(k / 4) / (2 * numpy.pi), rel=1e-9)
 
 
+def test_modes_that_a_model_asks_for(program, tmp_path):
+    text = """<mbd name="m"> <body name="b" at="1 0 0" mass="4" inertia="1 1 1"/>
+      <prismatic name="p" between="ground b" axis="1 0 0"/>
+      <spring name="s" between="ground b" at_a="0 0 0" stiffness="100"/>
+      <transient duration="1" step="0.01"/> MODES </mbd>"""
+    plain = mbd.Model(text=text.replace("MODES", ""))
+    asking = mbd.Model(text=text.replace("MODES", '<modes count="1" mac="on"/>'))
+    assert mbd.modes(plain)["mac"] is None
+    found = mbd.modes(asking)
+    assert found["mac"]["mac"].shape == (1, 1) and found["mac"]["mac"][0, 0] == pytest.approx(1)
+    plain.run(out=tmp_path / "plain")
+    asking.run(out=tmp_path / "asking")
+    assert not (tmp_path / "plain/modes.csv").exists()
+    (tmp_path / "m.xml").write_text(text.replace("MODES", '<modes count="1" mac="on"/>'))
+    program("run", tmp_path / "m.xml", "--out", tmp_path / "theirs", "--quiet")
+    for name in ("modes.csv", "mac.csv"):
+        assert (tmp_path / "asking" / name).read_text() == (tmp_path / "theirs" / name).read_text()
+    with pytest.raises(mbd.UseError, match="one of them"):
+        mbd.modes(asking, rate=1, at=0)
+    with pytest.raises(mbd.ModelError, match="cannot be read"):
+        mbd.modes(asking, compare=tmp_path / "none.json")
+
+
+def test_modes_compared(models, program, tmp_path):
+    model = models / "swept_cantilever.xml"
+    program("modes", model, "--count", 4, "--out", tmp_path, "--quiet")
+    for other in (tmp_path, tmp_path / "modes.json", model, mbd.Model(model)):
+        mac = mbd.modes(model, count=4, compare=other)["mac"]
+        assert numpy.abs(mac["mac"] - numpy.eye(4)).max() < 1e-9
+        assert [(pair["modes"], pair["others"]) for pair in mac["pairs"]] == [([i], [i]) for i in range(4)]
+    assert mac["other_frequencies"].shape == (4,) and len(mac["other_names"]) == 4
+
+
 def test_campbell(models, program, tmp_path):
     model = models / "internal_damping.xml"
     found = mbd.campbell(model, ("0 rad/s", 400), count=4, points=21)

@@ -472,6 +472,8 @@ Grammar::Item Grammar::item(const Element& element, double share) {
         one_of_words(a.name, of_plies ? "material thickness angle flange_thickness web_thickness"
                                       : "layup flange web"))
       continue;
+    if (kind == "modes" && one_of_words(a.name, is_attached ? "at" : "rate axis through at_rest"))
+      continue;
     if (kind == "law" && one_of_words(a.name, law_is_table_ ? "force moment"
                                               : is_moment   ? "force interpolation"
                                                             : "moment interpolation"))
@@ -485,7 +487,7 @@ Grammar::Item Grammar::item(const Element& element, double share) {
     const bool needed =
         a.fallback == schema::required ||
         (kind == "law" && (a.name == "force" || a.name == "moment")) ||
-        (kind == "shape" && a.name == form) ||
+        (kind == "shape" && a.name == form) || (kind == "modes" && a.name == "rate") ||
         // Sections are analysed anew for each item that is tried: coarse ones are enough.
         (a.name == "tolerance" && one_of_words(kind, "tube bar rectangle box I C airfoil")) ||
         (kind == "body" && one_of_words(a.name, "attached_to mass inertia")) ||
@@ -687,6 +689,7 @@ std::string Grammar::text_value(std::string_view element, std::string_view attri
 std::string Grammar::word_values(std::string_view element, std::string_view attribute) {
   if (attribute == "quantities") return quantities();
   if (element == "reduction") return reduced_ = a_beam();
+  if (element == "modes") return parts_.empty() ? std::string() : one_of(parts_).name;
   if (element == "rigid")
     return parts_.size() < 2 ? std::string() : one_of(parts_).name + " " + one_of(parts_).name;
   if (attribute == "outputs") return new_names_.emplace_back(fmt::format("n{}", ++count_));
@@ -696,6 +699,7 @@ std::string Grammar::word_values(std::string_view element, std::string_view attr
 std::string Grammar::value(const Element& element, const Attribute& a) {
   const Size size = size_of(a.unit);
   if (element.name == "reduction" && a.name == "modes") return std::to_string(below(5));
+  if (element.name == "modes" && a.name == "at") return "0";
   if (element.name == "reduction" && a.name == "frame")
     return reduced_.empty() ? std::string() : reduced_ + (chance(0.5) ? ".start" : "@0.5");
   switch (a.kind) {

@@ -14,6 +14,7 @@
 #include "libmbd/study/effects/ablation.hpp"
 #include "libmbd/study/modes/campbell.hpp"
 #include "libmbd/text/files.hpp"
+#include "libmbd/view/run_file.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
@@ -28,7 +29,7 @@ struct CampbellArguments {
   std::vector<std::string> set, without, unbalance, forces, probes;
   double order = 1.0;
   int points = 61, count = 8;
-  bool quiet = false;
+  bool hdf5 = false, quiet = false;
 };
 
 // Of PLACE=…; throws Error, saying what to give.
@@ -57,9 +58,7 @@ HarmonicForce force_of(const std::string& text, const Scene& scene) {
   return force;
 }
 
-int draw_campbell(const CampbellArguments& arguments) {
-  Scene scene = read_model(arguments.model, to_overrides(arguments.set));
-  if (!arguments.without.empty()) scene = without(scene, arguments.without);
+CampbellOptions options_of(const CampbellArguments& arguments, const Scene& scene) {
   const std::size_t colon = arguments.rates.find(':');
   if (colon == std::string::npos)
     throw Error("--rates " + arguments.rates + ": give two rates, FROM:TO");
@@ -83,6 +82,36 @@ int draw_campbell(const CampbellArguments& arguments) {
     throw Error(fmt::format("--points {}: give 2 to 100000", options.points));
   if (options.count < 1 || options.count > 1000)
     throw Error(fmt::format("--count {}: give 1 to 1000", options.count));
+  return options;
+}
+
+// Returns the names of the files, the picture first.
+std::string write_files(const CampbellArguments& arguments, const Scene& scene,
+                        const CampbellStudy& study, const std::filesystem::path& output) {
+  make_directory(output);
+  write_file(output / "campbell.csv", to_csv(study));
+  write_file(output / "campbell.svg", campbell_svg(study));
+  std::string names = "campbell.svg, campbell.csv";
+  std::error_code code;
+  std::filesystem::remove(output / "campbell.h5", code);  // of an earlier diagram
+  if (arguments.hdf5) {
+    write_campbell(output / "campbell.h5", study, scene);
+    names += ", campbell.h5";
+  }
+  for (const auto& [responses, name] : {std::pair{&study.responses, "unbalance.csv"},
+                                        std::pair{&study.force_responses, "force.csv"}}) {
+    if (responses->empty()) continue;
+    write_file(output / name, response_csv(*responses));
+    names += std::string(", ") + name;
+  }
+  return names;
+}
+
+int draw_campbell(const CampbellArguments& arguments) {
+  Scene scene = read_model(arguments.model, to_overrides(arguments.set));
+  if (!arguments.without.empty()) scene = without(scene, arguments.without);
+  CampbellOptions options = options_of(arguments, scene);
+  if (arguments.hdf5) require_hdf5("campbell.h5");
   const std::filesystem::path output =
       results_directory(arguments.output, arguments.model, "campbell");
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
@@ -97,19 +126,9 @@ int draw_campbell(const CampbellArguments& arguments) {
     study = study_campbell(scene, options);
   }
   if (shown) show_progress({});
-  make_directory(output);
-  write_file(output / "campbell.csv", to_csv(study));
-  write_file(output / "campbell.svg", campbell_svg(study));
-  std::string more;
-  for (const auto& [responses, name] : {std::pair{&study.responses, "unbalance.csv"},
-                                        std::pair{&study.force_responses, "force.csv"}}) {
-    if (responses->empty()) continue;
-    write_file(output / name, response_csv(*responses));
-    more += std::string(", ") + name;
-  }
+  const std::string names = write_files(arguments, scene, study, output);
   if (!arguments.quiet)
-    fmt::print("{}\nwritten to {}: campbell.svg, campbell.csv{}\n", to_text(study), output.string(),
-               more);
+    fmt::print("{}\nwritten to {}: {}\n", to_text(study), output.string(), names);
   return InterruptHandler::flag() ? interrupted_status : 0;
 }
 
@@ -153,6 +172,8 @@ void add_campbell_command(CLI::App& app, int& status) {
                    "where responses are wanted besides; may be repeated")
       ->type_name("PLACE")
       ->allow_extra_args(false);
+  command->add_flag("--hdf5", arguments->hdf5,
+                    "all of it as arrays in one HDF5 file too, campbell.h5");
   add_set_option(*command, arguments->set);
   add_without_option(*command, arguments->without);
   command

@@ -28,8 +28,7 @@ struct LinearizeArguments {
 int linearize_model(const LinearizeArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set));
   if (!arguments.without.empty()) scene = without(scene, arguments.without);
-  ModesOptions options;
-  apply(arguments.about, scene, options);
+  const ModesOptions options = about(arguments.about, scene);
   const std::filesystem::path output =
       results_directory(arguments.output, arguments.model, "linear");
   const Linearization linear = linearize(scene, options);

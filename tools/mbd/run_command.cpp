@@ -21,12 +21,15 @@
 #include "libmbd/run/run.hpp"
 #include "libmbd/study/accuracy/choose.hpp"
 #include "libmbd/study/effects/ablation.hpp"
+#include "libmbd/study/modes/modes.hpp"
+#include "libmbd/study/modes/modes_report.hpp"
 #include "libmbd/study/trust/certify.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/view/run_file.hpp"
 #include "tools/mbd/command_line.hpp"
 #include "tools/mbd/interrupt.hpp"
 #include "tools/mbd/overrides.hpp"
+#include "tools/mbd/rotation_options.hpp"
 #include "tools/mbd/view_command.hpp"
 
 namespace mbd {
@@ -168,7 +171,7 @@ void certify_run(const RunArguments& arguments, const Scene& scene,
 // What --motion, --frames, --hdf5 and --view ask for.
 void keep_motion(const RunArguments& arguments, Scene& scene) {
   if (arguments.view) require_pages();
-  if (arguments.hdf5) require_run_file();
+  if (arguments.hdf5) require_hdf5();
   if (!arguments.motion && !arguments.view && !arguments.hdf5 && arguments.frames.empty()) return;
   if (!scene.motion_output) scene.motion_output.emplace();
   if (arguments.frames.empty()) return;
@@ -250,6 +253,15 @@ int judge(const RunReport& report, const std::string& name, bool quiet) {
   return report.as_expected() && !inaccurate ? 0 : 2;
 }
 
+// What <modes> of the scene asks for, beside the results of its run. Returns what there is to print, or throws Error.
+std::string write_modes_of(const Scene& scene, const std::filesystem::path& output,
+                           RunReport& report) {
+  const ModesStudy study = study_modes(scene, modes_options(ModesArguments{}, scene));
+  for (const std::string& name : write_modes(study, output))
+    report.results.push_back(output / name);
+  return to_text(study);
+}
+
 int run_model(const RunArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set), arguments.plugins);
   if (!arguments.without.empty()) scene = without(scene, arguments.without);
@@ -274,8 +286,20 @@ int run_model(const RunArguments& arguments) {
     write_view(*options.output, page, {});
     report.results.push_back(page);
   }
-  if (!arguments.quiet) fmt::print("{}", summary(report));
-  return judge(report, scene.name, arguments.quiet);
+  std::string modes, failure_of_modes;
+  if (scene.modes && report.complete()) {
+    try {
+      modes = write_modes_of(scene, *options.output, report);
+    } catch (const Error& error) {
+      failure_of_modes = error.what();
+    }
+  }
+  if (!arguments.quiet) fmt::print("{}{}{}", summary(report), modes.empty() ? "" : "\n", modes);
+  const int status = judge(report, scene.name, arguments.quiet);
+  if (failure_of_modes.empty()) return status;
+  complain(fmt::format("mbd: {}: its run went well, its <modes> did not: {}\n", scene.name,
+                       failure_of_modes));
+  return 1;
 }
 
 std::string positive_seconds(const std::string& text) {

@@ -18,6 +18,8 @@
 #include "libmbd/run/run.hpp"
 #include "libmbd/study/accuracy/choose.hpp"
 #include "libmbd/study/effects/ablation.hpp"
+#include "libmbd/study/modes/modes.hpp"
+#include "libmbd/study/modes/modes_report.hpp"
 #include "libmbd/study/trust/certify.hpp"
 #include "libmbd/text/files.hpp"
 #include "libmbd/text/spelling.hpp"
@@ -25,6 +27,7 @@
 #include "libmbd/view/motion.hpp"
 #include "libmbd/view/page.hpp"
 #include "tools/mbd/overrides.hpp"
+#include "tools/mbd/rotation_options.hpp"
 #include "tools/mbd/view_assets.hpp"
 #include "tools/python/background.hpp"
 #include "tools/python/errors.hpp"
@@ -94,10 +97,10 @@ struct RunSettings {
   std::optional<std::string> out;
 };
 
-// As run_command.cpp does it.
-Table run_scene(const ModelHandle& handle, const RunSettings& settings,
-                const std::atomic<bool>& interrupted,
-                const std::function<void(const Progress&)>& progress) {
+// As run_command.cpp does it. The table is there before modes are looked for.
+void run_scene(const ModelHandle& handle, const RunSettings& settings,
+               const std::atomic<bool>& interrupted,
+               const std::function<void(const Progress&)>& progress, Table& table) {
   Scene scene = handle.scene();
   if (!settings.without.empty()) scene = without(scene, settings.without);
   RunOptions options;
@@ -132,13 +135,13 @@ Table run_scene(const ModelHandle& handle, const RunSettings& settings,
     certify(scene, {.within = 60.0}, report);
     if (options.output) write_file(*options.output / "report.json", to_json(report));
   }
-  Table table;
   table.columns = std::move(rows.names);
   table.numbers = std::move(rows.numbers);
   table.report = to_json(report);
   table.failure = report.failure;
   table.t = report.t;
-  return table;
+  if (scene.modes && options.output && report.complete())
+    write_modes(study_modes(scene, modes_options(ModesArguments{}, scene)), *options.output);
 }
 
 py::object run_model(const ModelHandle& handle, const RunSettings& settings,
@@ -164,7 +167,7 @@ py::object run_model(const ModelHandle& handle, const RunSettings& settings,
   }
   py::object raised = in_background(
       [&](const std::atomic<bool>& interrupted) {
-        *table = run_scene(handle, settings, interrupted, note);
+        run_scene(handle, settings, interrupted, note, *table);
       },
       show);
   if (raised.is_none() && last.step > shown.step) {  // the end, too

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <complex>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <optional>
+#include <variant>
 
 #include "libmbd/language/schema.hpp"
 #include "libmbd/study/accuracy/accuracy.hpp"
@@ -21,6 +23,7 @@
 #include "libmbd/study/modes/linearize.hpp"
 #include "libmbd/study/modes/modes.hpp"
 #include "tools/mbd/overrides.hpp"
+#include "tools/mbd/rotation_options.hpp"
 #include "tools/python/background.hpp"
 #include "tools/python/errors.hpp"
 #include "tools/python/model.hpp"
@@ -79,46 +82,89 @@ py::object effects(const ModelHandle& model, const std::vector<std::string>& qua
   return done(raised, json);
 }
 
-struct RotationGiven {
-  std::array<double, 3> axis, through;
-};
-SteadyRotation rotation_of(const RotationGiven& given) {
-  const Vec3 axis(given.axis[0], given.axis[1], given.axis[2]),
-      through(given.through[0], given.through[1], given.through[2]);
-  if (!(axis.norm() > 0.0) || !std::isfinite(axis.norm()))
-    throw UseError("axis: give a direction that is not zero");
-  if (!through.allFinite()) throw UseError("through: give a point");
-  return {0.0, axis / axis.norm(), through, {}};
+using Three = std::optional<std::array<double, 3>>;
+
+// What is given of a rotation, as options of the program say it.
+RotationArguments rotation_given(const Three& axis, const Three& through,
+                                 const std::vector<std::string>& at_rest) {
+  RotationArguments given;
+  if (axis) given.axis.assign(axis->begin(), axis->end());
+  if (through) given.through.assign(through->begin(), through->end());
+  given.at_rest = at_rest;
+  return given;
 }
 
-// About steady rotation at a rate; "": about rest.
-void set_rotation(ModesOptions& options, const Scene& scene, const std::string& rate,
-                  const RotationGiven& given, const std::vector<std::string>& at_rest) {
-  if (rate.empty()) return;
-  options.rotation = rotation_of(given);
-  options.at_rest = at_rest;
-  options.rotation->rate = option_value("rate", rate, "rad/s", scene);
+// f(), whose errors are of what was given here.
+template <class F>
+auto as_use(const F& f) {
+  try {
+    return f();
+  } catch (const Error& error) {
+    throw UseError(error.what());
+  }
 }
 
 Scene scene_without(const ModelHandle& model, const std::vector<std::string>& effects) {
   return effects.empty() ? model.scene() : without(model.scene(), effects);
 }
 
-py::dict modes(const ModelHandle& model, int count, const std::string& near,
-               const std::string& rate, const std::array<double, 3>& axis,
-               const std::array<double, 3>& through, const std::vector<std::string>& at_rest,
-               const std::vector<std::string>& left_out) {
-  check_between("count", count, 1, 10000);
-  const Scene scene = scene_without(model, left_out);
-  ModesOptions options;
-  options.count = count;
-  if (!near.empty()) {
-    options.near = 2.0 * std::numbers::pi * option_value("near", near, "Hz", scene);
-    if (!(options.near >= 0.0)) throw UseError("near: give a frequency that is not negative");
+py::array_t<double> array_of(const MatX& matrix) {
+  py::array_t<double> array({matrix.rows(), matrix.cols()});
+  for (Index i = 0; i < matrix.rows(); ++i)
+    for (Index j = 0; j < matrix.cols(); ++j) array.mutable_at(i, j) = matrix(i, j);
+  return array;
+}
+
+py::dict dict_of_mac(const MacTable& table) {
+  py::list pairs;
+  for (const MacTable::Pair& pair : table.pairs) {
+    py::dict one;
+    one["modes"] = table.modes.groups[pair.group];
+    one["others"] = table.others.groups[pair.other];
+    one["alike"] = pair.alike;
+    pairs.append(one);
   }
-  set_rotation(options, scene, rate, {axis, through}, at_rest);
+  py::dict all;
+  all["mac"] = array_of(table.mac);
+  all["mac_of_groups"] = array_of(table.groups);
+  all["groups"] = table.modes.groups;
+  all["other_groups"] = table.others.groups;
+  all["other_names"] = table.others.names;
+  all["other_frequencies"] = py::array_t<double>(
+      static_cast<py::ssize_t>(table.others.frequencies.size()), table.others.frequencies.data());
+  all["pairs"] = pairs;
+  all["notes"] = table.notes;
+  return all;
+}
+
+// Modes to compare with: of a model, or of what `mbd modes --compare` takes.
+using Compared = std::variant<std::monostate, std::shared_ptr<ModelHandle>, std::string>;
+
+std::shared_ptr<const ShapesOfModes> compared_modes(const Compared& compared,
+                                                    const ModesArguments& given) {
+  if (const auto* const file = std::get_if<std::string>(&compared))
+    return std::make_shared<const ShapesOfModes>(modes_to_compare(*file, given));
+  const auto* const other = std::get_if<std::shared_ptr<ModelHandle>>(&compared);
+  if (other == nullptr) return nullptr;
+  const Scene& scene = (*other)->scene();
+  ModesOptions options = modes_options(given, scene);
+  options.mac = false;
+  return std::make_shared<const ShapesOfModes>(shapes_of(study_modes(scene, options)));
+}
+
+py::dict modes(const ModelHandle& model, std::optional<int> count, const std::string& near,
+               const std::string& rate, const std::string& time, const Three& axis,
+               const Three& through, const std::vector<std::string>& at_rest,
+               const std::vector<std::string>& left_out, bool mac, const Compared& compared) {
+  const Scene scene = scene_without(model, left_out);
+  const ModesArguments given{
+      count, near, {rate, time, rotation_given(axis, through, at_rest)}, mac};
+  ModesOptions options = as_use([&] { return modes_options(given, scene); });
   std::optional<ModesStudy> study;
-  raise_if(in_background([&](const std::atomic<bool>&) { study = study_modes(scene, options); }),
+  raise_if(in_background([&](const std::atomic<bool>&) {
+             options.compared = compared_modes(compared, given);
+             study = study_modes(scene, options);
+           }),
            py::none());
 
   const auto modes = static_cast<py::ssize_t>(study->modes.size());
@@ -172,32 +218,21 @@ py::dict modes(const ModelHandle& model, int count, const std::string& near,
                     ? py::object(py::str(study->axes == ModeAxes::turning ? "turning" : "resting"))
                     : py::object(py::none());
   all["notes"] = study->notes;
+  all["mac"] = study->mac ? py::object(dict_of_mac(*study->mac)) : py::object(py::none());
   return all;
 }
 
 py::dict linear(const ModelHandle& model, const std::string& time, const std::string& rate,
-                const std::array<double, 3>& axis, const std::array<double, 3>& through,
-                const std::vector<std::string>& at_rest, const std::vector<std::string>& left_out) {
+                const Three& axis, const Three& through, const std::vector<std::string>& at_rest,
+                const std::vector<std::string>& left_out) {
   const Scene scene = scene_without(model, left_out);
-  ModesOptions options;
-  set_rotation(options, scene, rate, {axis, through}, at_rest);
-  if (!time.empty()) options.time = option_value("at", time, "s", scene);
+  const ModesOptions options = as_use([&] {
+    return about({rate, time, rotation_given(axis, through, at_rest)}, scene);
+  });
   std::optional<Linearization> made;
   raise_if(in_background([&](const std::atomic<bool>&) { made = linearize(scene, options); }),
            py::none());
   return dict_of(*made);
-}
-
-const char* word_of(SpecialSpeed::Kind kind) {
-  switch (kind) {
-    case SpecialSpeed::Kind::critical:
-      return "critical";
-    case SpecialSpeed::Kind::unstable_above:
-      return "unstable_above";
-    case SpecialSpeed::Kind::stable_above:
-      return "stable_above";
-  }
-  return "";
 }
 
 // Unbalance and forces by place, the order of the forces, probes.
@@ -230,14 +265,14 @@ py::list list_of(const std::vector<CampbellStudy::Response>& responses) {
 }
 
 py::tuple campbell(const ModelHandle& model, const std::string& from, const std::string& to,
-                   int points, int count, const std::array<double, 3>& axis,
-                   const std::array<double, 3>& through, const std::vector<std::string>& at_rest,
+                   int points, int count, const Three& axis, const Three& through,
+                   const std::vector<std::string>& at_rest,
                    const std::vector<std::string>& left_out, const Driven& driven) {
   check_between("points", points, 2, 100000);
   check_between("count", count, 1, 1000);
   const Scene scene = scene_without(model, left_out);
   CampbellOptions options;
-  options.rotation = rotation_of({axis, through});
+  options.rotation = as_use([&] { return rotation_of(rotation_given(axis, through, {})); });
   options.at_rest = at_rest;
   options.from = option_value("rates", from, "rad/s", scene);
   options.to = option_value("rates", to, "rad/s", scene);
@@ -300,13 +335,6 @@ py::tuple campbell(const ModelHandle& model, const std::string& from, const std:
   return py::make_tuple(all, raised);
 }
 
-py::array_t<double> array_of(const MatX& matrix) {
-  py::array_t<double> array({matrix.rows(), matrix.cols()});
-  for (Index i = 0; i < matrix.rows(); ++i)
-    for (Index j = 0; j < matrix.cols(); ++j) array.mutable_at(i, j) = matrix(i, j);
-  return array;
-}
-
 // Values, rows, columns and shape, as scipy.sparse.coo_array takes them.
 py::tuple sparse_of(const Eigen::SparseMatrix<double>& matrix) {
   const auto n = static_cast<py::ssize_t>(matrix.nonZeros());
@@ -364,7 +392,8 @@ void bind_studies(py::module_& module) {
   module.def("linearize", &linear, py::arg("model"), py::arg("at"), py::arg("rate"),
              py::arg("axis"), py::arg("through"), py::arg("at_rest"), py::arg("without"));
   module.def("modes", &modes, py::arg("model"), py::arg("count"), py::arg("near"), py::arg("rate"),
-             py::arg("axis"), py::arg("through"), py::arg("at_rest"), py::arg("without"));
+             py::arg("at"), py::arg("axis"), py::arg("through"), py::arg("at_rest"),
+             py::arg("without"), py::arg("mac"), py::arg("compare"));
   module.def("campbell", &campbell, py::arg("model"), py::arg("first"), py::arg("last"),
              py::arg("points"), py::arg("count"), py::arg("axis"), py::arg("through"),
              py::arg("at_rest"), py::arg("without"), py::arg("driven"));

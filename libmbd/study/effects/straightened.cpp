@@ -143,6 +143,9 @@ void straighten(Scene& scene, const std::string& name) {
     place.parameter = (place.parameter - ends[piece]) / (ends[piece + 1] - ends[piece]);
   });
   each_kind_along(scene, [&](auto& items) { divide(items, name, ends, names); });
+  if (scene.modes)
+    if (auto& at_rest = scene.modes->at_rest; std::erase(at_rest, name) > 0)
+      at_rest.insert(at_rest.end(), names.begin(), names.end());
   for (std::size_t i = 0; i + 1 < names.size(); ++i) {
     JointScene joint;
     joint.source = beam.source;

@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <complex>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -57,6 +58,8 @@ struct SpecialSpeed {
   std::size_t branch = 0;
 };
 
+const char* word_of(SpecialSpeed::Kind kind);  // "unstable_above", for files
+
 struct CampbellStudy {
   std::string model, file;
   SteadyRotation rotation;
@@ -85,5 +88,20 @@ std::string to_csv(const CampbellStudy& study);
 // One row a rate and place.
 std::string response_csv(const std::vector<CampbellStudy::Response>& responses);
 std::string campbell_svg(const CampbellStudy& study);
+
+// campbell.h5: all of it as arrays over the same rates (not a number: nothing there), as run.h5 has them (run_file.hpp), each
+// with its `unit`, and where it is not plain its `label`:
+//   /                attributes format, model, file, mbd, commit, date; axes: turning or resting; /parameters, /model
+//   /axis, /through  [3] of the rotation, inertial axes
+//   /rates           [rates] rad/s;  /displacement  [rates] m
+//   /modes/names;    /modes/re_eigenvalue, im_eigenvalue, inertial_frequency, orbit, overlap, round_off  [rates, modes]:
+//                    the columns of campbell.csv
+//   /special/kind, rate, branch   critical speeds and limits of stability; branch: of /modes, counted from 0
+//   /unbalance/places;  /unbalance/major, minor, lag, re_forward, … [rates, places]: the columns of unbalance.csv; and
+//                    /force, which has the attribute order
+//   /notes
+// Groups without anything in them are left out. Throws Error, with the file, where it cannot be written.
+void write_campbell(const std::filesystem::path& file, const CampbellStudy& study,
+                    const Scene& scene);
 
 }  // namespace mbd

@@ -60,6 +60,18 @@ std::string forces_of(const CampbellStudy& study) {
 
 }  // namespace
 
+const char* word_of(SpecialSpeed::Kind kind) {
+  switch (kind) {
+    case SpecialSpeed::Kind::critical:
+      return "critical";
+    case SpecialSpeed::Kind::unstable_above:
+      return "unstable_above";
+    case SpecialSpeed::Kind::stable_above:
+      return "stable_above";
+  }
+  return "";
+}
+
 std::string to_text(const CampbellStudy& study) {
   std::string text = fmt::format(
       "{}: {} modes over {} rates, {:.6g} to {:.6g} rad/s about ({:g} {:g} {:g}), found in axes "

@@ -95,6 +95,18 @@ double time_within(const Scene& scene, double time) {
 
 }  // namespace
 
+ModesOptions modes_options(const ModesScene& asked) {
+  ModesOptions options;
+  options.count = asked.count;
+  options.near = 2.0 * std::numbers::pi * asked.near;
+  options.time = asked.at;
+  options.mac = asked.mac;
+  if (!asked.rate) return options;
+  options.rotation = SteadyRotation{*asked.rate, asked.direction(), asked.point_of_axis(), {}};
+  options.at_rest = asked.at_rest;
+  return options;
+}
+
 std::optional<double> NamedMode::whirl(double rate, ModeAxes axes) const {
   constexpr double a_line = 1e-6;
   if (!orbit || !(std::abs(*orbit) > (axes == ModeAxes::turning ? circular : a_line)))
@@ -320,6 +332,18 @@ void MotionsOfScene::name(NamedMode& mode) const {
     mode.name += fmt::format(" {:.0f} % ({})", 100.0 * total / whole, fmt::join(others, ", "));
 }
 
+Eigen::MatrixXcd MotionsOfScene::mass_times(const Eigen::MatrixXcd& shapes) const {
+  const auto turned = [this](Eigen::MatrixXcd X, bool to_body) {
+    for (Index row = 0; row < X.rows(); row += 3) {
+      const Mat3 R = state_.pose[static_cast<std::size_t>(row / 6 + 1)].R();
+      X.middleRows(row, 3) =
+          (to_body ? Mat3(R.transpose()) : R).cast<Complex>() * X.middleRows(row, 3);
+    }
+    return X;
+  };
+  return turned(motions_->mass_times(turned(shapes, true)), false);
+}
+
 void MotionsOfScene::write_motion(const Mode& mode, const std::filesystem::path& file, int frames,
                                   double amplitude) const {
   const MotionBlocks blocks = motion_blocks(model_);
@@ -364,6 +388,7 @@ ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
   study.axes = scene_motions.axes();
   study.time = options.time;
   study.near = options.near;
+  study.asked = options.asked;
   ModeOptions mode_options;
   mode_options.count = options.count;
   mode_options.near = options.near;
@@ -391,7 +416,33 @@ ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
   study.notes = scene_motions.notes();
   if (const std::string note = note_on_round_off(study.modes); !note.empty())
     study.notes.push_back(note);
+  const Weigh weigh = [&](const Eigen::MatrixXcd& X) { return scene_motions.mass_times(X); };
+  if (options.compared)
+    study.mac = mac_table(shapes_of(study), weigh, *options.compared);
+  else if (options.mac)
+    study.mac = mac_table(shapes_of(study), weigh);
   return study;
+}
+
+ShapesOfModes shapes_of(const ModesStudy& study) {
+  ShapesOfModes all;
+  all.model = study.model;
+  all.file = study.file.empty() ? study.model : study.file;
+  all.nodes = study.nodes;
+  for (const Pose<double>& H : study.poses) all.positions.push_back(H.r);
+  all.shapes.resize(6 * std::ssize(study.nodes), std::ssize(study.modes));
+  for (const NamedMode& mode : study.modes) {
+    const auto number = static_cast<Index>(all.names.size());
+    all.names.push_back(mode.name);
+    all.eigenvalues.push_back(mode.eigenvalue);
+    all.frequencies.push_back(mode.frequency());
+    all.round_off.push_back(mode.round_off);
+    for (Index row = 0; row < all.shapes.rows(); row += 3)
+      all.shapes.block<3, 1>(row, number) =
+          study.poses[static_cast<std::size_t>(row / 6)].R().cast<Complex>() *
+          mode.shape.segment<3>(row);
+  }
+  return all;
 }
 
 }  // namespace mbd

@@ -11,6 +11,7 @@
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/scene/scene.hpp"
+#include "libmbd/study/modes/mac.hpp"
 #include "solvers/modes/eigenmodes.hpp"
 #include "solvers/modes/steady_rotation.hpp"
 
@@ -30,14 +31,26 @@ struct NamedMode : Mode {
   std::optional<double> whirl(double rate, ModeAxes axes) const;
 };
 
+// Where one of the options below comes from, for reports: what <modes> of the scene says, or an option of the command.
+struct AskedForModes {
+  std::string name, value;
+  bool by_scene = false;
+};
+
 struct ModesOptions {
-  int count = 10;
+  int count = ModesScene{}.count;
   double near = 0.0;                            // [rad/s]
   std::optional<SteadyRotation> rotation = {};  // otherwise it rests
   std::vector<std::string> at_rest = {};        // bodies and flexible beams that do not turn
   // [s] of a run: about its state then, with the coefficients that small motions have at that moment; without a rotation.
   std::optional<double> time = {};
+  bool mac = false;                                    // of the modes among themselves
+  std::shared_ptr<const ShapesOfModes> compared = {};  // or with these
+  std::vector<AskedForModes> asked = {};
 };
+
+// As a scene asks for it. Its axis has a length (ModesScene::contradiction).
+ModesOptions modes_options(const ModesScene& asked);
 
 // Whether orbits are circles, for all that one can see.
 inline constexpr double circular = 0.999;
@@ -55,6 +68,8 @@ struct ModesStudy {
   std::vector<Pose<double>> poses;  // of the nodes in equilibrium
   std::vector<NamedMode> modes;     // by frequency where `near` is 0, else by distance from it
   KrylovWork work;                  // that found them
+  std::vector<AskedForModes> asked;
+  std::optional<MacTable> mac;  // if it was asked for
   std::vector<std::string> notes;
 };
 
@@ -79,6 +94,9 @@ class MotionsOfScene {
   // As find_modes(), named. Throws Error where it fails.
   std::vector<NamedMode> modes(const ModeOptions& options);
   const KrylovWork& work() const { return work_; }  // of all modes() so far
+
+  // M times shapes (ShapesOfModes::shapes).
+  Eigen::MatrixXcd mass_times(const Eigen::MatrixXcd& shapes) const;
 
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
@@ -113,7 +131,11 @@ class MotionsOfScene {
 };
 
 // `motions`: directory that gets a directory mode_1, mode_2 … with a motion.bin for each mode; empty: none.
+// Throws Error as MotionsOfScene does, and as mac_table() where modes are compared.
 ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
                        const std::filesystem::path& motions = {});
+
+// The modes of a study, to be compared.
+ShapesOfModes shapes_of(const ModesStudy& study);
 
 }  // namespace mbd

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "libmbd/text/files.hpp"
 #include "libmbd/text/tables.hpp"
 
 namespace mbd {
@@ -67,6 +68,15 @@ void append_shape(const ModesStudy& study, const NamedMode& mode, std::string& t
   }
 }
 
+// What of the settings is not the default, and who said so.
+std::string asked_in_words(const ModesStudy& study) {
+  std::string text;
+  for (const AskedForModes& one : study.asked)
+    text += fmt::format("{}{} {} ({})", text.empty() ? "asked for: " : ", ", one.name, one.value,
+                        one.by_scene ? "<modes>" : "option");
+  return text.empty() ? text : text + "\n";
+}
+
 }  // namespace
 
 std::string to_text(const ModesStudy& study) {
@@ -85,7 +95,7 @@ std::string to_text(const ModesStudy& study) {
   constexpr double seen = 1e-12;
   if (study.displacement > seen)
     text += fmt::format("; displaced by up to {:.6g} m ({})", study.displacement, study.displaced);
-  text += "\n\n";
+  text += '\n' + asked_in_words(study) + '\n';
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> head{"", "Hz", "rad/s", "damping"};
   if (study.rotation) head.push_back("inertial Hz");
@@ -113,7 +123,24 @@ std::string to_text(const ModesStudy& study) {
   study::table(text, rows);
   if (unstable) text += "\nnote: unstable: what grows leaves this state\n";
   for (const std::string& note : study.notes) text += "\nnote: " + note + "\n";
+  if (study.mac) text += '\n' + to_text(*study.mac);
   return text;
+}
+
+std::vector<std::string> write_modes(const ModesStudy& study,
+                                     const std::filesystem::path& directory) {
+  make_directory(directory);
+  std::error_code code;
+  for (const char* const old : {"mac.csv", "mac.json"})
+    std::filesystem::remove(directory / old, code);
+  std::vector<std::string> names{"modes.csv", "modes.json"};
+  write_file(directory / "modes.csv", to_csv(study));
+  write_file(directory / "modes.json", to_json(study));
+  if (!study.mac) return names;
+  write_file(directory / "mac.csv", to_csv(*study.mac));
+  write_file(directory / "mac.json", to_json(*study.mac));
+  names.insert(names.end(), {"mac.csv", "mac.json"});
+  return names;
 }
 
 std::string to_csv(const ModesStudy& study) {
@@ -146,6 +173,9 @@ std::string to_json(const ModesStudy& study) {
                         {"through", {r.through(0), r.through(1), r.through(2)}}};
   }
   if (study.time) json["time"] = *study.time;
+  Json& asked = json["asked"] = Json::object();
+  for (const AskedForModes& one : study.asked)
+    asked[one.name] = {{"value", one.value}, {"by", one.by_scene ? "scene" : "option"}};
   json["largest_displacement"] = {{"value", study.displacement}, {"node", study.displaced}};
   json["notes"] = study.notes;
   Json& nodes = json["nodes"] = Json::array();

@@ -1,7 +1,9 @@
 // Modes as a table for the terminal, as CSV and as JSON with the shapes.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "libmbd/study/modes/modes.hpp"
 
@@ -15,5 +17,10 @@ std::string to_csv(const ModesStudy& study);
 // The same, and of each node its position [m] and orientation (quaternion w x y z) in equilibrium, and by mode its
 // displacement [m] and rotation [rad], inertial axes, real and imaginary parts.
 std::string to_json(const ModesStudy& study);
+
+// Writes modes.csv and modes.json, and where there is a MAC table mac.csv and mac.json, in the place of those of an earlier
+// study. Returns their names. Throws Error, with the file, where one cannot be written.
+std::vector<std::string> write_modes(const ModesStudy& study,
+                                     const std::filesystem::path& directory);
 
 }  // namespace mbd

@@ -120,9 +120,10 @@ double UnitChange::factor(std::string_view unit) const {
     std::string_view name;
     int length, mass, time;
   };
-  static constexpr Dimension known[] = {
-      {"m", 1, 0, 0},  {"kg", 0, 1, 0},   {"s", 0, 0, 1},   {"N", 1, 1, -2}, {"J", 2, 1, -2},
-      {"W", 2, 1, -3}, {"Pa", -1, 1, -2}, {"rad", 0, 0, 0}, {"", 0, 0, 0},   {"1", 0, 0, 0}};
+  static constexpr Dimension known[] = {{"m", 1, 0, 0},    {"kg", 0, 1, 0},  {"s", 0, 0, 1},
+                                        {"N", 1, 1, -2},   {"J", 2, 1, -2},  {"W", 2, 1, -3},
+                                        {"Pa", -1, 1, -2}, {"Hz", 0, 0, -1}, {"rad", 0, 0, 0},
+                                        {"", 0, 0, 0},     {"1", 0, 0, 0}};
   double factor = 1.0;
   int sign = 1;
   for (std::size_t at = 0; at <= unit.size();) {
@@ -172,6 +173,11 @@ Transformed moved(const Scene& scene, const RigidMotion& motion) {
         result.left_out.push_back(fmt::format("{} at {} = {:g}, along an inertial axis",
                                               mark.stops ? "stop" : "mark", mark.quantity,
                                               mark.value));
+  if (s.modes &&
+      s.modes->rate) {  // where it is not stated, the axis is the first of inertial space
+    s.modes->axis = s.modes->direction();
+    s.modes->through = s.modes->point_of_axis();
+  }
   change_values(
       s,
       [&](Vec3& x, const About& about) {

@@ -72,7 +72,8 @@ class Model:
         """Runs the model as `mbd run` does, to the same bits, and returns Results.
 
         progress: True shows a line on stderr; or a function f(t, duration, step), called a few times a second
-        out: directory for history.csv, history.svg and report.json; none: nothing is written
+        out: directory for history.csv, history.svg and report.json, and for modes where the model asks for some; none:
+        nothing is written
         method, step [s], tolerance, output [s]: integrate otherwise than the model says (of a <transient>)
         without: effects to leave out, as `mbd effects` names them
         accuracy: chooses settings for this error of `quantities`, within choose_within [s] of CPU time

@@ -64,13 +64,16 @@ def effects(model, *, set=None, quantities=(), tolerance=0.01, budget=120.0) -> 
     return _study(*_mbd.effects(_model_of(model, set), names_of(quantities), float(tolerance), float(budget)))
 
 
-def modes(model, *, set=None, count=10, near=None, rate=None, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
-          without=()) -> "Dict[str, Any]":
-    """Small motions about equilibrium, or about steady rotation of the whole at a rate.
+def modes(model, *, set=None, count=None, near=None, rate=None, at=None, axis=None, through=None, at_rest=(),
+          without=(), mac=False, compare=None) -> "Dict[str, Any]":
+    """Small motions about equilibrium, about steady rotation of the whole at a rate, or about the state of a run.
 
-    count: how many; near: those nearest to this frequency [Hz]
-    rate: of the rotation [rad/s] about the axis through a point [m]; at_rest: bodies and beams that do not turn
+    What is not given is as <modes> of the model says, or without one:
+    count: how many (10); near: those nearest to this frequency [Hz] (0)
+    rate: of the rotation [rad/s] about the axis (1, 0, 0) through a point (0, 0, 0) [m]; at_rest: bodies and beams that do
+    not turn; at: time of a run [s]
     without: effects to leave out, as `mbd effects` names them
+    mac: how alike they are among themselves; compare: or to other modes, of a Model, a model file, or a modes.json
 
     Returns a dict. With n modes and k nodes (the ground left out):
       eigenvalues (n,) complex [1/s]; frequencies (n,) [Hz]; damping_ratios (n,); names, list of n
@@ -78,13 +81,18 @@ def modes(model, *, set=None, count=10, near=None, rate=None, axis=(1, 0, 0), th
       parts: list of n dicts, shares of kinetic energy; orbits, inertial_frequencies (n,) [Hz]: nan without whirl
       residuals (n,); conditions (n,), of the eigenvalues: |dl|/|l| is at most half of it times a change of the forces
       over |l|^2 times the mass; axes: "turning", "resting" or None; notes
+      mac, None or a dict: mac (n, others), weighted by mass, nan where a shape moves none: 1 the same shape, 0 nothing in
+      common; groups, other_groups: lists of modes of one eigenvalue, of whose shapes any mixture is one too;
+      mac_of_groups: of their spans; pairs, list of dicts with modes, others, alike (by half or more);
+      other_names, other_frequencies [Hz]; notes
     Raises ModelError and UseError.
     """
-    return _mbd.modes(_model_of(model, set), int(count), optional_text(near, "near"), optional_text(rate, "rate"),
-                      _three(axis, "axis"), _three(through, "through"), names_of(at_rest), names_of(without))
+    return _mbd.modes(_model_of(model, set), None if count is None else int(count), optional_text(near, "near"),
+                      optional_text(rate, "rate"), optional_text(at, "at"), _three(axis, "axis"),
+                      _three(through, "through"), names_of(at_rest), names_of(without), bool(mac), _compared(compare))
 
 
-def linearize(model, *, set=None, at=None, rate=None, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
+def linearize(model, *, set=None, at=None, rate=None, axis=None, through=None, at_rest=(),
               without=()) -> "Dict[str, Any]":
     """Equations of motion as matrices, from the model's inputs to all that it records: E x' = A x + B u, y = C x + D u,
     about equilibrium, or steady rotation of the whole at a rate (as of modes()), or the state of a run.
@@ -104,7 +112,7 @@ def linearize(model, *, set=None, at=None, rate=None, axis=(1, 0, 0), through=(0
                           _three(through, "through"), names_of(at_rest), names_of(without))
 
 
-def campbell(model, rates, *, set=None, points=61, count=8, axis=(1, 0, 0), through=(0, 0, 0), at_rest=(),
+def campbell(model, rates, *, set=None, points=61, count=8, axis=None, through=None, at_rest=(),
              without=(), unbalance=None, forces=None, order=1, probes=()) -> "Dict[str, Any]":
     """Modes followed over the rate of a steady rotation, and responses at the same rates.
 
@@ -145,9 +153,17 @@ def _driven(unbalance, forces, order, probes):
     return moments, along, float(order), names_of(probes)
 
 
+def _compared(other):
+    if other is None or isinstance(other, Model):
+        return other and other._model
+    return os.fspath(other) if isinstance(other, (str, os.PathLike)) else _model_of(other, None)
+
+
 def _three(values, name):
     from .errors import UseError
 
+    if values is None:
+        return None
     numbers = [float(value) for value in values]
     if len(numbers) != 3:
         raise UseError(f"{name} has {len(numbers)} numbers, must have 3")
