@@ -208,16 +208,6 @@ void leave_independent_rigid_ones(std::vector<Mode>& modes) {
   modes = std::move(kept);
 }
 
-// Where fewer are there than were asked for, round-off of (3) makes modes of its own, which open constraints.
-void leave_out_what_opens(const SmallMotions& motions, std::vector<Mode>& modes) {
-  constexpr double opens = 1e-3;
-  const Eigen::SparseMatrix<double> B = motions.constraint_gradient(), sizes = B.cwiseAbs();
-  std::erase_if(modes, [&](const Mode& mode) {
-    const double opening = std::hypot((B * mode.shape.real()).norm(), (B * mode.shape.imag()).norm());
-    return opening > opens * (sizes * mode.shape.cwiseAbs()).norm();
-  });
-}
-
 }  // namespace
 
 double Mode::frequency() const {
@@ -261,7 +251,6 @@ struct ModeSearch {
             : fastest > 0.0        ? 1e-3 * fastest
                                    : 1.0;
     result = options.near > 0.0 ? near_frequency() : slowest();
-    leave_out_what_opens(motions, result.modes);
     if (result.modes.size() > static_cast<std::size_t>(wanted))
       result.modes.resize(static_cast<std::size_t>(wanted));
     result.work = work;

@@ -27,7 +27,7 @@ said = re.search(r"```python\n(diagram = h5py[^`]*)```", guide).group(1)
 expect("two lines of Python in the guide", said.count("\n") == 2)
 exec(said.replace("results/shaft/campbell", str(directory)))
 
-table = pandas.read_csv(directory / "campbell.csv", comment="#")
+table = pandas.read_csv(directory / "campbell.csv", comment="#", float_precision="round_trip")
 rates, branches = diagram["rates"][:], sorted(set(table["mode"]))
 expect("modes", list(frequencies.columns) == [table[table["mode"] == b]["name"].iloc[0] for b in branches])
 expect("rates rise", (numpy.diff(rates) > 0).all())
@@ -57,7 +57,7 @@ expect("parameters", all(isinstance(x, float) for x in diagram["parameters"].att
 responses = directory / "unbalance.csv"
 expect("unbalance", responses.exists() == ("unbalance" in diagram))
 if responses.exists():
-    table, group = pandas.read_csv(responses, comment="#"), diagram["unbalance"]
+    table, group = pandas.read_csv(responses, comment="#", float_precision="round_trip"), diagram["unbalance"]
     for column, place in enumerate(group["places"].asstr()[:]):
         rows = table[table["place"] == place].set_index("rate").reindex(rates)
         for name in ("major", "minor", "lag", "re_forward", "im_forward", "re_backward", "im_backward", "besides"):

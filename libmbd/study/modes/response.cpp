@@ -50,7 +50,7 @@ struct Across {
   }
 };
 
-constexpr Complex i(0.0, 1.0);
+constexpr Complex one_i(0.0, 1.0);
 
 std::vector<Across> places_of(const MotionsOfScene& motions, const SteadyRotation& rotation,
                               const std::vector<std::string>& names) {
@@ -65,12 +65,12 @@ std::vector<Across> places_of(const MotionsOfScene& motions, const SteadyRotatio
 
 // (3) of y and z, amplitudes at exp(i w t).
 Orbit ellipse(double rate, const Eigen::Vector2cd& w) {
-  return {rate, 0.5 * (w(0) + i * w(1)), 0.5 * std::conj(w(0) - i * w(1))};
+  return {rate, 0.5 * (w(0) + one_i * w(1)), 0.5 * std::conj(w(0) - one_i * w(1))};
 }
 
 // u at exp(i w t) from forces there; false where the equations are singular.
 bool solve_at(SmallMotions& small, double w, Eigen::MatrixXcd& u) {
-  if (!small.factor(i * w)) return false;
+  if (!small.factor(one_i * w)) return false;
   small.solve(u);
   return u.allFinite();
 }
@@ -122,7 +122,7 @@ std::optional<std::vector<Orbit>> response_to_unbalance(MotionsOfScene& motions,
     if (place.node == 0 || !rotation.turns(static_cast<std::size_t>(place.node)))
       throw Error("unbalance: \"" + one.place + "\" does not turn");
     const Across at(motions, rotation, place);
-    u.block<6, 1>(at.first, 0) += one.moment * square * at.force(1.0, rests ? -i : 0.0);
+    u.block<6, 1>(at.first, 0) += one.moment * square * at.force(1.0, rests ? -one_i : 0.0);
   }
   if (rests) {
     if (!solve_at(small, rotation.rate, u)) return std::nullopt;
@@ -137,7 +137,7 @@ std::optional<std::vector<Orbit>> response_to_unbalance(MotionsOfScene& motions,
   std::vector<Orbit> orbits;
   for (const Across& at : places_of(motions, rotation, places)) {
     const Eigen::Vector2cd w = at.moved(u);
-    Orbit orbit{rotation.rate, w(0) + i * w(1), 0.0};
+    Orbit orbit{rotation.rate, w(0) + one_i * w(1), 0.0};
     if (rests) orbit = ellipse(rotation.rate, w);
     orbits.push_back(orbit);
   }
@@ -162,7 +162,7 @@ std::optional<std::vector<Orbit>> response_to_forces(MotionsOfScene& motions,
   }
   const auto turning = [](const HarmonicForce& f) {  // p exp(i v t): y = p, z = -i p
     const Complex p(0.5 * f.y, 0.5 * f.z);
-    return std::pair<Complex, Complex>(p, -i * p);
+    return std::pair<Complex, Complex>(p, -one_i * p);
   };
   // What holds a free spin stays in the equations, so this one first: it is never at rest there.
   const auto backward = driven(motions, rotation, forces, -(w + W), turning);
