@@ -110,7 +110,7 @@ void add_driven(const std::string& group, const std::vector<CampbellStudy::Respo
   add("major", "m", "half the long axis of the orbit", [](const Orbit& o) { return o.major(); });
   add("minor", "m", "half the short axis", [](const Orbit& o) { return o.minor(); });
   add("lag", "deg", "of the forward part behind what drives it",
-      [](const Orbit& o) { return o.lag() * 180.0 / std::numbers::pi; });
+      [](const Orbit& o) { return o.lag() / (std::numbers::pi / 180.0); });
   add("re_forward", "m", "", [](const Orbit& o) { return o.forward.real(); });
   add("im_forward", "m", "", [](const Orbit& o) { return o.forward.imag(); });
   add("re_backward", "m", "", [](const Orbit& o) { return o.backward.real(); });
