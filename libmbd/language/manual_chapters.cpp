@@ -838,7 +838,7 @@ model or of a `modes.json`, at nodes of the same names, and says which is which.
 )md",
      R"xml(<mbd name="fork">
   <!-- A strip bent by a small force, and its frequencies then. -->
-  <material name="steel" E="200 GPa" nu="0.3" density="7800 kg/m3"/>
+  <material name="steel" E="200 GPa" nu="0.3" rho="7800 kg/m3"/>
   <section name="strip"> <rectangle width="10 mm" height="2 mm" material="steel"/> </section>
   <beam name="prong" section="strip" from="0 0 0" to="0.2 0 0" normal="0 0 1" elements="2" order="5"/>
   <fixed name="root" between="ground prong.start"/>

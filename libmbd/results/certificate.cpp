@@ -477,6 +477,9 @@ double Audit::reciprocal_condition(double h) const {
   return solver->factor() == FactorStatus::ok ? solver->reciprocal_condition() : 0.0;
 }
 
+// Energies and momenta of what rests are of round-off, and so is all that is put in relation to them. What is not a number moves.
+bool Audit::moves() const { return !(fastest_ * last_.t <= no_motion); }
+
 // The worst part of each.
 void Audit::add_momenta(Certificate& all) const {
   const double L = system_.length_scale();
@@ -555,8 +558,7 @@ void Audit::add_constraints(Certificate& all) const {
            .where = where(position_),
            .why = "largest gap over the scene's length, or sine of an angle; bounds: 10 and 1000 "
                   "tolerances of Newton's iterations"});
-  const bool moves = fastest_ * last_.t > no_motion;
-  if (moves)
+  if (moves())
     all.add({.name = "constraints, velocity",
              .value = velocity_.value / fastest_,
              .warn = small_method_error,
@@ -564,7 +566,7 @@ void Audit::add_constraints(Certificate& all) const {
              .where = where(velocity_),
              .why = "their largest rate over the fastest motion: an error of the method"});
   const double pace = std::max(quickest_, fastest_ * fastest_);
-  if (certify_ && moves && pace > 0.0)
+  if (certify_ && moves() && pace > 0.0)
     all.add({.name = "constraints, acceleration",
              .value = acceleration_.value / pace,
              .warn = much_method_error,
@@ -627,9 +629,9 @@ void Audit::add_steps(Certificate& all, const RunReport& report) const {
 }
 
 void Audit::add_motion(Certificate& all, const RunReport& report) const {
-  add_energy(all);
+  if (moves()) add_energy(all);
   add_constraints(all);
-  add_momenta(all);
+  if (moves()) add_momenta(all);
   add_steps(all, report);
 }
 

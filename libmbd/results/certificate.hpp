@@ -124,6 +124,7 @@ class Audit {
   void sample_momenta(const State& state);
   Vec3 point_of(int part, const State& state, Vec3* velocity = nullptr) const;
   void outside(const State& state, std::vector<Outside>& all) const;
+  bool moves() const;
   void add_momenta(Certificate& all) const;
   double reciprocal_condition(double h) const;
   void add_energy(Certificate& all) const;

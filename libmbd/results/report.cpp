@@ -81,7 +81,7 @@ Json json(const LinearFacts& facts) {
 }
 
 Json json(const Counters& c) {
-  Json all;
+  Json all = Json::object();
   for (const NamedCounter& n : named_counters) all[std::string(n.name)] = c.*n.counter;
   return all;
 }
@@ -270,7 +270,7 @@ bool RunReport::as_expected() const {
 }
 
 std::string to_json(const RunReport& report) {
-  Json all;
+  Json all = Json::object();
   all["model"] = report.model;
   all["file"] = report.file;
   all["version"] = version();

@@ -231,8 +231,10 @@ void certificate(std::string& text, const Certificate& certificate) {
                  ? fmt::format("; error in time about {:.1g} of the motion", time->value)
                  : std::string("; error in time not known");
   item(text, "certificate", words);
+  const std::vector<std::string> covers = certificate.covers();
   item(text, "  covers",
-       fmt::format("{}; not {}", listed(certificate.covers()), listed(certificate.not_covered())));
+       fmt::format("{}; not {}", covers.empty() ? "its checks in report.json" : listed(covers),
+                   listed(certificate.not_covered())));
   if (!certificate.certified) return;
   for (const Check& check : certificate.checks) {
     std::string about = fmt::format("{}: {}", check.name, number(check));

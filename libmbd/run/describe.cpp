@@ -262,6 +262,7 @@ class Explainer {
     joints();
     springs();
     control();
+    modes();
     analyses();
     limits();
   }
@@ -623,8 +624,6 @@ class Explainer {
   }
 
   void analyses() {
-    if (scene_.modes)  // said where they are asked for, as they change nothing in the run
-      present("modes of small motions, beside the run", {at("<modes>", scene_.modes->source)});
     if (scene_.statics)
       present(fmt::format("equilibrium at t = 0, loads raised in steps, the first of 1/{}",
                           scene_.statics->steps),
@@ -682,6 +681,12 @@ class Explainer {
     if (!system_.signals().empty())
       either("new starts of the integrator where drives, motions or loads jump", times,
              "none of them jumps after the start");
+  }
+
+  // Said where they are asked for, as they change nothing in the run.
+  void modes() {
+    if (scene_.modes)
+      present("modes of small motions, beside the run", {at("<modes>", scene_.modes->source)});
   }
 
   // What no model of this version can have. Said each time, as its absence is easily overlooked.
@@ -826,7 +831,7 @@ std::string to_text(const CheckReport& report) {
 }
 
 std::string to_json(const CheckReport& report) {
-  Json all;
+  Json all = Json::object();
   all["model"] = report.model;
   all["file"] = report.file;
   all["version"] = version();
@@ -942,7 +947,7 @@ std::string to_json(const Explanation& e) {
     effects.push_back({{"effect", effect.what}, {"from", effect.from}});
   for (const Absence& absence : e.absent)
     absent.push_back({{"effect", absence.what}, {"why", absence.why}});
-  Json all;
+  Json all = Json::object();
   all["model"] = e.model;
   all["file"] = e.file;
   all["version"] = version();

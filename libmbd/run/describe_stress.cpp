@@ -107,7 +107,7 @@ std::string row_of(const Vec6& x) {
 }
 
 Json json_of(const Vec6& x) {
-  Json all;
+  Json all = Json::object();
   for (std::size_t i = 0; i < 6; ++i) all[std::string(components[i])] = x(static_cast<Index>(i));
   return all;
 }

@@ -412,7 +412,7 @@ class Drawing {
     const ReductionScene* const reduction = reduction_with(scene_, beam.name);
     const Model::Line* const line = line_of(beam.name);
     Line made = placed(beam, line, is_rigid ? &rigid->second : nullptr);
-    Json shape;
+    Json shape = Json::object();
     if (line != nullptr) {
       shape["stations"] = line->stations;
       // Of component modes there are some nodes, and those of no elements.
@@ -531,7 +531,7 @@ class Drawing {
   }
 
   void add_body(const BodyScene& body) {
-    Json shape;
+    Json shape = Json::object();
     put(shape, {Place::Kind::body, body.name, 0.0});
     Facts facts;
     const MassProperties is = mass_properties(body);
@@ -566,7 +566,7 @@ class Drawing {
   }
 
   void add_mass(const PointMassScene& mass) {
-    Json shape;
+    Json shape = Json::object();
     put(shape, mass.at);
     shape["offset"] = json(mass.offset);
     add(mass, "mass", mass.name,
@@ -586,7 +586,7 @@ class Drawing {
                                         {"driven speed [m/s]", &drive.speed},
                                         {"driven displacement [m]", &drive.displacement}})
           if (*law) facts(what, (*law)->text());
-    Json shape;
+    Json shape = Json::object();
     if (const auto it = joints_.find(joint.name); it != joints_.end()) {
       const Model::JointFrames& f = *it->second;
       shape["a"] = json(At{f.node_a, f.a});
@@ -624,7 +624,7 @@ class Drawing {
   }
 
   void add_motion(const MotionScene& motion) {
-    Json shape;
+    Json shape = Json::object();
     put(shape, motion.of);
     add(motion, "motion", motion.name, Facts()("of", in_words(motion.of)).json(), shape);
   }
@@ -632,7 +632,7 @@ class Drawing {
   // --- springs ---
 
   void add_spring(const SpringScene& spring) {
-    Json shape;
+    Json shape = Json::object();
     const auto end = [&](const Place& place, const std::optional<Vec3>& point) {
       const Pose<double> H = reference_of(place);
       return json(moving_with(place, point ? make_pose(Mat3::Identity(), *point) : H));
@@ -647,7 +647,7 @@ class Drawing {
   }
 
   void add_bushing(const BushingScene& bushing) {
-    Json shape;
+    Json shape = Json::object();
     const Place& of = bushing.b.kind == Place::Kind::ground ? bushing.a : bushing.b;
     const Vec3 point = bushing.at ? *bushing.at : reference_of(of).r;
     shape["a"] = json(moving_with(bushing.a, make_pose(Mat3::Identity(), point)));
@@ -678,7 +678,7 @@ class Drawing {
   }
 
   void add_load(const LoadScene& load) {
-    Json shape;
+    Json shape = Json::object();
     put(shape, load.at);
     shape["offset"] = json(load.offset);
     Facts facts;
@@ -738,7 +738,7 @@ class Drawing {
 
   void add_record(const RecordScene& record) {
     if (!record.at) return;
-    Json shape;
+    Json shape = Json::object();
     put(shape, *record.at);
     const Pose<double> H = reference_of(*record.at);
     shape["from"] = json(H.r);

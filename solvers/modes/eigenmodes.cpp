@@ -190,6 +190,33 @@ bool is_rigid(const SmallMotions& motions, const Eigen::SparseMatrix<double>& si
   return !strains(mode.shape.real()) && !strains(mode.shape.imag());
 }
 
+// Modes that open constraints, which none may: of eigenvalues that are infinite, and that round-off makes finite where a system
+// that damps or turns has fewer than were asked for.
+class OpenModes {
+ public:
+  explicit OpenModes(const SmallMotions& motions)
+      : weight_(motions.motions()), B_(motions.constraint_gradient()) {
+    for (Index k = 0; k < weight_.size(); ++k)
+      weight_(k) = k % 6 < 3 ? motions.length_scale()
+                             : 1.0;  // of a motion of size 1, lengths by the scene's
+    most_ = B_.cwiseAbs() * weight_;
+  }
+
+  bool operator()(const Mode& mode) const {
+    constexpr double open = 1e-4;  // of what the rows could be
+    const double size = mode.shape.cwiseAbs().cwiseQuotient(weight_).maxCoeff();
+    const VecX opening =
+        (B_ * VecX(mode.shape.real())).cwiseAbs2() + (B_ * VecX(mode.shape.imag())).cwiseAbs2();
+    for (Index row = 0; row < opening.size(); ++row)
+      if (std::sqrt(opening(row)) > open * size * most_(row)) return true;
+    return false;
+  }
+
+ private:
+  VecX weight_, most_;
+  Eigen::SparseMatrix<double> B_;
+};
+
 // Rigid motions come in pairs (a place and a velocity, a defective eigenvalue 0), and in any combination: leaves as many
 // as there are.
 void leave_independent_rigid_ones(std::vector<Mode>& modes) {
@@ -236,6 +263,7 @@ struct ModeSearch {
   const Eigen::SparseMatrix<double>& sizes;
   const ModeOptions& options;
   const int wanted = options.count;
+  const OpenModes opens = OpenModes(motions);
   double fastest = 0.0, omega = 0.0;  // of all motions; of those that are looked for
   KrylovWork work = {};
 
@@ -267,6 +295,7 @@ struct ModeSearch {
   ModesFound at(Complex shift, int count) {
     ModesFound found = find_modes_near(motions, shift, omega, count);
     work += found.work;
+    std::erase_if(found.modes, opens);
     sort(found.modes);
     return found;
   }

@@ -9,10 +9,12 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <sstream>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "libmbd/study/modes/modes_report.hpp"
 #include "libmbd/view/motion.hpp"
+#include "tests/support/landings.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -311,6 +313,47 @@ TEST(Modes, RepeatedAreAllFound) {
 }
 
 // A frequency asked for is found from the middle of the spectrum.
+// Asked for more modes than there are: those that are there, and no others, which open joints. Two masses on springs with dampers,
+// and a third that turns on a damped hinge, against the companion matrix. Mutation: those that open joints are kept (it finds
+// some that grow, "unstable").
+TEST(Modes, AreNoMoreThanThereAre) {
+  for (const double c : {0.5, 60.0})  // rings, and creeps
+    for (const char* const axis : {"1 0 0", "3 -4 12"}) {
+      Vec3 e;
+      std::istringstream(axis) >> e(0) >> e(1) >> e(2);
+      const Vec3 end = e.normalized();
+      const auto words = [](const Vec3& x) { return fmt::format("{} {} {}", x(0), x(1), x(2)); };
+      const Scene scene = scene_of(fmt::format(
+          R"(<body name="a" at="0 0 0" mass="1" inertia="1 2 3"/>
+             <body name="b" at="{1}" mass="5e-3" inertia="1e-6 1e-6 1e-6"/>
+             <body name="d" at="0 0 9" mass="2" inertia="0.7 0.7 0.7"/>
+             <prismatic name="p" between="ground a" at="0 0 0" axis="{0}"/>
+             <prismatic name="q" between="ground b" at="{1}" axis="{0}"/>
+             <revolute name="h" between="ground d" at="0 0 9" axis="{0}"/>
+             <spring name="s" between="ground a" at_a="{2}" at_b="0 0 0" stiffness="100" damping="{3}"/>
+             <spring name="t" between="a b" at_a="0 0 0" at_b="{1}" stiffness="200" damping="0.2"/>
+             <joint_spring name="u" joint="h" angular_stiffness="3" angular_damping="0.1"/>
+             <static/>)",
+          axis, words(end), words(-end), c));
+      Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+      A.topRightCorner<3, 3>().setIdentity();
+      A.row(3) << -300.0, 200.0, 0.0, -(c + 0.2), 0.2, 0.0;
+      A.row(4) << 200.0 / 5e-3, -200.0 / 5e-3, 0.0, 0.2 / 5e-3, -0.2 / 5e-3, 0.0;
+      A.row(5) << 0.0, 0.0, -3.0 / 0.7, 0.0, 0.0, -0.1 / 0.7;
+      std::vector<std::complex<double>> expected;
+      for (const std::complex<double> l : A.eigenvalues())
+        if (l.imag() >= 0.0) expected.push_back(l);
+      const std::vector<NamedMode> modes = modes_of(scene, 30);
+      ASSERT_EQ(modes.size(), expected.size()) << c << " along " << axis;
+      for (const std::complex<double> l : expected)
+        EXPECT_TRUE(std::any_of(modes.begin(), modes.end(),
+                                [&](const NamedMode& mode) {
+                                  return std::abs(mode.eigenvalue - l) < 1e-7 * std::abs(l);
+                                }))
+            << l.real() << " + i " << l.imag();
+    }
+}
+
 TEST(Modes, NearAFrequency) {
   const std::vector<NamedMode> all = modes_of(cantilever(8, 4), 12);
   ModesOptions options;

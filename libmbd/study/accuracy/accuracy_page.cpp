@@ -489,7 +489,7 @@ Json facts(const AccuracyStudy& study) {
 
 // What the page shows (libmbd/pictures/page/accuracy.html).
 Json data_of(const AccuracyStudy& study, const Scene& scene) {
-  Json data;
+  Json data = Json::object();
   data["by"] = fmt::format("{}, {}. {}, in {} s.", study.file, study.date, tally_text(study),
                            seconds_text(study.seconds));
   data["answers"] = answers(study);

@@ -103,7 +103,7 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{}
 using Json = nlohmann::ordered_json;
 
 Json json(const Counters& c) {
-  Json all;
+  Json all = Json::object();
   for (const NamedCounter& n : named_counters) all[std::string(n.name)] = c.*n.counter;
   return all;
 }
@@ -225,7 +225,7 @@ std::string csv_of(const AccuracyStudy& study) {
 }
 
 std::string json_of(const AccuracyStudy& study) {
-  Json all;
+  Json all = Json::object();
   all["model"] = study.model;
   all["file"] = study.file;
   all["date"] = study.date;

@@ -205,7 +205,7 @@ Json json(const EffectsStudy& study, const std::vector<Change>& changes) {
 }
 
 std::string json_of(const EffectsStudy& study) {
-  Json all;
+  Json all = Json::object();
   all["model"] = study.model;
   all["file"] = study.file;
   all["date"] = study.date;
@@ -476,7 +476,7 @@ Json facts_of(const EffectsStudy& study) {
 
 // What the page shows is libmbd/pictures/page/effects.html, filled with this.
 std::string page_of(const EffectsStudy& study) {
-  Json data;
+  Json data = Json::object();
   data["by"] = fmt::format("{}, {}. {}.", study.file, study.date, capital(whole_text(study)));
   data["cheapest"] = cheapest_text(study);
   data["change"] =

@@ -219,7 +219,7 @@ Linearization linearize(const Model& model, const State& given) {
 }
 
 void write_linearization(const Linearization& linear, const std::filesystem::path& directory) {
-  Json all;
+  Json all = Json::object();
   all["model"] = linear.model;
   all["file"] = linear.file;
   if (linear.rotation) all["rate"] = {{"value", linear.rotation->rate}, {"unit", "rad/s"}};

@@ -68,7 +68,7 @@ void append_pairs(const MacTable& table, std::string& text) {
 }
 
 Json side_json(const MacTable::Side& side) {
-  Json json;
+  Json json = Json::object();
   json["model"] = side.model;
   json["file"] = side.file;
   json["names"] = side.names;
@@ -117,7 +117,7 @@ std::string to_csv(const MacTable& table) {
 }
 
 std::string to_json(const MacTable& table) {
-  Json json;
+  Json json = Json::object();
   json["weight"] = "mass of " + table.modes.model;
   json["modes"] = side_json(table.modes);
   if (!table.among_themselves) json["others"] = side_json(table.others);

@@ -162,7 +162,7 @@ std::string to_csv(const ModesStudy& study) {
 }
 
 std::string to_json(const ModesStudy& study) {
-  Json json;
+  Json json = Json::object();
   json["model"] = study.model;
   json["file"] = study.file;
   if (study.rotation) {
@@ -188,7 +188,7 @@ std::string to_json(const ModesStudy& study) {
   std::string text = open_object(json) + ",\n \"modes\": [";
   for (std::size_t i = 0; i < study.modes.size(); ++i) {
     const NamedMode& mode = study.modes[i];
-    Json one;
+    Json one = Json::object();
     one["name"] = mode.name;
     one["eigenvalue"] = {mode.eigenvalue.real(), mode.eigenvalue.imag()};
     one["frequency"] = mode.frequency();

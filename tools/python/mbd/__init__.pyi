@@ -53,7 +53,8 @@ class Model:
         """Runs the model as `mbd run` does, to the same bits, and returns Results.
 
         progress: True shows a line on stderr; or a function f(t, duration, step), called a few times a second
-        out: directory for history.csv, history.svg and report.json; none: nothing is written
+        out: directory for history.csv, history.svg and report.json, and for modes where the model asks for some; none:
+        nothing is written
         method, step [s], tolerance, output [s]: integrate otherwise than the model says (of a <transient>)
         without: effects to leave out, as `mbd effects` names them
         accuracy: chooses settings for this error of `quantities`, within choose_within [s] of CPU time
@@ -274,10 +275,10 @@ class Scene(Element):
           <body>, <shape>, <drive>, <motion>, <load>, <distributed>, <rigid>,
           <point_mass>, <spring>, <bushing>, <joint_spring>, <joint_torque>, <drag>,
           <added_mass>, <extension>, <base_motion>, <gravity>, <static>, <path>, <mark>,
-          <stop>, <transient>, <record>, <motion_output>, <plot>, <expect>, <input>,
-          <function>, <controller>, <reduction>, <fixed>, <rigid_link>, <revolute>,
-          <prismatic>, <cylindrical>, <screw>, <universal>, <spherical>, <planar>,
-          <point_on_line>, <distance>.
+          <stop>, <transient>, <modes>, <record>, <motion_output>, <plot>, <expect>,
+          <input>, <function>, <controller>, <reduction>, <fixed>, <rigid_link>,
+          <revolute>, <prismatic>, <cylindrical>, <screw>, <universal>, <spherical>,
+          <planar>, <point_on_line>, <distance>.
 
         For example:
           <mbd name="balls" version="1">
@@ -1581,6 +1582,49 @@ class Scene(Element):
             <record name="tip" at="b.end" quantities="displacement velocity"/>
             <expect quantity="tip.velocity.3" at="0" value="0" tolerance="1e-9"
                     source="starts from equilibrium"/>
+          </mbd>
+        """
+        ...
+    def modes(self, *, count: Value = None, near: Value = None, rate: Value = None, at: Value = None, axis: Value = None, through: Value = None, at_rest: Value = None, mac: Value = None) -> ModesElement:
+        """<modes>
+          Modes of small motions: frequencies, damping and shapes, in modes.csv and
+          modes.json beside the results of a run. `mbd modes` has options of the same
+          names, which hold before these attributes.
+          Stands in <mbd>, <defaults>.
+
+        Attributes:
+          count              whole number from 1 to 10000, default 10
+                             how many
+          near               number >= 0 [Hz], default 0
+                             those nearest to this frequency
+          rate               number [rad/s], optional
+                             about steady rotation of the whole at this rate (default:
+                             about equilibrium)
+          at                 number >= 0 [s], optional
+                             about the state of a run at this time: what small motions
+                             are at that moment
+          axis               3 numbers, default 1 0 0
+                             axis of the rotation
+          through            3 numbers [m], default 0 0 0
+                             a point of it
+          at_rest            words, optional
+                             bodies and flexible beams that do not turn, as the housing
+                             of a bearing
+          mac                off or on, default off
+                             how alike the modes are, weighted by mass, in mac.csv and
+                             mac.json: modal assurance criterion
+
+        For example:
+          <mbd name="fork">
+            <!-- A strip bent by a small force, and its frequencies then. -->
+            <material name="steel" E="200 GPa" nu="0.3" rho="7800 kg/m3"/>
+            <section name="strip"> <rectangle width="10 mm" height="2 mm" material="steel"/> </section>
+            <beam name="prong" section="strip" from="0 0 0" to="0.2 0 0" normal="0 0 1" elements="2" order="5"/>
+            <fixed name="root" between="ground prong.start"/>
+            <load at="prong.end" force="0 0 -0.1"/>
+            <static/>
+            <modes count="4" mac="on"/>
+            <record name="tip" at="prong.end" quantities="displacement"/>
           </mbd>
         """
         ...
@@ -3949,6 +3993,9 @@ class DefaultsElement(Element):
         ...
     def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
         """Integration in time, in fixed steps or in steps that follow an estimated error."""
+        ...
+    def modes(self, *, count: Value = None, near: Value = None, rate: Value = None, at: Value = None, axis: Value = None, through: Value = None, at_rest: Value = None, mac: Value = None) -> ModesElement:
+        """Modes of small motions: frequencies, damping and shapes, in modes.csv and modes.json beside the results of a run. `mbd modes` has options of the same names, which hold before these attributes."""
         ...
     def record(self, *, name: Value = None, at: Value = None, joint: Value = None, spring: Value = None, section_point: Value = None, quantities: Value = None) -> RecordElement:
         """Columns of history.csv."""
@@ -6531,6 +6578,9 @@ class StopElement(Element):
 class TransientElement(Element):
     ...
 
+class ModesElement(Element):
+    ...
+
 class RecordElement(Element):
     ...
 
@@ -7254,7 +7304,7 @@ def accuracy(model: Any, *, set: Any = None, quantities: Any = (), vary: Any = N
     """
     ...
 
-def campbell(model: Any, rates: Any, *, set: Any = None, points: Any = 61, count: Any = 8, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = (), unbalance: Any = None, forces: Any = None, order: Any = 1, probes: Any = ()) -> Dict[str, Any]:
+def campbell(model: Any, rates: Any, *, set: Any = None, points: Any = 61, count: Any = 8, axis: Any = None, through: Any = None, at_rest: Any = (), without: Any = (), unbalance: Any = None, forces: Any = None, order: Any = 1, probes: Any = ()) -> Dict[str, Any]:
     """Modes followed over the rate of a steady rotation, and responses at the same rates.
 
     rates: (first, last) [rad/s], or texts with units ("0 rpm", "600 rpm"); points: how many at least
@@ -7282,7 +7332,7 @@ def effects(model: Any, *, set: Any = None, quantities: Any = (), tolerance: Any
     """
     ...
 
-def linearize(model: Any, *, set: Any = None, at: Any = None, rate: Any = None, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = ()) -> Dict[str, Any]:
+def linearize(model: Any, *, set: Any = None, at: Any = None, rate: Any = None, axis: Any = None, through: Any = None, at_rest: Any = (), without: Any = ()) -> Dict[str, Any]:
     """Equations of motion as matrices, from the model's inputs to all that it records: E x' = A x + B u, y = C x + D u,
     about equilibrium, or steady rotation of the whole at a rate (as of modes()), or the state of a run.
 
@@ -7299,12 +7349,15 @@ def linearize(model: Any, *, set: Any = None, at: Any = None, rate: Any = None, 
     """
     ...
 
-def modes(model: Any, *, set: Any = None, count: Any = 10, near: Any = None, rate: Any = None, axis: Any = (1, 0, 0), through: Any = (0, 0, 0), at_rest: Any = (), without: Any = ()) -> Dict[str, Any]:
-    """Small motions about equilibrium, or about steady rotation of the whole at a rate.
+def modes(model: Any, *, set: Any = None, count: Any = None, near: Any = None, rate: Any = None, at: Any = None, axis: Any = None, through: Any = None, at_rest: Any = (), without: Any = (), mac: Any = False, compare: Any = None) -> Dict[str, Any]:
+    """Small motions about equilibrium, about steady rotation of the whole at a rate, or about the state of a run.
 
-    count: how many; near: those nearest to this frequency [Hz]
-    rate: of the rotation [rad/s] about the axis through a point [m]; at_rest: bodies and beams that do not turn
+    What is not given is as <modes> of the model says, or without one:
+    count: how many (10); near: those nearest to this frequency [Hz] (0)
+    rate: of the rotation [rad/s] about the axis (1, 0, 0) through a point (0, 0, 0) [m]; at_rest: bodies and beams that do
+    not turn; at: time of a run [s]
     without: effects to leave out, as `mbd effects` names them
+    mac: how alike they are among themselves; compare: or to other modes, of a Model, a model file, or a modes.json
 
     Returns a dict. With n modes and k nodes (the ground left out):
       eigenvalues (n,) complex [1/s]; frequencies (n,) [Hz]; damping_ratios (n,); names, list of n
@@ -7312,6 +7365,10 @@ def modes(model: Any, *, set: Any = None, count: Any = 10, near: Any = None, rat
       parts: list of n dicts, shares of kinetic energy; orbits, inertial_frequencies (n,) [Hz]: nan without whirl
       residuals (n,); conditions (n,), of the eigenvalues: |dl|/|l| is at most half of it times a change of the forces
       over |l|^2 times the mass; axes: "turning", "resting" or None; notes
+      mac, None or a dict: mac (n, others), weighted by mass, nan where a shape moves none: 1 the same shape, 0 nothing in
+      common; groups, other_groups: lists of modes of one eigenvalue, of whose shapes any mixture is one too;
+      mac_of_groups: of their spans; pairs, list of dicts with modes, others, alike (by half or more);
+      other_names, other_frequencies [Hz]; notes
     Raises ModelError and UseError.
     """
     ...
