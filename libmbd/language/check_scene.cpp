@@ -607,9 +607,6 @@ void check(const Checked& item, const TransientScene& transient, const Scene&) {
 void check(const Checked& item, const ModesScene& modes, const Scene& scene) {
   const std::string contradiction = modes.contradiction();
   item.fail_if(!contradiction.empty(), contradiction);
-  item.fail_if(modes.at && scene.transient && *modes.at > scene.transient->duration,
-               "at is after the end of the <transient>; ask for an earlier state, or give it a "
-               "longer duration");
   std::vector<std::string_view> parts;
   for (const BodyScene& body : scene.bodies) parts.push_back(body.name);
   for (const BeamScene& beam : scene.beams) parts.push_back(beam.name);

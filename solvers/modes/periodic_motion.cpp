@@ -363,7 +363,9 @@ double PeriodicMotion::tail(const std::vector<State>& states) const {
     for (Index k = 0; k < motions_; k += 6)
       V.segment<6>(at(i) * motions_ + k) =
           states[i].V[static_cast<std::size_t>(k / 6) + 1].cast<Complex>();
-  return tail_of(harmonics(V));
+  const VecX sizes = harmonics(V);
+  constexpr double rests = 1e-9;  // in a period, of the scene's length, or rad: of round-off
+  return sizes.maxCoeff() * period_ > rests ? tail_of(sizes) : 0.0;
 }
 
 PeriodicReport PeriodicMotion::solve(const NewtonOptions& options, std::vector<State>& states) {

@@ -82,7 +82,7 @@ class PeriodicMotion final : public MotionPencil {
   bool linearize(const std::vector<State>& states, VecX& r);
   // Of an increment x the share that is taken. `e`: its size, not finite if that of an instant is not.
   double share_of(const VecX& x, const IncrementNorm& norm, double& e) const;
-  double tail(const std::vector<State>& states) const;  // of the harmonics of velocities
+  double tail(const std::vector<State>& states) const;  // of the harmonics of velocities; 0 at rest
   template <class Scalar>
   struct Factors;
   // add(i, row, j, column, value) for the summands of every entry, of instants and their unknowns.

@@ -789,8 +789,6 @@ const std::vector<BadModel>& bad_models() {
        [](Scene& s) { s.modes = ModesScene{.axis = Vec3(Vec3::UnitY())}; }},
       {"modes_at_rest_of_nothing", "pendulum", {11}, "modes", {"at_rest", R"("rood")", R"("rod")"},
        [](Scene& s) { s.modes = ModesScene{.rate = 3.0, .at_rest = {"rood"}}; }},
-      {"modes_after_the_end", "pendulum", {11}, "modes", {"at", "end", "transient"},
-       [](Scene& s) { s.modes = ModesScene{.at = 0.2}; }},
       {"modes_mac_misspelled", "pendulum", {11}, "modes", {"mac", "yes", "on"},
        spelling},
       {"two_modes", "pendulum", {12}, "modes", {"one"},

@@ -186,6 +186,22 @@ TEST(Floquet, PendulumWithFriction) {
 // A driven pendulum of two swings of the same period, one of them a saddle: after two periods Newton's method goes there, and
 // the run to the other one, on which both multipliers are exp(-c T/(2 I)) (calc: shooting by Dormand and Prince's method of order
 // 8, 0.11973134 and 0.44453868 i). Mutation: what was found first is returned, "unstable, 2.175 in a period".
+// At rest velocities are of round-off, in all harmonics alike: nothing of a motion is unresolved. An exponent: that of a
+// mass that slides at an angle to its damped spring. Mutation: shares of harmonics of what rests.
+TEST(Floquet, OfWhatRests) {
+  const FloquetStudy study = floquet(read_model_text(R"(<mbd name="rests">
+      <body name="a" at="0.3 0 0" mass="2" inertia="1 2 3"/>
+      <prismatic name="p" between="ground a" at="0 0 0" axis="3 -4 12"/>
+      <spring name="s" between="ground a" at_a="0 0 0" at_b="0.3 0 0" stiffness="50" damping="0.4"/>
+      <transient duration="1" step="0.01"/></mbd>)",
+                                                     "rests.xml"),
+                                     2.0 * pi);
+  EXPECT_EQ(study.report.tail, 0.0);
+  EXPECT_TRUE(study.notes.empty());
+  ASSERT_EQ(study.modes.size(), 1U);
+  EXPECT_NEAR(study.growth(), -0.4 * (9.0 / 169.0) / 4.0, 1e-10);
+}
+
 TEST(Floquet, IsOfTheMotionThatTheRunLeadsTo) {
   constexpr double period = 2.0 * pi / 3.0, inertia = 0.02 + 0.25, damping = 0.2;
   const Scene scene = read_model_text(fmt::format(R"xml(<mbd name="duffing">

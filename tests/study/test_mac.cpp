@@ -354,6 +354,12 @@ TEST_F(ModesOfScenes, FailByThemselves) {
   EXPECT_TRUE(std::filesystem::exists(file("hangs/history.csv")));
   EXPECT_TRUE(std::filesystem::exists(file("hangs/report.json")));
   EXPECT_FALSE(std::filesystem::exists(file("hangs/modes.csv")));
+  // Of a state that the run does not come to: before it runs. (Studies that run the scene for a shorter time do not mind.)
+  write("late", R"(<modes at="1.5"/><transient duration="1" step="0.1"/>)");
+  const Output late = mbd("run late.xml -q -o late");
+  EXPECT_EQ(late.status, 1);
+  EXPECT_SAYS(late.text, "ends at 1 s, there is no state of it at 1.5 s");
+  EXPECT_FALSE(std::filesystem::exists(file("late")));
 }
 
 TEST_F(ModesOfScenes, AreComparedByTheCommand) {

@@ -265,6 +265,8 @@ std::string write_modes_of(const Scene& scene, const std::filesystem::path& outp
 int run_model(const RunArguments& arguments) {
   Scene scene = read_model(arguments.model, to_overrides(arguments.set), arguments.plugins);
   if (!arguments.without.empty()) scene = without(scene, arguments.without);
+  if (scene.modes && scene.modes->at)
+    require_state_at(scene, *scene.modes->at);  // not after an hour
   refuse_contradictions(arguments);
   RunOptions options = prepare(arguments, scene);
   std::optional<RunFile> run_file;

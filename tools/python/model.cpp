@@ -103,6 +103,7 @@ void run_scene(const ModelHandle& handle, const RunSettings& settings,
                const std::function<void(const Progress&)>& progress, Table& table) {
   Scene scene = handle.scene();
   if (!settings.without.empty()) scene = without(scene, settings.without);
+  if (scene.modes && scene.modes->at) require_state_at(scene, *scene.modes->at);
   RunOptions options;
   options.notes = apply(settings.transient, scene);
   if (settings.motion) {

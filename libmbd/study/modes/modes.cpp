@@ -82,18 +82,21 @@ std::string note_on_round_off(const std::vector<NamedMode>& modes) {
       worst->round_off, worst - modes.begin() + 1);
 }
 
-// Up to then the model says what happens.
 double time_within(const Scene& scene, double time) {
+  require_state_at(scene, time);
+  return time > 0.0 ? time : 1.0;
+}
+
+}  // namespace
+
+void require_state_at(const Scene& scene, double time) {
   constexpr double round_off = 1e-9;
   if (scene.transient && time > scene.transient->duration * (1.0 + round_off))
     throw Error(scene.transient->source,
                 fmt::format("transient: ends at {:.6g} s, there is no state of it at {:.6g} s; ask "
                             "for an earlier one, or give it a longer duration",
                             scene.transient->duration, time));
-  return time > 0.0 ? time : 1.0;
 }
-
-}  // namespace
 
 ModesOptions modes_options(const ModesScene& asked) {
   ModesOptions options;

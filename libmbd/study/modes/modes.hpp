@@ -49,6 +49,9 @@ struct ModesOptions {
   std::vector<AskedForModes> asked = {};
 };
 
+// Throws Error if the scene's run ends before then [s]: up to then the model says what happens.
+void require_state_at(const Scene& scene, double time);
+
 // As a scene asks for it. Its axis has a length (ModesScene::contradiction).
 ModesOptions modes_options(const ModesScene& asked);
 
