@@ -593,6 +593,8 @@ void check(const Checked& item, const TransientScene& transient, const Scene&) {
   };
   of_alpha("rho_infinity", transient.rho_infinity.has_value());
   of_alpha("balance", transient.balance.has_value());
+  item.fail_if(transient.order && transient.method != TimeMethod::radau,
+               "order belongs to method=\"radau\", not to" + method + "; leave it out");
   item.fail_if(transient.balance == Balance::momentum && transient.inertia != InertiaTerms::full,
                "balance=\"momentum\" balances the whole of inertia; leave out inertia, or give "
                "balance=\"acceleration\"");

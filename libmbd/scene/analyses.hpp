@@ -108,6 +108,7 @@ struct TransientScene {
                         angular_velocity_tolerance = {}, max_step = {};
   std::optional<ErrorsOf> errors = {};          // of radau with a tolerance only
   std::optional<double> newton_tolerance = {};  // of ida there is none
+  std::optional<RadauOrder> order = {};         // of radau only
   // Of generalized_alpha only.
   std::optional<double> rho_infinity = {};
   std::optional<Balance> balance = {};
@@ -148,6 +149,8 @@ struct TransientScene {
             "of radau with a tolerance: which errors steps are held by, those of positions and "
             "rotations, relative to the largest motion so far, or of velocities as well (default: "
             "motion where all that is recorded follows from it, else velocities)"));
+    f(Field(&S::order, "order", "", optional,
+            "of radau: with 3, 5 or 7 stages, or chosen by the steps themselves (default: 5)"));
     f(Field(&S::max_step, "max_step", "s", optional,
             "longest step that a tolerance may lead to (default: a part of the duration)",
             positive));

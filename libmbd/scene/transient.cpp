@@ -49,6 +49,10 @@ double rho_infinity_of(const TransientScene& transient) {
   return transient.rho_infinity.value_or(0.0);
 }
 
+RadauOrder radau_order_of(const TransientScene& transient) {
+  return transient.order.value_or(RadauOrder::five);
+}
+
 std::vector<std::string> change_stepping(TransientScene& transient, const SteppingChange& change) {
   std::vector<std::string> notes;
   const auto drop = [&notes](std::string_view name, auto& value, std::string_view why) {
@@ -81,6 +85,9 @@ std::vector<std::string> change_stepping(TransientScene& transient, const Steppi
       drop("rho_infinity", transient.rho_infinity, why);
       drop("balance", transient.balance, why);
     }
+    if (transient.method != TimeMethod::radau)
+      drop("order", transient.order,
+           fmt::format("it belongs to radau, not {}", name_of(transient.method)));
   }
   if (transient.method == TimeMethod::generalized_alpha) {
     constexpr std::string_view why =

@@ -20,6 +20,7 @@ bool takes_newton_tolerance(const TransientScene& transient);
 
 // The method's own where the scene gives none.
 double rho_infinity_of(const TransientScene& transient);
+RadauOrder radau_order_of(const TransientScene& transient);
 
 // Other settings for a <transient>; what is absent stays.
 struct SteppingChange {

@@ -129,6 +129,12 @@ void OneStep::prepare() {
   laws_ = LawSteps(system_, origin_, settings_.end);
 }
 
+void OneStep::change_error_order(int order, double h) {
+  error_order_ = order;
+  controller_->change_order(order);
+  controller_->start(h);
+}
+
 void OneStep::archive(Archive& a) {
   const double before = origin_;
   const bool started = controller_ != nullptr;
@@ -352,7 +358,8 @@ StepReport OneStep::adaptive_step(State& state) {
   }
   for (;;) {
     // A law of time may ask for less than the estimate does, which knows only what it has seen.
-    const double most = laws_.end_of_step(state.t) - state.t, rest = landing.t - state.t;
+    const double most = std::min(laws_.end_of_step(state.t) - state.t, longest_from(state)),
+                 rest = landing.t - state.t;
     const double h = fitted(std::min(controller_->step(), most), rest);
     const bool last = h == rest;
     if (is_too_short(h, state.t, unusable, report)) return report;

@@ -159,6 +159,30 @@ TEST_P(PencilSolvers, OfAMechanism) {
             1e-8 * want.tail(system.multipliers()).norm());
 }
 
+// Of several complex ones each as if it were alone, in merged pivots too (a bob without inertia): of order 9 and 13.
+TEST_P(PencilSolvers, OfSeveralShifts) {
+  const Model model = compile(model_scene("pendulum"));
+  const System& system = *model.system;
+  const auto solver = make_pencil_solver(GetParam()), alone = make_pencil_solver(GetParam());
+  VecX r;
+  for (PencilSolver* const s : {solver.get(), alone.get()}) {
+    s->analyze(system.graph());
+    s->set_zero();
+    const std::vector<Mat6> still(static_cast<std::size_t>(system.nodes()), Mat6::Zero());
+    system.linearize_powers(model.initial, still, r, {s->slots(0), s->slots(1), s->slots(2)});
+  }
+  const Complex z[] = {{4.38e2, 1.017e3}, {70.0, 66.0}, {8.5, 3.3}};
+  ASSERT_EQ(solver->factor(1e-4, 100.0, z), FactorStatus::ok);
+  for (std::size_t k = 0; k < 3; ++k) {
+    ASSERT_EQ(alone->factor(1e-4, 100.0, z[k]), FactorStatus::ok);
+    VectorXcd b = VectorXcd::LinSpaced(system.unknowns(), 1.0, 2.0), want = b;
+    solver->solve(std::span<Complex>(b.data(), static_cast<std::size_t>(b.size())), k);
+    alone->solve(std::span<Complex>(want.data(), static_cast<std::size_t>(want.size())));
+    EXPECT_LE((b - want).norm(), 1e-12 * want.norm()) << k;
+  }
+  EXPECT_EQ(solver->facts().fallbacks, 0);
+}
+
 // A zero row and column: said which, and nothing solved with.
 TEST_P(PencilSolvers, NamesWhatIsSingular) {
   BlockGraph graph;
