@@ -24,9 +24,6 @@ enum class Form { energy, paper };
 // How a scene is integrated in time (solvers/time).
 enum class TimeMethod { generalized_alpha, radau, ida };
 
-// Of Radau IIA: with 3, 5 or 7 stages, or chosen as it goes (solvers/time/radau.hpp).
-enum class RadauOrder { automatic, five, nine, thirteen };
-
 // How a time stepper balances inertia: by accelerations in body axes, or by momenta in inertial axes
 // (solvers/time/generalized_alpha.hpp).
 enum class Balance { acceleration, momentum };
@@ -93,8 +90,6 @@ template <>
 inline constexpr std::string_view words_of<Form> = "energy paper";
 template <>
 inline constexpr std::string_view words_of<TimeMethod> = "generalized_alpha radau ida";
-template <>
-inline constexpr std::string_view words_of<RadauOrder> = "auto 5 9 13";
 template <>
 inline constexpr std::string_view words_of<Balance> = "acceleration momentum";
 template <>

@@ -96,6 +96,11 @@ struct PathScene {
   }
 };
 
+// Of Radau IIA, with 3, 5 or 7 stages, or chosen as it goes (solvers/time/radau.hpp).
+enum class RadauOrder { automatic, five, nine, thirteen };
+template <>
+inline constexpr std::string_view words_of<RadauOrder> = "auto 5 9 13";
+
 // Integration in time. What is absent is chosen by the method, or not used.
 struct TransientScene {
   Source source = {};

@@ -36,8 +36,11 @@ constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increme
 double velocity_gain(const RadauTableau& t) { return t.stages == 3 ? 4.0 : t.gamma; }
 
 // The stages that a run begins with.
-std::size_t stages_of(RadauOrder order) {
-  return order == RadauOrder::thirteen ? 7 : order == RadauOrder::nine ? 5 : 3;
+std::size_t first_stages(const RadauOptions& options) {
+  if (options.stages == 0) return 3;
+  if (options.stages != 3 && options.stages != 5 && options.stages != 7)
+    throw Error(fmt::format("Radau IIA has 3, 5 or 7 stages here, not {}", options.stages));
+  return options.stages;
 }
 
 // use(how many, as a constant).
@@ -64,9 +67,9 @@ OneStep::Settings Radau::settings_with_newton(const RadauOptions& options) {
 Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
              std::unique_ptr<PencilSolver> pencil, const RadauOptions& options)
     : OneStep(system, std::move(solver), settings_with_newton(options),
-              error_order(stages_of(options.order))),
-      order_(options.order),
-      t_(&radau_tableau(stages_of(options.order))),
+              error_order(first_stages(options))),
+      stages_(options.stages),
+      t_(&radau_tableau(first_stages(options))),
       pencil_(std::move(pencil)),
       kept_(tangent_policy),
       dense_(system, HermiteStep::Degree::quintic),
@@ -80,7 +83,7 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
   analyze_pencil();
   const auto n = static_cast<std::size_t>(system.nodes());
   use_stages(t_->stages);
-  if (settings_.adaptive() && order_ == RadauOrder::automatic)
+  if (settings_.adaptive() && stages_ == 0)
     choice_ = std::make_unique<RadauStages>(settings_.tolerances.relative);
   Q_.assign(n, Vec6::Zero());
   carry_.assign(n, Vec6::Zero());
@@ -117,7 +120,7 @@ void Radau::analyze_pencil() {
 }
 
 std::string Radau::signature() const {
-  return signature_of(fmt::format("Radau of order {}", name_of(order_)), {mixed_.signature()});
+  return signature_of("Radau", {static_cast<double>(stages_), mixed_.signature()});
 }
 
 void Radau::archive(Archive& a) {

@@ -63,10 +63,10 @@ class RadauStages;
 struct RadauOptions {
   double step = 0.0;  // h [s]; 0: adaptive, by the tolerances
   ErrorTolerances tolerances{};
-  double end = 0.0;                     // [s] of adaptive steps
-  RadauOrder order = RadauOrder::five;  // 2s - 1
-  double max_step = 0.0;  // [s] of adaptive ones; 0: a twentieth of the time until the end
-  int max_halvings = 5;   // of a fixed step that fails
+  double end = 0.0;        // [s] of adaptive steps
+  std::size_t stages = 3;  // 3, 5 or 7; 0: chosen as it goes
+  double max_step = 0.0;   // [s] of adaptive ones; 0: a twentieth of the time until the end
+  int max_halvings = 5;    // of a fixed step that fails
   // On increments of the stages, of motion as of velocities (newton.tolerance; of adaptive steps a hundredth of
   // the tolerance) and of multipliers. newton.tangent is not used: tangents are always kept.
   NewtonOptions newton{.tolerance = 1e-12, .multiplier_tolerance = 1e-9};
@@ -139,7 +139,7 @@ class Radau final : public OneStep {
   void show(const std::array<Work, most>& power);
   double time_of(std::size_t stage) const;
 
-  const RadauOrder order_;
+  const std::size_t stages_;             // as asked for
   const RadauTableau* t_;                // of the stages of the step under way
   std::unique_ptr<RadauStages> choice_;  // of their number, where they may change
   std::unique_ptr<PencilSolver> pencil_;

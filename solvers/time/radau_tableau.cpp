@@ -207,8 +207,10 @@ RadauTableau of() {
 }  // namespace
 
 const RadauTableau& radau_tableau(std::size_t stages) {
-  static const std::array<RadauTableau, 3> all = {of_three(), of<5>(), of<7>()};
-  return all[(stages - 3) / 2];
+  static const RadauTableau three = of_three();
+  if (stages == 3) return three;
+  static const RadauTableau five = of<5>(), seven = of<7>();
+  return stages == 5 ? five : seven;
 }
 
 }  // namespace mbd
