@@ -14,11 +14,6 @@
 namespace mbd {
 namespace {
 
-std::size_t radau_stages(RadauOrder order) {
-  if (order == RadauOrder::automatic) return 0;
-  return order == RadauOrder::thirteen ? 7 : order == RadauOrder::nine ? 5 : 3;
-}
-
 // BDF of order 3 and more amplify undamped oscillations, of which beams have many.
 bool has_beams(const System& system) {
   return std::any_of(system.batches().begin(), system.batches().end(),
@@ -118,7 +113,7 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
                                      RadauOptions{.step = step,
                                                   .tolerances = error_tolerances(transient),
                                                   .end = transient.duration,
-                                                  .stages = radau_stages(radau_order_of(transient)),
+                                                  .stages = radau_stages(transient),
                                                   .max_step = max_step,
                                                   .newton = newton_options(transient)});
     case TimeMethod::ida:

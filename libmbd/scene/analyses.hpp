@@ -96,10 +96,11 @@ struct PathScene {
   }
 };
 
-// Of Radau IIA, with 3, 5 or 7 stages, or chosen as it goes (solvers/time/radau.hpp).
-enum class RadauOrder { automatic, five, nine, thirteen };
+// Of a step of Radau IIA, or chosen as it goes (solvers/time/radau.hpp). Not its order, which of reactions, of rows inside
+// steps and where things are stiff is lower.
+enum class StageCount { automatic, three, five, seven };
 template <>
-inline constexpr std::string_view words_of<RadauOrder> = "auto 5 9 13";
+inline constexpr std::string_view words_of<StageCount> = "auto 3 5 7";
 
 // Integration in time. What is absent is chosen by the method, or not used.
 struct TransientScene {
@@ -113,7 +114,7 @@ struct TransientScene {
                         angular_velocity_tolerance = {}, max_step = {};
   std::optional<ErrorsOf> errors = {};          // of radau with a tolerance only
   std::optional<double> newton_tolerance = {};  // of ida there is none
-  std::optional<RadauOrder> order = {};         // of radau only
+  std::optional<StageCount> stages = {};        // of radau only
   // Of generalized_alpha only.
   std::optional<double> rho_infinity = {};
   std::optional<Balance> balance = {};
@@ -154,8 +155,9 @@ struct TransientScene {
             "of radau with a tolerance: which errors steps are held by, those of positions and "
             "rotations, relative to the largest motion so far, or of velocities as well (default: "
             "motion where all that is recorded follows from it, else velocities)"));
-    f(Field(&S::order, "order", "", optional,
-            "of radau: with 3, 5 or 7 stages, or chosen by the steps themselves (default: 5)"));
+    f(Field(&S::stages, "stages", "", optional,
+            "of radau: how many stages a step has, for order 5, 9 or 13, or chosen as it goes by "
+            "what comes farthest for its work (default: 3)"));
     f(Field(&S::max_step, "max_step", "s", optional,
             "longest step that a tolerance may lead to (default: a part of the duration)",
             positive));

@@ -49,8 +49,22 @@ double rho_infinity_of(const TransientScene& transient) {
   return transient.rho_infinity.value_or(0.0);
 }
 
-RadauOrder radau_order_of(const TransientScene& transient) {
-  return transient.order.value_or(RadauOrder::five);
+StageCount stages_of(const TransientScene& transient) {
+  return transient.stages.value_or(StageCount::three);
+}
+
+std::size_t radau_stages(const TransientScene& transient) {
+  switch (stages_of(transient)) {
+    case StageCount::automatic:
+      return 0;
+    case StageCount::three:
+      return 3;
+    case StageCount::five:
+      return 5;
+    case StageCount::seven:
+      return 7;
+  }
+  return 3;
 }
 
 std::vector<std::string> change_stepping(TransientScene& transient, const SteppingChange& change) {
@@ -70,6 +84,7 @@ std::vector<std::string> change_stepping(TransientScene& transient, const Steppi
     drop("rotation_tolerance", transient.rotation_tolerance, why);
     drop("velocity_tolerance", transient.velocity_tolerance, why);
     drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+    if (transient.stages == StageCount::automatic) drop("stages", transient.stages, why);
     drop("errors", transient.errors, why);
     drop("max_step", transient.max_step, why);
   }
@@ -86,7 +101,7 @@ std::vector<std::string> change_stepping(TransientScene& transient, const Steppi
       drop("balance", transient.balance, why);
     }
     if (transient.method != TimeMethod::radau)
-      drop("order", transient.order,
+      drop("stages", transient.stages,
            fmt::format("it belongs to radau, not {}", name_of(transient.method)));
   }
   if (transient.method == TimeMethod::generalized_alpha) {

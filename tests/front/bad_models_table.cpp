@@ -717,9 +717,9 @@ const std::vector<BadModel>& bad_models() {
       {"rho_infinity_of_radau", "pendulum", {8},
         "transient", {"rho_infinity", "generalized_alpha", "radau", "leave"},
        [](Scene& s) { s.transient->method = TimeMethod::radau; }},
-      {"order_of_generalized_alpha", "pendulum", {8},
-        "transient", {"order", "radau", "generalized_alpha", "leave"},
-       [](Scene& s) { s.transient->order = RadauOrder::nine; }},
+      {"stages_of_generalized_alpha", "pendulum", {8},
+        "transient", {"stages", "radau", "generalized_alpha", "leave"},
+       [](Scene& s) { s.transient->stages = StageCount::five; }},
       {"balance_of_radau", "pendulum", {8},
         "transient", {"balance", "generalized_alpha", "radau", "leave"},
        [](Scene& s) { s.transient->method = TimeMethod::radau; s.transient->rho_infinity.reset();

@@ -140,7 +140,8 @@ TEST_P(AllocationFree, StepsThatAreSampled) {
   const double h = scene.transient->step.value();
   GeneralizedAlpha alpha(*model.system, make_klu_solver(), {.step = h, .newton = {}});
   Radau radau(*model.system, make_klu_solver(), make_klu_pencil_solver(), {.step = h});
-  for (Stepper* const stepper : std::initializer_list<Stepper*>{&alpha, &radau}) {
+  Radau seven(*model.system, make_klu_solver(), make_klu_pencil_solver(), {.step = h, .stages = 7});
+  for (Stepper* const stepper : std::initializer_list<Stepper*>{&alpha, &radau, &seven}) {
     State state = model.initial, dense = state;
     stepper->on_substep(
         [&](const DenseStep& step) { step.at(0.5 * (step.begin() + step.end()), dense); });
@@ -151,8 +152,11 @@ TEST_P(AllocationFree, StepsThatAreSampled) {
       for (int k = 0; k < 20; ++k) converged = converged && stepper->step(state).converged;
     });
     EXPECT_TRUE(converged);
-    EXPECT_EQ(c.news, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
-    EXPECT_EQ(c.mallocs, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
+    const char* const name = stepper == &alpha   ? "generalized-alpha"
+                             : stepper == &radau ? "radau"
+                                                 : "seven stages";
+    EXPECT_EQ(c.news, 0) << name;
+    EXPECT_EQ(c.mallocs, 0) << name;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,

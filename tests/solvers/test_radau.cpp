@@ -79,7 +79,10 @@ TEST(RadauLandings, OnJumps) {
   const double a = 0.505, b = 0.70313, v1 = 3.0 * (b - a), x1 = 1.5 * std::pow(b - a, 2),
                T = 1.0 - b;
   for (const RadauOptions& options :
-       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0}}) {
+       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0},
+        RadauOptions{.step = 0.01, .stages = 5},
+        RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0, .stages = 7},
+        RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0, .stages = 0}}) {
     const Model model = compile(scene);
     Radau stepper(*model.system, make_klu_solver(), make_klu_pencil_solver(), options);
     State state = model.initial, at = model.initial;
@@ -147,7 +150,9 @@ TEST(RadauLandings, KeepTheOrderAcrossAJump) {
 // A kink in the rate of a drive: the acceleration jumps, and so does the driving moment.
 TEST(RadauLandings, RestartAtKinksOfDrives) {
   for (const RadauOptions& options :
-       {RadauOptions{.step = 0.07}, RadauOptions{.tolerances = {.relative = 1e-8}, .end = 2.1}}) {
+       {RadauOptions{.step = 0.07}, RadauOptions{.tolerances = {.relative = 1e-8}, .end = 2.1},
+        RadauOptions{.step = 0.07, .stages = 7},
+        RadauOptions{.tolerances = {.relative = 1e-8}, .end = 2.1, .stages = 5}}) {
     const Driven d = drive(scene_of(R"xml(
       <body name="arm" at="1 0 0" mass="2" inertia="1 1 1"/>
       <revolute name="A" between="ground arm" at="0 0 0" axis="0 0 1"/>
@@ -451,6 +456,7 @@ TEST(RadauFailures, EndWhereALoadEnds) {
   const std::pair<MakeStepper, double> methods[] = {
       {radau({.step = 0.03}), 2e-5},
       {radau({.tolerances = {.relative = 1e-6}, .end = 1.0}), 2e-5},
+      {radau({.tolerances = {.relative = 1e-6}, .end = 1.0, .stages = 7}), 2e-5},
       {generalized_alpha({.step = 0.03, .newton = {}}), 1e-3},
       {generalized_alpha({.tolerances = {.relative = 1e-4}, .end = 1.0, .newton = {}}), 1e-4}};
   for (const auto& [make, tolerance] : methods) {
@@ -489,7 +495,8 @@ TEST(RadauFailures, StepsThatShrinkToNothing) {
 TEST(RadauFailures, ALockEndsTheRunWithItsResults) {
   const Model model = compile(scene_of(locking));
   for (const RadauOptions& options :
-       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 4.0}}) {
+       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 4.0},
+        RadauOptions{.tolerances = {.relative = 1e-6}, .end = 4.0, .stages = 7}}) {
     const Ended e = until_the_end(model, radau(options), 4.0);
     ASSERT_FALSE(e.last.converged);
     RecordProperty(options.step > 0.0 ? "fixed" : "adaptive", e.last.failure);
@@ -527,9 +534,12 @@ TEST(RadauFailures, StepsThatTurnTooFarAreHalved) {
   const double angle = 2.0 * std::atan2(e.state.pose[1].p.z(), e.state.pose[1].p.w());
   EXPECT_NEAR(std::remainder(angle - 150.0, 8.0 * std::atan(1.0)), 0.0, 1e-12);
   // adaptive steps shorten themselves
-  e = until_the_end(model, radau({.tolerances = {.relative = 1e-3}, .end = 1.0}), 1.0);
-  ASSERT_TRUE(e.last.converged) << e.last.failure;
-  EXPECT_LT(e.counters.steps, 200);
+  for (const std::size_t stages : {3u, 7u}) {
+    e = until_the_end(model,
+                      radau({.tolerances = {.relative = 1e-3}, .end = 1.0, .stages = stages}), 1.0);
+    ASSERT_TRUE(e.last.converged) << e.last.failure;
+    EXPECT_LT(e.counters.steps, 200);
+  }
 }
 
 TEST(RadauFailures, AFailedStepIsTriedInHalves) {

@@ -280,15 +280,15 @@ TEST(RadauOrders, AreWhatAModelAsksFor) {
     return std::pair{stepper->counters().steps, Vec3(state.pose.at(1).r)};
   };
   const auto usual = end();
-  transient.order = RadauOrder::five;
+  transient.stages = StageCount::three;
   EXPECT_EQ(end(), usual);
-  transient.order = RadauOrder::nine;
+  transient.stages = StageCount::five;
   EXPECT_LT(2 * end().first, usual.first);
   EXPECT_NEAR((end().second - usual.second).norm(), 0.0, 1e-6);
   const auto notes = change_stepping(transient, {.method = TimeMethod::ida});
-  EXPECT_FALSE(transient.order);
+  EXPECT_FALSE(transient.stages);
   ASSERT_EQ(notes.size(), 1u);
-  EXPECT_EQ(notes[0], "order of the model is not used: it belongs to radau, not ida");
+  EXPECT_EQ(notes[0], "stages of the model is not used: it belongs to radau, not ida");
 }
 
 }  // namespace
