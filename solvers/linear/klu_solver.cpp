@@ -240,8 +240,8 @@ class KluPencilSolver final : public PencilSolver {
     const int n = blocks_.columns.n;
     constexpr int conjugated = 0;
     if (n == 0) return;
-    if (complex_.numeric == nullptr ||
-        klu_z_tsolve(symbolic_, complex_.numeric, n, 1, reinterpret_cast<double*>(b.data()),
+    if (complex_.empty() || complex_.front().numeric == nullptr ||
+        klu_z_tsolve(symbolic_, complex_.front().numeric, n, 1, reinterpret_cast<double*>(b.data()),
                      conjugated, &common_) != 1)
       std::fill(b.begin(), b.end(), std::numeric_limits<double>::quiet_NaN());
   }
