@@ -93,7 +93,6 @@ INSTANTIATE_TEST_SUITE_P(All, PencilSolvers,
                          [](const auto& test) { return std::string(name_of(test.param)); });
 
 // With one complex x, and with two and three, as steps of 3, 5 and 7 stages have them; and fewer after more.
-// Mutation: each of them solved with the factors of the first: 0.1 to 1 off.
 TEST_P(PencilSolvers, IsDenseLU) {
   Rng rng(8);
   // Without blocks of their own some of the multipliers of every_joint would be undetermined by chance.

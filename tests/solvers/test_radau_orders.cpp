@@ -114,7 +114,7 @@ struct Swing {
   explicit Swing(double interval) {
     c.interval = interval;
     c.duration = std::floor(2.0 / interval + 1e-9) * interval;
-    reference = reference_of(c, static_cast<int>(std::lround(interval / 1e-4)));
+    reference = reference_of(c, static_cast<int>(std::lround(interval / 2.5e-4)) + 1);
   }
 };
 Errors errors_of(const Swing& swing, std::size_t stages, const std::vector<double>& h) {
