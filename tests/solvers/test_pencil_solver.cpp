@@ -103,11 +103,11 @@ TEST_P(PencilSolvers, IsDenseLU) {
     Pencil p(model, own, GetParam());
     const Index n = p.dense[0].matrix().rows();
     Worst real("real", 1e-12), complex("complex", 1e-12), products("products", 1e-15);
-    for (int pass = 0; pass < 4; ++pass) {  // from the second on, pivots are kept
+    for (int pass = 0; pass < 3; ++pass) {  // from the second on, pivots are kept
       p.fill(rng);
       const double x = uniform(rng, 0.5, 2.0), s = 1.0 / (x * x);
       std::vector<Complex> z(
-          std::array<std::size_t, 4>{1, 3, 2, 3}.at(static_cast<std::size_t>(pass)));
+          std::array<std::size_t, 3>{1, 3, 2}.at(static_cast<std::size_t>(pass)));
       for (Complex& one : z) one = {uniform(rng, 0.3, 1.5), uniform(rng, 0.3, 1.5)};
       ASSERT_EQ(p.solver->factor(s, x, z), FactorStatus::ok) << model;
       VecX b = VecX::NullaryExpr(n, [&] { return uniform(rng, -1, 1); });
