@@ -593,8 +593,9 @@ bool GeneralizedAlpha::rings() {
       for (Index i = 0; i < c.rows; ++i) {
         const bool is_position = c.is_position[static_cast<std::size_t>(i)];
         const double rate = std::abs(gdot_old_(c.first_row + i));
-        if (rate > (is_position ? round_off : round_off / length))
-          worst = std::max(worst, rate / (is_position ? linear : angular));
+        const double most = is_position ? linear : angular;
+        if (most > 0.0 && rate > (is_position ? round_off : round_off / length))
+          worst = std::max(worst, rate / most);
       }
     return worst;
   };

@@ -170,7 +170,10 @@ ShapesOfModes modes_to_compare(const std::filesystem::path& other,
   std::error_code code;
   if (other.extension() == ".json" || std::filesystem::is_directory(other, code))
     return read_modes(other);
-  const Scene scene = read_model(other.string());
+  return modes_to_compare(read_model(other.string()), arguments);
+}
+
+ShapesOfModes modes_to_compare(const Scene& scene, const ModesArguments& arguments) {
   ModesOptions options = modes_options(arguments, scene);
   options.mac = false;
   return shapes_of(study_modes(scene, options));

@@ -47,5 +47,7 @@ ModesOptions modes_options(const ModesArguments& arguments, const Scene& scene);
 // Modes to compare with those of these arguments: of a modes.json, of a directory with one, or of a model file, found as
 // `arguments` say and otherwise as it asks for them. Throws Error for one that cannot be read.
 ShapesOfModes modes_to_compare(const std::filesystem::path& other, const ModesArguments& arguments);
+// Of a scene, found likewise.
+ShapesOfModes modes_to_compare(const Scene& scene, const ModesArguments& arguments);
 
 }  // namespace mbd

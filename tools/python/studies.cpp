@@ -146,10 +146,7 @@ std::shared_ptr<const ShapesOfModes> compared_modes(const Compared& compared,
     return std::make_shared<const ShapesOfModes>(modes_to_compare(*file, given));
   const auto* const other = std::get_if<std::shared_ptr<ModelHandle>>(&compared);
   if (other == nullptr) return nullptr;
-  const Scene& scene = (*other)->scene();
-  ModesOptions options = modes_options(given, scene);
-  options.mac = false;
-  return std::make_shared<const ShapesOfModes>(shapes_of(study_modes(scene, options)));
+  return std::make_shared<const ShapesOfModes>(modes_to_compare((*other)->scene(), given));
 }
 
 py::dict modes(const ModelHandle& model, std::optional<int> count, const std::string& near,

@@ -15,16 +15,10 @@
 namespace mbd {
 namespace {
 
-const char* words_of_kind(SpecialSpeed::Kind kind) {
-  switch (kind) {
-    case SpecialSpeed::Kind::critical:
-      return "critical speed";
-    case SpecialSpeed::Kind::unstable_above:
-      return "unstable above";
-    case SpecialSpeed::Kind::stable_above:
-      return "stable above";
-  }
-  return "";
+std::string words_of_kind(SpecialSpeed::Kind kind) {
+  std::string words = word_of(kind);
+  std::ranges::replace(words, '_', ' ');
+  return kind == SpecialSpeed::Kind::critical ? words + " speed" : words;
 }
 
 // Whether eigenvalues have a real part that is not round-off.

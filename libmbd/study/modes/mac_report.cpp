@@ -77,13 +77,12 @@ Json side_json(const MacTable::Side& side) {
   return json;
 }
 
-// null where there is no number.
+// What is not a number is written as null.
 Json matrix_json(const Eigen::MatrixXd& matrix) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j)
-      row.push_back(std::isnan(matrix(i, j)) ? Json() : Json(matrix(i, j)));
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
     rows.push_back(std::move(row));
   }
   return rows;
