@@ -310,6 +310,7 @@ struct ModeSearch {
   // drive, one shape for a double eigenvalue, takes all but a few of their digits.
   ModesFound slowest() {
     if (options.free_motions == FreeMotions::some) return at(omega, wanted);
+    if (!(options.expected > 0.0) && motions.is_damped_or_turns()) omega = rate_of_slowest();
     // About 0 first, and then, if it is so, about something of the size of the slowest that is answered.
     ModesFound result = at(0.0, wanted);
     const bool is_clear =
@@ -329,6 +330,23 @@ struct ModeSearch {
     sort(result.modes);
     leave_independent_rigid_ones(result.modes);
     return result;
+  }
+
+  // [rad/s] About, by what the inverse iteration x <- K^-1 M x shrinks: with another scale of rates eigenvectors of (3) are
+  // all rate or all displacement, and what is left of the other half is round-off. As before where something is free.
+  double rate_of_slowest() const {
+    if (!motions.factor(0.0)) return omega;
+    constexpr int passes = 4;
+    constexpr double least = 1e-6;
+    Eigen::MatrixXd x = Eigen::MatrixXd::Ones(motions.motions(), 1);
+    double rate = 0.0;
+    for (int pass = 0; pass < passes; ++pass) {
+      Eigen::MatrixXd next = motions.mass_times(x);
+      motions.solve(next);
+      rate = std::sqrt(x.norm() / next.norm());
+      x = next.normalized();
+    }
+    return rate > least * fastest && rate < fastest ? rate : omega;
   }
 
   // A shift of the size of the slowest motion that is not hidden, which 1e-3 of the fastest is far from in a fine mesh; that where
@@ -387,13 +405,15 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   const Eigen::SparseMatrix<double> sizes = motions.sizes_of_stiffness();
   ModesFound found = ModeSearch{motions, sizes, options}.run();
   if (options.conditions) set_conditions(motions, found.modes);
+  // Where T is not symmetric, what is left of a pair shows in the eigenvalue as it is, not squared.
+  const double shows = motions.is_damped_or_turns() ? 0.0 : blurred;
   for (Mode& mode : found.modes) {
     const double square = std::norm(mode.eigenvalue);
     const double condition = mode.condition > 0.0 ? mode.condition : 1.0;
     if (!mode.rigid && square > 0.0)
       mode.round_off =
           std::max(0.5 * share_lost * condition * cancelling(motions, sizes, mode) / square,
-                   mode.residual > blurred ? mode.residual : 0.0);
+                   mode.residual > shows ? condition * mode.residual : 0.0);
   }
   return found;
 }
