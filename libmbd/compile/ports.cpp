@@ -73,9 +73,11 @@ std::size_t output_index(const Model& model, std::string_view name) {
   return find(ports(model).outputs, name, "output", "outputs");
 }
 
-int node_index(const Model& model, std::string_view name) {
-  const std::vector<NamedPlace> all = named_places(model);
-  return all[find(all, name, "place that has a node", "places and nodes")].node;
+NamedPlace named_place(const Model& model, std::string_view name) {
+  std::vector<NamedPlace> all = named_places(model);
+  return std::move(all[find(all, name, "place that has a node", "places and nodes")]);
 }
+
+int node_index(const Model& model, std::string_view name) { return named_place(model, name).node; }
 
 }  // namespace mbd

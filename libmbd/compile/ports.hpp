@@ -35,6 +35,8 @@ struct NamedPlace {
   Pose<double> frame;  // of the place, in its node
 };
 std::vector<NamedPlace> named_places(const Model& model);
+// One of them. Throws Error as node_index() does.
+NamedPlace named_place(const Model& model, std::string_view name);
 
 // Places in State::inputs, in outputs(), and among the nodes of the system. Throw Error for a name that is not there, with
 // the nearest that is.

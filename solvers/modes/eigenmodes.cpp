@@ -333,7 +333,8 @@ struct ModeSearch {
   }
 
   // [rad/s] About, by what the inverse iteration x <- K^-1 M x shrinks: with another scale of rates eigenvectors of (3) are
-  // all rate or all displacement, and what is left of the other half is round-off. As before where something is free.
+  // all rate or all displacement, and what is left of the other half is round-off. (The fastest is no bound: it counts the
+  // inertia of nodes that cannot turn.)
   double rate_of_slowest() const {
     if (!motions.factor(0.0)) return omega;
     constexpr int passes = 4;
@@ -346,7 +347,7 @@ struct ModeSearch {
       rate = std::sqrt(x.norm() / next.norm());
       x = next.normalized();
     }
-    return rate > least * fastest && rate < fastest ? rate : omega;
+    return std::isfinite(rate) && rate > least * fastest ? rate : omega;
   }
 
   // A shift of the size of the slowest motion that is not hidden, which 1e-3 of the fastest is far from in a fine mesh; that where

@@ -132,6 +132,7 @@ class BlockKrylov {
   }
   void add(MatrixXd Y, Index column);
   bool judge();
+  bool is_stalled() const;
   void restart();
 
   const WeightedOperator& T_;
@@ -229,6 +230,13 @@ bool BlockKrylov::judge() {
          (n > 2 && worst <= at_rest && worst > 0.5 * worst_[n - 3]);
 }
 
+// Beside an eigenvalue of T that is 1e10 times as large, as where the shift is nearly an eigenvalue, others never get better.
+bool BlockKrylov::is_stalled() const {
+  constexpr std::size_t long_since = 60;
+  const std::size_t n = worst_.size();
+  return n > long_since && worst_.back() > 0.5 * worst_[n - 1 - long_since];
+}
+
 void BlockKrylov::restart() {
   ++work_.restarts;
   const Index front = used_ - closed_;
@@ -268,7 +276,7 @@ MatrixXd BlockKrylov::run(std::mt19937& random, std::string& failure) {
       add(times(V_.middleCols(first, count)), first);
     }
     if (judge()) break;
-    if (work_.restarts - begun >= most_restarts || wanted_ + 1 >= closed_) {
+    if (work_.restarts - begun >= most_restarts || is_stalled() || wanted_ + 1 >= closed_) {
       found_ = known_;
       break;
     }

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double same =
     1e-7;  // of the scene's length and 1 rad; ten times that of what the answer is
-constexpr double largest_turn = 0.5;    // of an increment [rad]
 constexpr double smallest_step = 1e-4;  // of the rate
 constexpr double slightly = 1e-6;       // shift beside the fastest motion
 
@@ -46,9 +45,11 @@ Index most_turned(const VecX& z) {
   return best;
 }
 
-// Newton's method at one rate.
-bool solve_at(SmallMotions& motions, const SteadyRotation& rotation, const NewtonOptions& options,
-              State& state, Counters& counters, std::string& failure) {
+}  // namespace
+
+bool solve_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation,
+                           const NewtonOptions& options, State& state, Counters& counters,
+                           std::string& failure) {
   const System& system = motions.system();
   IncrementNorm norm(system, options);
   double previous = 0.0;
@@ -78,7 +79,7 @@ bool solve_at(SmallMotions& motions, const SteadyRotation& rotation, const Newto
       failure = "the tangent is singular, or the residual not finite";
       return false;
     }
-    const double share = turn > largest_turn ? largest_turn / turn : 1.0;
+    const double share = turn > largest_turn_of_rotation ? largest_turn_of_rotation / turn : 1.0;
     retract(system, state, x, share);
     norm.observe(state.lambda);
     if (share == 1.0 && has_converged(e, previous)) {
@@ -94,8 +95,6 @@ bool solve_at(SmallMotions& motions, const SteadyRotation& rotation, const Newto
   failure = "Newton's iterations do not converge";
   return false;
 }
-
-}  // namespace
 
 void hold_free_turn(SmallMotions& motions, const SteadyRotation& rotation) {
   const VecX z = turning(motions, rotation, motions.state());
@@ -138,7 +137,7 @@ SteadyReport find_steady_rotation(SmallMotions& motions, const SteadyRotation& r
     const double share = std::min(1.0, reached + step);
     State trial = last;
     std::string failure;
-    if (solve_at(motions, at(share), options, trial, report.counters, failure)) {
+    if (solve_steady_rotation(motions, at(share), options, trial, report.counters, failure)) {
       last = std::move(trial);
       reached = share;
       ++report.steps;

@@ -50,6 +50,14 @@ struct SteadyReport {
 SteadyReport find_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation,
                                   double from, const NewtonOptions& options, State& state);
 
+// Newton's method at the rate of `rotation`, from a state near it. On failure, `failure` says why, and `state` is where it ended.
+bool solve_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation,
+                           const NewtonOptions& options, State& state, Counters& counters,
+                           std::string& failure);
+
+// Increments turn nothing by more than this [rad].
+inline constexpr double largest_turn_of_rotation = 0.5;
+
 // Where no constraint holds the angle about the axis, as a drive does, K is singular in turning axes: a spring is added to it,
 // which feels nothing of what has no torque about the axis. Until the next about().
 void hold_free_turn(SmallMotions& motions, const SteadyRotation& rotation);

@@ -118,7 +118,7 @@ things = models + [m.stepper() for m in models]
 things += [s.state() for s in things[2:]] + [m.run(estimate_error=False) for m in models]
 scene = mbd.Scene("scene")
 things += [scene, scene.section(name="s"), mbd]
-skip = {"sweep", "accuracy", "effects", "campbell", "run", "view", "save", "plot", "Page"}
+skip = {"sweep", "accuracy", "effects", "campbell", "rotations", "run", "view", "save", "plot", "Page"}
 fast = {"run": dict(estimate_error=False)}
 allowed = (mbd.Error, TypeError, AttributeError, UnicodeError, OverflowError, KeyError, ValueError, MemoryError,
            FileNotFoundError, IndexError)

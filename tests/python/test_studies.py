@@ -91,6 +91,36 @@ def test_campbell(models, program, tmp_path):
     assert found["special"][1]["rate"] / found["special"][0]["rate"] == pytest.approx(1.25, rel=0.01)
 
 
+def test_rotations(program, tmp_path):
+    # A bob on a hinge at e from the axis: W^2 (e + l sin a) cos a = g sin a, four angles beyond a fold.
+    text = """<mbd name="arm"><body name="hub" mass="1" inertia="1 1 1"/>
+      <revolute name="axle" between="ground hub" axis="0 0 1"/><drive joint="axle" angle="0"/>
+      <body name="bob" at="0.1 0 -1" mass="2" inertia="0 0 0"/>
+      <revolute name="hinge" between="hub bob" at="0.1 0 0" axis="0 1 0"/>
+      <gravity acceleration="0 0 -9.81"/><static/></mbd>"""
+    found = mbd.rotations(mbd.Model(text=text), (0, "8 rad/s"), axis=(0, 0, 1), probes="bob")
+    ends = []
+    for path in found["paths"]:
+        angles = numpy.arctan2(path["probes"][:, 0, 0], 1 - path["probes"][:, 0, 2])
+        rates = path["rates"]
+        assert numpy.abs(rates**2*(0.1 + numpy.sin(angles))*numpy.cos(angles) - 9.81*numpy.sin(angles)).max() < 1e-6
+        ends += [angle for angle, rate in zip(angles, rates) if rate == 8]
+        assert (path["growth"] > 0).tolist() == (path["unstable"] > 0).tolist()
+    assert sorted(ends) == pytest.approx([-3.054819, -1.399366, -0.118532, 1.431118], abs=5e-6)
+    assert sum(len(path["folds"]) for path in found["paths"]) == 1
+    (tmp_path / "arm.xml").write_text(text)
+    program("rotations", tmp_path / "arm.xml", "--rates", "0:8", "--axis", 0, 0, 1, "--out", tmp_path)
+    lines = [line for line in (tmp_path / "rotations.csv").read_text().splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    for k, path in enumerate(found["paths"]):
+        assert same_bits(path["rates"], [float(row["rate"]) for row in rows if row["path"] == str(k + 1)])
+    for wrong in ({"far": 0}, {"search": -1}, {"points": 1}, {"count": 0}, {"axis": (1, 0)}):
+        with pytest.raises(mbd.UseError):
+            mbd.rotations(mbd.Model(text=text), (0, 8), **wrong)
+    with pytest.raises(mbd.UseError, match="rise"):
+        mbd.rotations(mbd.Model(text=text), (8, 0))
+
+
 def test_responses():
     # Jeffcott's rotor: m e W^2/(k - m W^2 + i c W), and F/(k - m w^2 + i c w) of a force at w = 2 W.
     text = """<mbd name="jeffcott">

@@ -12,7 +12,10 @@
 #include <sstream>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "libmbd/core/se3.hpp"
 #include "libmbd/study/modes/modes_report.hpp"
+#include "libmbd/study/modes/states_of_run.hpp"
+#include "libmbd/study/trust/transform.hpp"
 #include "libmbd/view/motion.hpp"
 #include "tests/support/landings.hpp"
 #include "tests/support/read_text.hpp"
@@ -642,6 +645,90 @@ TEST(ModesOnTheWay, NotAfterTheEnd) {
   } catch (const Error& error) {
     const std::string said = error.what();
     EXPECT_NE(said.find("transient: ends at 2 s"), std::string::npos) << said;
+  }
+}
+
+// --- the four-bar, stopped ---
+
+// Held by its drive at five angles of its crank, bent by a load: let go, displaced along a mode, it moves as cos(w t) along that,
+// by an integrator that knows no modes. Of its mass: (u(t) M x)/(u(0) M x) at quarters of the period; 1e-4 of the frequency
+// would be 1.6e-4 of it at the first.
+TEST(ModesSlow, OfTheFourBarStoppedAtFiveAngles) {
+  for (const double angle : {0.3, 1.2, 2.5, 3.9, 5.3}) {
+    Scene scene = model_scene("four_bar");
+    const Vec3 A = Vec3::Zero(), D(0.24, 0.0, 0.0),
+               crank(0.12 * std::cos(angle), 0.12 * std::sin(angle), 0.0);
+    scene.beams[0].line = Straight{A, A + crank};
+    scene.beams[1].line = Straight{A + crank, D + crank};
+    scene.beams[2].line = Straight{D + crank, D};
+    scene.drives[0].rate.reset();
+    scene.drives[0].angle = Expression::parse("0", {}, Variables::time);
+    scene.loads = read(R"(<body name="b" mass="1" inertia="1 1 1"/>
+                          <load at="b" force="900 -600 400"/>)")
+                      .loads;
+    scene.loads[0].at = {Place::Kind::beam, "bar2", 1.0};
+    scene.statics.emplace();
+    scene.transient.reset();
+    MotionsOfScene motions(scene);
+    const std::vector<NamedMode> modes = motions.modes({.count = 3});
+    ASSERT_GE(modes.size(), 3U);
+    const State& rest = motions.state();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double w = modes[i].eigenvalue.imag(), period = 2.0 * pi / w;
+      const VecX shape = modes[i].shape.real(),
+                 momentum = motions.motions().mass_times(Eigen::MatrixXd(shape)).col(0);
+      State start = rest;
+      constexpr double small = 1e-4;
+      for (std::size_t n = 1; n < start.pose.size(); ++n)
+        start.pose[n] =
+            rest.pose[n] *
+            exp_se3<double>(Vec6(small * shape.segment<6>(6 * static_cast<Index>(n - 1))));
+      Scene run = scene_of_run(scene, period);
+      run.transient->tolerance = 1e-9;
+      const Model model = compile(run);
+      EXPECT_EQ(make_consistent(*model.system, start), "");
+      const std::vector<State> states =
+          states_of_run(run, model, start, {0.25 * period, 0.5 * period, period}, "test");
+      const auto along = [&](const State& state) {
+        double sum = 0.0;
+        for (std::size_t n = 1; n < state.pose.size(); ++n)
+          sum += momentum.segment<6>(6 * static_cast<Index>(n - 1))
+                     .dot(log_se3(relative(rest.pose[n], state.pose[n])));
+        return sum / (small * momentum.dot(shape));
+      };
+      const double wanted[] = {0.0, -1.0, 1.0};
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(along(states[k]), wanted[k], 1e-4) << angle << ' ' << i << ' ' << k;
+    }
+  }
+}
+
+// --- other axes, units and orders ---
+
+// Eigenvalues do not know of them, at rest and turning.
+TEST(ModesSlow, AreTheSameElsewhereAndInOtherUnits) {
+  for (const char* const name : {"shaft", "swept_cantilever", "four_bar"}) {
+    Scene scene = model_scene(name);
+    const bool turns = std::string(name) == "shaft";
+    if (turns) scene.gravity.reset();
+    std::optional<SteadyRotation> rotation, elsewhere;
+    const RigidMotion motion = random_motion(7, 5.0);
+    if (turns) {
+      rotation = SteadyRotation{40.0};
+      elsewhere = SteadyRotation{40.0, motion.R * Vec3::UnitX(), motion.shift, {}};
+    }
+    const std::vector<NamedMode> here = modes_of(scene, 5, rotation);
+    ASSERT_EQ(here.size(), 5U) << name;
+    const auto compare = [&](const char* what, const std::vector<NamedMode>& other) {
+      ASSERT_EQ(other.size(), here.size()) << name << ' ' << what;
+      for (std::size_t i = 0; i < here.size(); ++i)
+        EXPECT_LT(std::abs(other[i].eigenvalue - here[i].eigenvalue),
+                  1e-7 * std::abs(here[i].eigenvalue))
+            << name << ' ' << what << ' ' << i;
+    };
+    compare("elsewhere", modes_of(moved(scene, motion).scene, 5, elsewhere));
+    compare("in mm and t", modes_of(rescaled(scene, {1e3, 1e-3, 1.0}).scene, 5, rotation));
+    compare("in another order", modes_of(reordered(scene, 3), 5, rotation));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -59,14 +60,10 @@ HarmonicForce force_of(const std::string& text, const Scene& scene) {
 }
 
 CampbellOptions options_of(const CampbellArguments& arguments, const Scene& scene) {
-  const std::size_t colon = arguments.rates.find(':');
-  if (colon == std::string::npos)
-    throw Error("--rates " + arguments.rates + ": give two rates, FROM:TO");
   CampbellOptions options;
   options.rotation = rotation_of(arguments.rotation);
   options.at_rest = arguments.rotation.at_rest;
-  options.from = option_value("rates", arguments.rates.substr(0, colon), "rad/s", scene);
-  options.to = option_value("rates", arguments.rates.substr(colon + 1), "rad/s", scene);
+  std::tie(options.from, options.to) = rates_of(arguments.rates, scene);
   options.points = arguments.points;
   options.count = arguments.count;
   for (const std::string& one : arguments.unbalance)
@@ -76,8 +73,6 @@ CampbellOptions options_of(const CampbellArguments& arguments, const Scene& scen
   if (!(options.order > 0.0) || !std::isfinite(options.order))
     throw Error(fmt::format("--order {:g}: give a positive number", options.order));
   options.probes = arguments.probes;
-  if (!(options.from >= 0.0) || !(options.to > options.from))
-    throw Error("--rates " + arguments.rates + ": give two that rise and are not negative");
   if (options.points < 2 || options.points > 100000)
     throw Error(fmt::format("--points {}: give 2 to 100000", options.points));
   if (options.count < 1 || options.count > 1000)

@@ -20,6 +20,7 @@
 #include "tools/mbd/linearize_command.hpp"
 #include "tools/mbd/modes_command.hpp"
 #include "tools/mbd/plot_command.hpp"
+#include "tools/mbd/rotations_command.hpp"
 #include "tools/mbd/run_command.hpp"
 #include "tools/mbd/schema_command.hpp"
 #include "tools/mbd/section_command.hpp"
@@ -42,6 +43,7 @@ int run_commands(int argc, char** argv) {
   mbd::add_modes_command(app, status);
   mbd::add_linearize_command(app, status);
   mbd::add_campbell_command(app, status);
+  mbd::add_rotations_command(app, status);
   mbd::add_floquet_command(app, status);
   mbd::add_sweep_command(app, status);
   mbd::add_torture_command(app, status);

@@ -9,6 +9,7 @@
 #include "libmbd/core/error.hpp"
 #include "libmbd/language/reader.hpp"
 #include "libmbd/language/schema.hpp"
+#include "libmbd/language/units.hpp"
 #include "tools/mbd/overrides.hpp"
 
 namespace mbd {
@@ -117,6 +118,20 @@ void add_rotation_options(CLI::App& command, RotationArguments& arguments) {
       .add_option("--at-rest", arguments.at_rest, words_of_option("at_rest") + "; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
+}
+
+std::pair<double, double> rates_of(const std::string& text, const Scene& scene) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) throw Error("--rates " + text + ": give two rates, FROM:TO");
+  // "480:580 rpm": one unit for both.
+  std::string first = text.substr(0, colon);
+  const std::string last = text.substr(colon + 1);
+  if (split_unit(first).unit.empty()) first += fmt::format(" {}", split_unit(last).unit);
+  const double from = option_value("rates", first, "rad/s", scene),
+               to = option_value("rates", last, "rad/s", scene);
+  if (!(from >= 0.0) || !(to > from) || !std::isfinite(to))
+    throw Error("--rates " + text + ": give two that rise and are not negative");
+  return {from, to};
 }
 
 SteadyRotation rotation_of(const RotationArguments& arguments) {

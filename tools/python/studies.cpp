@@ -22,6 +22,7 @@
 #include "libmbd/study/modes/campbell.hpp"
 #include "libmbd/study/modes/linearize.hpp"
 #include "libmbd/study/modes/modes.hpp"
+#include "libmbd/study/modes/rotations.hpp"
 #include "tools/mbd/overrides.hpp"
 #include "tools/mbd/rotation_options.hpp"
 #include "tools/python/background.hpp"
@@ -261,6 +262,15 @@ py::list list_of(const std::vector<CampbellStudy::Response>& responses) {
   return all;
 }
 
+std::pair<double, double> rates_given(const std::string& first, const std::string& last,
+                                      const Scene& scene) {
+  const double from = option_value("rates", first, "rad/s", scene),
+               to = option_value("rates", last, "rad/s", scene);
+  if (!(from >= 0.0) || !(to > from) || !std::isfinite(to))
+    throw UseError("rates: give two that rise and are not negative");
+  return {from, to};
+}
+
 py::tuple campbell(const ModelHandle& model, const std::string& from, const std::string& to,
                    int points, int count, const Three& axis, const Three& through,
                    const std::vector<std::string>& at_rest,
@@ -271,10 +281,7 @@ py::tuple campbell(const ModelHandle& model, const std::string& from, const std:
   CampbellOptions options;
   options.rotation = as_use([&] { return rotation_of(rotation_given(axis, through, {})); });
   options.at_rest = at_rest;
-  options.from = option_value("rates", from, "rad/s", scene);
-  options.to = option_value("rates", to, "rad/s", scene);
-  if (!(options.from >= 0.0) || !(options.to > options.from) || !std::isfinite(options.to))
-    throw UseError("rates: give two that rise and are not negative");
+  std::tie(options.from, options.to) = rates_given(from, to, scene);
   options.points = points;
   options.count = count;
   for (const auto& [place, moment] : std::get<0>(driven))
@@ -328,6 +335,70 @@ py::tuple campbell(const ModelHandle& model, const std::string& from, const std:
   all["special"] = special;
   all["unbalance_responses"] = list_of(study->responses);
   all["force_responses"] = list_of(study->force_responses);
+  all["notes"] = study->notes;
+  return py::make_tuple(all, raised);
+}
+
+// `search`: searches, points, far, count.
+py::tuple rotations(const ModelHandle& model, const std::string& from, const std::string& to,
+                    const Three& axis, const Three& through,
+                    const std::vector<std::string>& at_rest,
+                    const std::vector<std::string>& left_out,
+                    const std::vector<std::string>& probes,
+                    const std::tuple<int, int, double, int>& search) {
+  const auto [searches, points, far, count] = search;
+  check_between("search", searches, 0, 1000);
+  check_between("points", points, 2, 100000);
+  check_between("far", far, 1e-6, 100.0);
+  check_between("count", count, 1, 1000);
+  const Scene scene = scene_without(model, left_out);
+  RotationsOptions options;
+  options.rotation = as_use([&] { return rotation_of(rotation_given(axis, through, {})); });
+  options.at_rest = at_rest;
+  std::tie(options.from, options.to) = rates_given(from, to, scene);
+  options.probes = probes;
+  options.searches = searches;
+  options.points = points;
+  options.far = far;
+  options.count = count;
+  std::optional<RotationsStudy> study;
+  const py::object raised = in_background([&](const std::atomic<bool>& interrupted) {
+    options.interrupted = &interrupted;
+    study = study_rotations(scene, options);
+  });
+  if (!study) return py::make_tuple(py::none(), raised);
+  py::list paths;
+  for (const PathOfRotations& path : study->paths) {
+    const auto size = static_cast<py::ssize_t>(path.points.size());
+    py::array_t<double> rates(size), displacements(size), growth(size);
+    py::array_t<double> moved({size, static_cast<py::ssize_t>(probes.size()), py::ssize_t{3}});
+    py::array_t<int> unstable(size);
+    py::list folds;
+    for (py::ssize_t i = 0; i < size; ++i) {
+      const RotationOnPath& point = path.points[static_cast<std::size_t>(i)];
+      rates.mutable_at(i) = point.rate;
+      displacements.mutable_at(i) = point.displacement;
+      growth.mutable_at(i) = point.unstable ? point.growth : std::nan("");
+      unstable.mutable_at(i) = point.unstable.value_or(-1);
+      for (std::size_t k = 0; k < point.probes.size(); ++k)
+        for (Index j = 0; j < 3; ++j)
+          moved.mutable_at(i, static_cast<py::ssize_t>(k), j) = point.probes[k](j);
+      if (point.is_fold) folds.append(i);
+    }
+    py::dict one;
+    one["rates"] = rates;
+    one["displacements"] = displacements;
+    one["probes"] = moved;
+    one["growth"] = growth;
+    one["unstable"] = unstable;
+    one["folds"] = folds;
+    one["ends"] = path.ends;
+    paths.append(one);
+  }
+  py::dict all;
+  all["model"] = study->model;
+  all["paths"] = paths;
+  all["searched"] = study->searched;
   all["notes"] = study->notes;
   return py::make_tuple(all, raised);
 }
@@ -394,6 +465,9 @@ void bind_studies(py::module_& module) {
   module.def("campbell", &campbell, py::arg("model"), py::arg("first"), py::arg("last"),
              py::arg("points"), py::arg("count"), py::arg("axis"), py::arg("through"),
              py::arg("at_rest"), py::arg("without"), py::arg("driven"));
+  module.def("rotations", &rotations, py::arg("model"), py::arg("first"), py::arg("last"),
+             py::arg("axis"), py::arg("through"), py::arg("at_rest"), py::arg("without"),
+             py::arg("probes"), py::arg("search"));
 }
 
 }  // namespace mbd::python

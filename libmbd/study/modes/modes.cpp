@@ -230,6 +230,13 @@ void MotionsOfScene::turn(const SteadyRotation& rotation) {
   axes_ = ModeAxes::resting;
 }
 
+void MotionsOfScene::settle(const SteadyRotation& rotation, const State& state) {
+  state_ = state;
+  rotation_ = rotation;
+  turn_steadily(rotation, state_);
+  about_rotation(*motions_, rotation, axes(), state_);
+}
+
 std::vector<NamedMode> MotionsOfScene::modes(const ModeOptions& options) {
   ModesFound found = find_modes(*motions_, options);
   work_ += found.work;

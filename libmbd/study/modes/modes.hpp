@@ -93,6 +93,8 @@ class MotionsOfScene {
   // the rotation is not found, and where coefficients are constant in neither.
   void turn(const SteadyRotation& rotation);
   ModeAxes axes() const { return axes_.value_or(ModeAxes::turning); }
+  // In a steady rotation that has been found elsewise, in the axes of turn(), which has been called.
+  void settle(const SteadyRotation& rotation, const State& state);
 
   // As find_modes(), named. Throws Error where it fails.
   std::vector<NamedMode> modes(const ModeOptions& options);

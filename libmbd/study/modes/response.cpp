@@ -10,13 +10,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-NamedPlace place_of(const Model& model, const std::string& name) {
-  const int node = node_index(model, name);  // says which there are
-  for (NamedPlace& place : named_places(model))
-    if (place.name == name) return std::move(place);
-  return {name, node, {}};
-}
-
 // A place of the scene in its equilibrium, and the axes across.
 struct Across {
   Index first;             // row of its node
@@ -56,7 +49,7 @@ std::vector<Across> places_of(const MotionsOfScene& motions, const SteadyRotatio
                               const std::vector<std::string>& names) {
   std::vector<Across> all;
   for (const std::string& name : names) {
-    const NamedPlace place = place_of(motions.model(), name);
+    const NamedPlace place = named_place(motions.model(), name);
     if (place.node == 0) throw Error("response: the ground has no orbit");
     all.emplace_back(motions, rotation, place);
   }
@@ -83,7 +76,7 @@ std::optional<Eigen::MatrixXcd> driven(MotionsOfScene& motions, const SteadyRota
   SmallMotions& small = motions.motions();
   Eigen::MatrixXcd u = Eigen::MatrixXcd::Zero(small.motions(), 1);
   for (const HarmonicForce& one : forces) {
-    const NamedPlace place = place_of(motions.model(), one.place);
+    const NamedPlace place = named_place(motions.model(), one.place);
     if (place.node == 0) throw Error("force: \"" + one.place + "\" is on the ground");
     const Across at(motions, rotation, place);
     const auto [y, z] = of(one);
@@ -118,7 +111,7 @@ std::optional<std::vector<Orbit>> response_to_unbalance(MotionsOfScene& motions,
   const double square = rotation.rate * rotation.rate;
   Eigen::MatrixXcd u = Eigen::MatrixXcd::Zero(small.motions(), 1);
   for (const Unbalance& one : unbalance) {
-    const NamedPlace place = place_of(motions.model(), one.place);
+    const NamedPlace place = named_place(motions.model(), one.place);
     if (place.node == 0 || !rotation.turns(static_cast<std::size_t>(place.node)))
       throw Error("unbalance: \"" + one.place + "\" does not turn");
     const Across at(motions, rotation, place);

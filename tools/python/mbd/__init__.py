@@ -15,7 +15,7 @@ from ._mbd import has_pages, version as __version__
 from .errors import Error, Interrupted, ModelError, RunError, UnknownName, UseError
 from .model import Model, Page, Results, read
 from .scene import Element, Scene
-from .studies import accuracy, campbell, effects, linearize, modes
+from .studies import accuracy, campbell, effects, linearize, modes, rotations
 from .sweeps import Sweep, sweep
 
 for _class in (Inputs, State, Stepper):
@@ -24,6 +24,6 @@ del _class
 
 __all__ = [
     "Element", "Error", "Inputs", "Interrupted", "Model", "ModelError", "Page", "Results", "RunError", "Scene", "State",
-    "Stepper", "Sweep", "UnknownName", "UseError", "accuracy", "campbell", "effects", "has_pages", "linearize", "modes", "read",
-    "sweep", "__version__",
+    "Stepper", "Sweep", "UnknownName", "UseError", "accuracy", "campbell", "effects", "has_pages", "linearize", "modes",
+    "read", "rotations", "sweep", "__version__",
 ]

@@ -7377,6 +7377,21 @@ def read(directory: Any) -> Results:
     """Results that `mbd run` has written: a directory, or a CSV file with a line of names."""
     ...
 
+def rotations(model: Any, rates: Any, *, set: Any = None, axis: Any = None, through: Any = None, at_rest: Any = (), without: Any = (), probes: Any = (), search: Any = 9, points: Any = 500, far: Any = 1.0, count: Any = 8) -> Dict[str, Any]:
+    """Steady rotations over their rate, through folds, and others at the same rates.
+
+    rates: (first, last) [rad/s], or texts with units; axis, through, at_rest, without as of modes()
+    probes: places whose displacement is wanted
+    search: at how many rates others are sought; far: how far from one they are (mean motion of the nodes, of the
+    scene's size and in rad); points: of a path at most, in each sense; count: modes that must not grow
+
+    Returns a dict: paths, list of dicts with rates (n,) [rad/s], displacements (n,) [m] of the node that moves most,
+    probes (n, places, 3) [m], growth (n,) [1/s] (nan where it is not known), unstable (n,) how many modes grow (-1: not
+    known), folds (indices of points), ends; searched: rates at which others were sought; notes.
+    Raises ModelError, UseError, and Interrupted with the paths so far.
+    """
+    ...
+
 def sweep(model: Any, vary: Any = None, *, points: Any = None, latin: Any = None, seed: Any = 1, quantity: Any = (), set: Any = None, jobs: Any = None, share: Any = None, client: Any = None, on: Any = None, tasks: Any = None, sbatch: Any = (), wait: Any = True, out: Any = None, progress: Any = False) -> Sweep:
     """Runs a model for many values of parameters, several at once, each in a process of its own, and returns a Sweep.
 

@@ -138,6 +138,29 @@ def campbell(model, rates, *, set=None, points=61, count=8, axis=None, through=N
     return study
 
 
+def rotations(model, rates, *, set=None, axis=None, through=None, at_rest=(), without=(), probes=(), search=9,
+              points=500, far=1.0, count=8) -> "Dict[str, Any]":
+    """Steady rotations over their rate, through folds, and others at the same rates.
+
+    rates: (first, last) [rad/s], or texts with units; axis, through, at_rest, without as of modes()
+    probes: places whose displacement is wanted
+    search: at how many rates others are sought; far: how far from one they are (mean motion of the nodes, of the
+    scene's size and in rad); points: of a path at most, in each sense; count: modes that must not grow
+
+    Returns a dict: paths, list of dicts with rates (n,) [rad/s], displacements (n,) [m] of the node that moves most,
+    probes (n, places, 3) [m], growth (n,) [1/s] (nan where it is not known), unstable (n,) how many modes grow (-1: not
+    known), folds (indices of points), ends; searched: rates at which others were sought; notes.
+    Raises ModelError, UseError, and Interrupted with the paths so far.
+    """
+    first, last = rates
+    study, raised = _mbd.rotations(_model_of(model, set), text_of(first), text_of(last), _three(axis, "axis"),
+                                   _three(through, "through"), names_of(at_rest), names_of(without), names_of(probes),
+                                   (int(search), int(points), float(far), int(count)))
+    if raised is not None:
+        raise Interrupted(study) if isinstance(raised, KeyboardInterrupt) else raised
+    return study
+
+
 def _driven(unbalance, forces, order, probes):
     from .errors import UseError
 
