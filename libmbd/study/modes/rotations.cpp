@@ -114,6 +114,7 @@ std::string SearchForRotations::follow(const State& from, double rate, bool risi
   along.to = options_.to;
   along.rising = rising;
   along.largest_step = options_.largest_step;
+  along.most_moved = 2.5 * options_.largest_step;  // so that it looks smooth
   along.points = options_.points;
   along.accepted = [&](const RotationPoint& point) {
     known.states.push_back(point.state);
