@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "libmbd/core/se3.hpp"
+#include "libmbd/study/modes/campbell.hpp"
 #include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/study/trust/transform.hpp"
 #include "solvers/modes/rotation_path.hpp"
@@ -321,6 +322,29 @@ TEST(Rotations, RefuseByName) {
   options = between(0.0, 2.0);
   options.rotation.axis = Vec3::UnitX();
   EXPECT_SAYS(refused(model_scene("shaft"), options), "leave that out (--without)");
+}
+
+// A disk out of balance on soft bearings moves their housing round: what is at rest is none. From rest on it looks as if it
+// were: forces of unbalance show with the rate. Mutation seen: coefficients looked at once (a Campbell diagram up to 13 rad/s).
+TEST(Rotations, WhatUnbalanceMovesDoesNotRest) {
+  const Scene scene = read(R"(
+      <body name="housing" mass="1" inertia="1e-3 1e-3 1e-3"/>
+      <body name="disk" mass="20" center="0 0.001 0" inertia="0.4 0.2 0.2"/>
+      <bushing name="bearing" between="ground housing" stiffness="1e6 2e5 2e5"
+               angular_stiffness="1e6 1e6 1e6" damping="1e3 40 40"/>
+      <revolute name="R" between="housing disk" axis="1 0 0"/><static/>)");
+  RotationsOptions options = between(0.0, 200.0, Vec3::UnitX());
+  options.at_rest = {"housing"};
+  EXPECT_THROW(study_rotations(scene, options), Error);
+  CampbellOptions diagram;
+  diagram.to = 200.0;
+  diagram.at_rest = {"housing"};
+  try {
+    study_campbell(scene, diagram);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_SAYS(std::string(error.what()), "no small motions with constant coefficients at");
+  }
 }
 
 TEST(Rotations, InterruptedEndWithWhatThereIs) {

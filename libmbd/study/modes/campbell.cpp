@@ -313,6 +313,7 @@ std::optional<Follower::Found> Follower::found_at(double next, double rate,
   } catch (const Stopped&) {
     throw;
   } catch (const Error& error) {
+    if (study_.rates.size() == 1) throw;  // a diagram of one rate is none
     study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: {}", rate, error.what()));
   }
   return std::nullopt;

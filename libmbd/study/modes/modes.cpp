@@ -194,32 +194,51 @@ std::vector<char> MotionsOfScene::nodes_of(const std::vector<std::string>& names
   return found;
 }
 
-void MotionsOfScene::turn(const SteadyRotation& rotation) {
-  const IsDriven driven = [this](Index row) {
+IsDriven MotionsOfScene::driven() const {
+  return [this](Index row) {
     return model_.makers[static_cast<std::size_t>(row)].label.starts_with("drive");
   };
+}
+
+// Again where the rate has grown. Leaves `motions_` assembled in the axes.
+void MotionsOfScene::check_axes() {
+  constexpr double often = 3.0;
+  const double rate = std::abs(rotation_->rate);
+  if (rate > often * checked_) {
+    checked_ = rate;
+    if (const std::string broken = broken_symmetry(*motions_, *rotation_, *axes_, state_, driven());
+        !broken.empty())
+      throw Error(
+          scene_.source,
+          fmt::format("steady rotation has no small motions with constant coefficients at {:.6g} "
+                      "rad/s: {}; name what does not turn (--at-rest), and nothing that an "
+                      "unbalance moves",
+                      rotation_->rate, broken));
+  }
+  about_rotation(*motions_, *rotation_, *axes_, state_);
+}
+
+void MotionsOfScene::turn(const SteadyRotation& rotation) {
   const double from = rotation_ ? rotation_->rate : 0.0;
   rotation_ = rotation;
   rotation_->rate = from;
   if (!axes_)
-    if (const std::string held = held_fast(*motions_, rotation, state_, driven); !held.empty())
+    if (const std::string held = held_fast(*motions_, rotation, state_, driven()); !held.empty())
       throw Error(scene_.source, "steady rotation: " + held +
                                      "; name what does not turn (--at-rest), or hold it otherwise");
   const SteadyReport report = find_steady_rotation(*motions_, rotation, from, {}, state_);
   rotation_->rate = report.rate;
   if (!report.converged) throw Error(scene_.source, report.failure);
-  if (axes_) {
-    about_rotation(*motions_, rotation, *axes_, state_);
-    return;
-  }
+  if (axes_) return check_axes();
+  checked_ = std::abs(rotation.rate);
   const std::string turning =
-      broken_symmetry(*motions_, rotation, ModeAxes::turning, state_, driven);
+      broken_symmetry(*motions_, rotation, ModeAxes::turning, state_, driven());
   if (turning.empty()) {
     axes_ = ModeAxes::turning;
     return;
   }
   const std::string resting =
-      broken_symmetry(*motions_, rotation, ModeAxes::resting, state_, driven);
+      broken_symmetry(*motions_, rotation, ModeAxes::resting, state_, driven());
   if (!resting.empty())
     throw Error(scene_.source,
                 "steady rotation has no small motions with constant coefficients here: in "
@@ -234,7 +253,7 @@ void MotionsOfScene::settle(const SteadyRotation& rotation, const State& state) 
   state_ = state;
   rotation_ = rotation;
   turn_steadily(rotation, state_);
-  about_rotation(*motions_, rotation, axes(), state_);
+  check_axes();
 }
 
 std::vector<NamedMode> MotionsOfScene::modes(const ModeOptions& options) {

@@ -93,7 +93,8 @@ class MotionsOfScene {
   // the rotation is not found, and where coefficients are constant in neither.
   void turn(const SteadyRotation& rotation);
   ModeAxes axes() const { return axes_.value_or(ModeAxes::turning); }
-  // In a steady rotation that has been found elsewise, in the axes of turn(), which has been called.
+  // In a steady rotation that has been found elsewise, in the axes of turn(), which has been called. Throws Error where
+  // coefficients are not constant in these: forces of unbalance show with the rate.
   void settle(const SteadyRotation& rotation, const State& state);
 
   // As find_modes(), named. Throws Error where it fails.
@@ -117,6 +118,8 @@ class MotionsOfScene {
  private:
   void rest();
   void run_to(double time);
+  IsDriven driven() const;
+  void check_axes();
   void name(NamedMode& mode) const;
   // How nodes go round the axis of rotation (Mode::orbit); none where too little of the energy, of which there is `whole`,
   // goes across it. p: M times the shape.
@@ -127,6 +130,7 @@ class MotionsOfScene {
   State state_;
   std::optional<ModeAxes> axes_;
   std::optional<SteadyRotation> rotation_;
+  double checked_ = 0.0;  // [rad/s] the fastest rate at which coefficients have been looked at
   std::unique_ptr<SmallMotions> motions_;
   std::vector<int> part_of_node_;                 // -1: none; else of part_names_
   std::vector<Quaternion<double>> axes_of_node_;  // section axes in its frame
