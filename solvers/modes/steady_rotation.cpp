@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "libmbd/core/se3.hpp"
@@ -45,11 +46,8 @@ Index most_turned(const VecX& z) {
   return best;
 }
 
-}  // namespace
-
-bool solve_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation,
-                           const NewtonOptions& options, State& state, Counters& counters,
-                           std::string& failure) {
+bool newton_at(SmallMotions& motions, const SteadyRotation& rotation, const NewtonOptions& options,
+               State& state, Counters& counters, std::string& failure) {
   const System& system = motions.system();
   IncrementNorm norm(system, options);
   double previous = 0.0;
@@ -94,6 +92,35 @@ bool solve_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation
   }
   failure = "Newton's iterations do not converge";
   return false;
+}
+
+// Whether the state that `motions` is about is in equilibrium but for round-off of its stiffness.
+bool is_in_balance(const SmallMotions& motions) {
+  constexpr double round_off = 10.0 * std::numeric_limits<double>::epsilon();
+  const double length = motions.length_scale(), force = round_off * motions.stiffness() * length;
+  const VecX r = motions.residual().tail(motions.unknowns());
+  for (Index i = 0; i < r.size(); ++i) {
+    const double least = i >= motions.motions() ? round_off * std::max(1.0, length)
+                         : i % 6 < 3            ? force
+                                                : force * length;
+    if (!(std::abs(r(i)) <= least)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool solve_steady_rotation(SmallMotions& motions, const SteadyRotation& rotation,
+                           const NewtonOptions& options, State& state, Counters& counters,
+                           std::string& failure) {
+  State start = state;
+  if (newton_at(motions, rotation, options, state, counters, failure)) return true;
+  // At its critical speed the tangent of what is in balance is singular: increments are round-off of any size.
+  turn_steadily(rotation, start);
+  if (!motions.about(start) || !is_in_balance(motions)) return false;
+  state = std::move(start);
+  failure.clear();
+  return true;
 }
 
 void hold_free_turn(SmallMotions& motions, const SteadyRotation& rotation) {

@@ -107,6 +107,9 @@ class Follower {
   void take(double rate, double next, const std::vector<Candidate>& last, const Found& found);
   Found follow(const std::vector<Candidate>& last);
   CampbellPoint point(double rate, const Candidate& c, double overlap) const;
+  using EventFunction = double (*)(Complex eigenvalue, double rate);
+  double locate(double a, double b, const std::vector<Candidate>& at_a,
+                const std::vector<Candidate>& at_b, std::size_t branch, EventFunction f_of);
   void refine(double a, double b, const std::vector<Candidate>& at_a,
               const std::vector<Candidate>& at_b, std::size_t branch);
 
@@ -186,7 +189,7 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   const Complex la = at_a[branch].eigenvalue, lb = at_b[branch].eigenvalue;
   const double size = std::max(std::abs(la), std::abs(lb));
   const auto oscillates = [&](Complex l) { return std::abs(l.imag()) > nothing * size; };
-  using F = double (*)(Complex, double);
+  using F = EventFunction;
   struct Event {
     SpecialSpeed::Kind kind;
     F f;
@@ -211,36 +214,51 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
         {la.real() < 0.0 ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
          growth});
   for (const Event& event : events) {
-    double x0 = a, x1 = b, f0 = event.f(la, a), f1 = event.f(lb, b);
-    std::vector<Candidate> from = at_a;
-    constexpr int most = 60;
-    int same_side = 0;
-    for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
-      double x = x1 - f1 * (x1 - x0) / (f1 - f0);
-      if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
-        x = 0.5 * (x0 + x1);
-        if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) break;
-      }
-      turn(x);
-      const Found found = follow(from);
-      if (!found.ok) break;
-      from = found.now;
-      const double f = event.f(found.now[branch].eigenvalue, x);
-      if (f == 0.0) {
-        x0 = x1 = x;
-        break;
-      }
-      // Illinois: the end that stays is halved, so that both ends move.
-      if (f * f1 > 0.0) {
-        x1 = x, f1 = f;
-        if (++same_side > 1) f0 *= 0.5;
-      } else {
-        x0 = x1, f0 = f1, x1 = x, f1 = f;
-        same_side = 0;
-      }
-    }
-    study_.special.push_back({event.kind, std::abs(f1) < std::abs(f0) ? x1 : x0, branch});
+    SpecialSpeed special{event.kind, locate(a, b, at_a, at_b, branch, event.f), branch};
+    // What is unknown of l^2, or of growth, over how it changes with the rate.
+    const double unknown = at_b[branch].round_off;
+    special.round_off =
+        event.kind == SpecialSpeed::Kind::critical
+            ? unknown * std::norm(lb / special.rate)
+            : unknown * std::abs(lb) * std::abs((b - a) / (lb.real() - la.real()) / special.rate);
+    study_.special.push_back(special);
   }
+}
+
+// The root of f of a branch's eigenvalue between two rates, to round-off.
+double Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
+                        const std::vector<Candidate>& at_b, std::size_t branch,
+                        EventFunction f_of) {
+  double x0 = a, x1 = b, f0 = f_of(at_a[branch].eigenvalue, a),
+         f1 = f_of(at_b[branch].eigenvalue, b);
+  std::vector<Candidate> from = at_a;
+  constexpr int most = 60;
+  int same_side = 0;
+  for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
+    double x = x1 - f1 * (x1 - x0) / (f1 - f0);
+    if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
+      x = 0.5 * (x0 + x1);
+      if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) break;
+    }
+    turn(x);
+    const Found found = follow(from);
+    if (!found.ok) break;
+    from = found.now;
+    const double f = f_of(found.now[branch].eigenvalue, x);
+    if (f == 0.0) {
+      x0 = x1 = x;
+      break;
+    }
+    // Illinois: the end that stays is halved, so that both ends move.
+    if (f * f1 > 0.0) {
+      x1 = x, f1 = f;
+      if (++same_side > 1) f0 *= 0.5;
+    } else {
+      x0 = x1, f0 = f1, x1 = x, f1 = f;
+      same_side = 0;
+    }
+  }
+  return std::abs(f1) < std::abs(f0) ? x1 : x0;
 }
 
 std::vector<Candidate> Follower::begin(double rate) {

@@ -56,6 +56,7 @@ struct SpecialSpeed {
   enum class Kind { critical, unstable_above, stable_above } kind = Kind::critical;
   double rate = 0.0;  // [rad/s], to round-off of the eigenvalue
   std::size_t branch = 0;
+  double round_off = 0.0;  // of the rate, relative, an estimate
 };
 
 const char* word_of(SpecialSpeed::Kind kind);  // "unstable_above", for files

@@ -21,6 +21,13 @@ std::string words_of_kind(SpecialSpeed::Kind kind) {
   return kind == SpecialSpeed::Kind::critical ? words + " speed" : words;
 }
 
+// As many as round-off leaves.
+int digits_of(const SpecialSpeed& special, int most) {
+  constexpr int least = 3;
+  if (!(special.round_off > 0.0)) return most;
+  return std::clamp(static_cast<int>(-std::log10(special.round_off)), least, most);
+}
+
 // Whether eigenvalues have a real part that is not round-off.
 bool grows_or_decays(const CampbellStudy& study) {
   constexpr double round_off = 1e-8;
@@ -88,8 +95,10 @@ std::string to_text(const CampbellStudy& study) {
   study::table(text, rows);
   text += '\n';
   for (const SpecialSpeed& special : study.special)
-    text += fmt::format("{}: {:.13g} rad/s ({:.8g} rpm), mode {}\n", words_of_kind(special.kind),
-                        special.rate, special.rate * 30.0 / std::numbers::pi, special.branch + 1);
+    text +=
+        fmt::format("{}: {:.{}g} rad/s ({:.{}g} rpm), mode {}\n", words_of_kind(special.kind),
+                    special.rate, digits_of(special, 13), special.rate * 30.0 / std::numbers::pi,
+                    digits_of(special, 8), special.branch + 1);
   if (study.special.empty()) text += "no critical speed in this range\n";
   for (const CampbellStudy::Response& response : study.responses)
     text += words_of_response(response, "unbalance") + '\n';
