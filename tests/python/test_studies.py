@@ -87,7 +87,7 @@ def test_campbell(models, program, tmp_path):
     for one in found["special"]:
         assert f"{one['kind'].replace('_', ' ')}" in said.replace("critical speed", "critical")
     rates = [float(line.split(": ")[1].split(" rad/s")[0]) for line in said.splitlines() if " rpm), mode " in line]
-    assert rates == pytest.approx([one["rate"] for one in found["special"]], rel=1e-9)
+    assert rates == pytest.approx([one["rate"] for one in found["special"]], rel=1e-8)  # nine digits are printed
     # The model says it: unstable above the first frequency by (1 + external/internal damping).
     assert found["special"][1]["rate"] / found["special"][0]["rate"] == pytest.approx(1.25, rel=0.01)
 
