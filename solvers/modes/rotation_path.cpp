@@ -9,6 +9,7 @@
 #include "libmbd/core/se3.hpp"
 #include "libmbd/core/stop.hpp"
 #include "solvers/newton/increments.hpp"
+#include "solvers/newton/root.hpp"
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/statics/stability.hpp"
 
@@ -151,28 +152,19 @@ class Path {
 
   double within(double p) const { return std::clamp(p, options_.from, options_.to); }
 
-  // Between a point and the next, h on, where the rate turns back.
+  // Between a point and the next, h on, where the rate turns back: the nearest that is met.
   void locate_fold(const Point& from, const Point& next, double h) {
-    double x0 = 0.0, x1 = h, f0 = from.tangent(n_), f1 = next.tangent(n_);
-    Point best = std::abs(f0) < std::abs(f1) ? from : next;
-    for (int k = 0; k < 40 && std::abs(x1 - x0) > located * h; ++k) {
-      double x = x1 - f1 * (x1 - x0) / (f1 - f0);
-      if (!(x > std::min(x0, x1) && x < std::max(x0, x1))) x = 0.5 * (x0 + x1);
+    Point best = std::abs(from.tangent(n_)) < std::abs(next.tangent(n_)) ? from : next;
+    const auto sense = [&](double x) -> std::optional<double> {
       int iterations = 0;
       std::optional<Point> point = step(from, x, iterations);
-      if (!point) return add_fold(best);
+      if (!point) return std::nullopt;
       const double f = point->tangent(n_);
-      if (std::abs(f) < std::abs(best.tangent(n_))) best = *point;
-      if ((f < 0.0) == (f1 < 0.0))
-        f0 *= 0.5;  // Illinois
-      else
-        x0 = x1, f0 = f1;
-      x1 = x, f1 = f;
-    }
-    add_fold(best);
-  }
-  void add_fold(const Point& fold) {
-    if (options_.accepted && !options_.accepted({fold.state, fold.p, fold.arc, true}))
+      if (std::abs(f) < std::abs(best.tangent(n_))) best = *std::move(point);
+      return f;
+    };
+    find_root(sense, 0.0, from.tangent(n_), h, next.tangent(n_), located * h);
+    if (options_.accepted && !options_.accepted({best.state, best.p, best.arc, true}))
       going_ = false;
   }
 

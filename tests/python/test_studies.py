@@ -86,8 +86,11 @@ def test_campbell(models, program, tmp_path):
     assert kinds == ["critical", "unstable_above"]
     for one in found["special"]:
         assert f"{one['kind'].replace('_', ' ')}" in said.replace("critical speed", "critical")
-    rates = [float(line.split(": ")[1].split(" rad/s")[0]) for line in said.splitlines() if " rpm), mode " in line]
-    assert rates == pytest.approx([one["rate"] for one in found["special"]], rel=1e-8)  # nine digits are printed
+    printed = [line.split(": ")[1].split(" rad/s")[0] for line in said.splitlines() if " rpm), mode " in line]
+    assert len(printed) == 2
+    for text, one in zip(printed, found["special"]):  # as many digits as round-off leaves, all of them right
+        digits = len(text.replace(".", ""))
+        assert digits >= 9 and text == f"{one['rate']:.{digits}g}"
     # The model says it: unstable above the first frequency by (1 + external/internal damping).
     assert found["special"][1]["rate"] / found["special"][0]["rate"] == pytest.approx(1.25, rel=0.01)
 

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -61,9 +60,7 @@ HarmonicForce force_of(const std::string& text, const Scene& scene) {
 
 CampbellOptions options_of(const CampbellArguments& arguments, const Scene& scene) {
   CampbellOptions options;
-  options.rotation = rotation_of(arguments.rotation);
-  options.at_rest = arguments.rotation.at_rest;
-  std::tie(options.from, options.to) = rates_of(arguments.rates, scene);
+  static_cast<RangeOfRates&>(options) = range_of(arguments.rotation, arguments.rates, scene);
   options.points = arguments.points;
   options.count = arguments.count;
   for (const std::string& one : arguments.unbalance)

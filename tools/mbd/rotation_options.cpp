@@ -120,18 +120,19 @@ void add_rotation_options(CLI::App& command, RotationArguments& arguments) {
       ->allow_extra_args(false);
 }
 
-std::pair<double, double> rates_of(const std::string& text, const Scene& scene) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) throw Error("--rates " + text + ": give two rates, FROM:TO");
+RangeOfRates range_of(const RotationArguments& arguments, const std::string& rates,
+                      const Scene& scene) {
+  const std::size_t colon = rates.find(':');
+  if (colon == std::string::npos) throw Error("--rates " + rates + ": give two rates, FROM:TO");
   // "480:580 rpm": one unit for both.
-  std::string first = text.substr(0, colon);
-  const std::string last = text.substr(colon + 1);
+  std::string first = rates.substr(0, colon);
+  const std::string last = rates.substr(colon + 1);
   if (split_unit(first).unit.empty()) first += fmt::format(" {}", split_unit(last).unit);
-  const double from = option_value("rates", first, "rad/s", scene),
-               to = option_value("rates", last, "rad/s", scene);
-  if (!(from >= 0.0) || !(to > from) || !std::isfinite(to))
-    throw Error("--rates " + text + ": give two that rise and are not negative");
-  return {from, to};
+  const RangeOfRates range{rotation_of(arguments), arguments.at_rest,
+                           option_value("rates", first, "rad/s", scene),
+                           option_value("rates", last, "rad/s", scene)};
+  require_rising(range, "--rates " + rates);
+  return range;
 }
 
 SteadyRotation rotation_of(const RotationArguments& arguments) {

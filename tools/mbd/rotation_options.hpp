@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "libmbd/study/modes/modes.hpp"
@@ -23,8 +22,10 @@ void add_rotation_options(CLI::App& command, RotationArguments& arguments);
 // At rate 0. Throws Error for an axis without direction.
 SteadyRotation rotation_of(const RotationArguments& arguments);
 
-// FROM:TO of --rates [rad/s]; a unit of the second alone is that of both. Throws Error, with what to give, unless they rise and are not negative.
-std::pair<double, double> rates_of(const std::string& text, const Scene& scene);
+// About that rotation, --rates FROM:TO; a unit of the second alone is that of both. Throws Error, with what to give, as
+// rotation_of() does and unless they rise and are not negative.
+RangeOfRates range_of(const RotationArguments& arguments, const std::string& rates,
+                      const Scene& scene);
 
 // --rate, --at and the options of a rotation. Texts are expressions of the model's parameters; empty: not given.
 struct AboutArguments {

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
@@ -33,9 +32,7 @@ struct RotationsArguments {
 
 RotationsOptions options_of(const RotationsArguments& arguments, const Scene& scene) {
   RotationsOptions options;
-  options.rotation = rotation_of(arguments.rotation);
-  options.at_rest = arguments.rotation.at_rest;
-  std::tie(options.from, options.to) = rates_of(arguments.rates, scene);
+  static_cast<RangeOfRates&>(options) = range_of(arguments.rotation, arguments.rates, scene);
   options.probes = arguments.probes;
   options.count = arguments.count;
   options.searches = arguments.searches;

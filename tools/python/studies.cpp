@@ -262,13 +262,15 @@ py::list list_of(const std::vector<CampbellStudy::Response>& responses) {
   return all;
 }
 
-std::pair<double, double> rates_given(const std::string& first, const std::string& last,
-                                      const Scene& scene) {
-  const double from = option_value("rates", first, "rad/s", scene),
-               to = option_value("rates", last, "rad/s", scene);
-  if (!(from >= 0.0) || !(to > from) || !std::isfinite(to))
-    throw UseError("rates: give two that rise and are not negative");
-  return {from, to};
+RangeOfRates range_given(const std::string& first, const std::string& last, const Three& axis,
+                         const Three& through, const std::vector<std::string>& at_rest,
+                         const Scene& scene) {
+  RangeOfRates range{{}, at_rest, 0.0, 0.0};
+  range.rotation = as_use([&] { return rotation_of(rotation_given(axis, through, {})); });
+  range.from = option_value("rates", first, "rad/s", scene);
+  range.to = option_value("rates", last, "rad/s", scene);
+  as_use([&] { require_rising(range); });
+  return range;
 }
 
 py::tuple campbell(const ModelHandle& model, const std::string& from, const std::string& to,
@@ -279,9 +281,7 @@ py::tuple campbell(const ModelHandle& model, const std::string& from, const std:
   check_between("count", count, 1, 1000);
   const Scene scene = scene_without(model, left_out);
   CampbellOptions options;
-  options.rotation = as_use([&] { return rotation_of(rotation_given(axis, through, {})); });
-  options.at_rest = at_rest;
-  std::tie(options.from, options.to) = rates_given(from, to, scene);
+  static_cast<RangeOfRates&>(options) = range_given(from, to, axis, through, at_rest, scene);
   options.points = points;
   options.count = count;
   for (const auto& [place, moment] : std::get<0>(driven))
@@ -353,9 +353,7 @@ py::tuple rotations(const ModelHandle& model, const std::string& from, const std
   check_between("count", count, 1, 1000);
   const Scene scene = scene_without(model, left_out);
   RotationsOptions options;
-  options.rotation = as_use([&] { return rotation_of(rotation_given(axis, through, {})); });
-  options.at_rest = at_rest;
-  std::tie(options.from, options.to) = rates_given(from, to, scene);
+  static_cast<RangeOfRates&>(options) = range_given(from, to, axis, through, at_rest, scene);
   options.probes = probes;
   options.searches = searches;
   options.points = points;

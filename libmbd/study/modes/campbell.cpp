@@ -422,8 +422,7 @@ CampbellStudy Follower::go() {
 }  // namespace
 
 CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options) {
-  if (!(options.from >= 0.0) || !(options.to > options.from) || !std::isfinite(options.to))
-    throw Error("rates: give two that rise and are not negative");
+  require_rising(options);
   if (!options.probes.empty() && options.unbalance.empty() && options.forces.empty())
     throw Error("a response is asked for, and there is no unbalance and no force");
   if (!(options.order > 0.0) || !std::isfinite(options.order))

@@ -19,12 +19,9 @@
 
 namespace mbd {
 
-struct CampbellOptions {
-  SteadyRotation rotation = {};           // its axis; the rate is not used
-  std::vector<std::string> at_rest = {};  // bodies and flexible beams that do not turn
-  double from = 0.0, to = 0.0;            // rates [rad/s], from < to, not negative
-  int points = 61;                        // evenly spaced, at least
-  int count = 8;                          // modes, the slowest at the first rate
+struct CampbellOptions : RangeOfRates {
+  int points = 61;  // evenly spaced, at least
+  int count = 8;    // modes, the slowest at the first rate
   // Whose response is found at the same rates.
   std::vector<Unbalance> unbalance = {};
   std::vector<HarmonicForce> forces = {};
@@ -80,7 +77,8 @@ struct CampbellStudy {
   std::vector<std::string> notes;
 };
 
-// Throws Error as MotionsOfScene does; a rate that is not reached, or an interruption, ends the diagram with a note.
+// Throws Error as MotionsOfScene does, and where the rate after the first is not reached; a later one, or an interruption, ends
+// the diagram with a note.
 CampbellStudy study_campbell(const Scene& scene, const CampbellOptions& options);
 
 std::string to_text(const CampbellStudy& study);

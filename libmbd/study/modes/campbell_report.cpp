@@ -10,6 +10,7 @@
 
 #include "libmbd/pictures/plot.hpp"
 #include "libmbd/study/modes/campbell.hpp"
+#include "libmbd/study/modes/modes_report.hpp"
 #include "libmbd/text/tables.hpp"
 
 namespace mbd {
@@ -19,13 +20,6 @@ std::string words_of_kind(SpecialSpeed::Kind kind) {
   std::string words = word_of(kind);
   std::ranges::replace(words, '_', ' ');
   return kind == SpecialSpeed::Kind::critical ? words + " speed" : words;
-}
-
-// As many as round-off leaves.
-int digits_of(const SpecialSpeed& special, int most) {
-  constexpr int least = 3;
-  if (!(special.round_off > 0.0)) return most;
-  return std::clamp(static_cast<int>(-std::log10(special.round_off)), least, most);
 }
 
 // Whether eigenvalues have a real part that is not round-off.
@@ -95,10 +89,10 @@ std::string to_text(const CampbellStudy& study) {
   study::table(text, rows);
   text += '\n';
   for (const SpecialSpeed& special : study.special)
-    text +=
-        fmt::format("{}: {:.{}g} rad/s ({:.{}g} rpm), mode {}\n", words_of_kind(special.kind),
-                    special.rate, digits_of(special, 13), special.rate * 30.0 / std::numbers::pi,
-                    digits_of(special, 8), special.branch + 1);
+    text += fmt::format("{}: {:.{}g} rad/s ({:.{}g} rpm), mode {}\n", words_of_kind(special.kind),
+                        special.rate, digits_left(special.round_off, 13, 3),
+                        special.rate * 30.0 / std::numbers::pi,
+                        digits_left(special.round_off, 8, 3), special.branch + 1);
   if (study.special.empty()) text += "no critical speed in this range\n";
   for (const CampbellStudy::Response& response : study.responses)
     text += words_of_response(response, "unbalance") + '\n';

@@ -89,6 +89,11 @@ double time_within(const Scene& scene, double time) {
 
 }  // namespace
 
+void require_rising(const RangeOfRates& range, const std::string& what) {
+  if (!(range.from >= 0.0) || !(range.to > range.from) || !std::isfinite(range.to))
+    throw Error(what + ": give two that rise and are not negative");
+}
+
 void require_state_at(const Scene& scene, double time) {
   constexpr double round_off = 1e-9;
   if (scene.transient && time > scene.transient->duration * (1.0 + round_off))

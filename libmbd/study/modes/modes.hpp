@@ -49,6 +49,16 @@ struct ModesOptions {
   std::vector<AskedForModes> asked = {};
 };
 
+// Over which rates a scene turns.
+struct RangeOfRates {
+  SteadyRotation rotation = {};           // its axis; the rate is not used
+  std::vector<std::string> at_rest = {};  // bodies and flexible beams that do not turn
+  double from = 0.0, to = 0.0;            // rates [rad/s], from < to, not negative
+};
+
+// Throws Error, which begins with `what`, unless its rates are such.
+void require_rising(const RangeOfRates& range, const std::string& what = "rates");
+
 // Throws Error if the scene's run ends before then [s]: up to then the model says what happens.
 void require_state_at(const Scene& scene, double time);
 

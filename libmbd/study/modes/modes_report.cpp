@@ -18,12 +18,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double round_off = 1e-7;  // growth beside frequency
 
-// Digits of an eigenvalue that round-off leaves, at most so many.
-int digits_of(const Mode& mode, int most) {
-  if (!(mode.round_off > 0.0)) return most;
-  return std::clamp(static_cast<int>(-std::log10(mode.round_off)), 1, most);
-}
-
 std::string hertz(double rad_per_second, int digits = 10) {
   return fmt::format("{:.{}g}", rad_per_second / (2.0 * std::numbers::pi), digits);
 }
@@ -79,6 +73,11 @@ std::string asked_in_words(const ModesStudy& study) {
 
 }  // namespace
 
+int digits_left(double round_off, int most, int least) {
+  if (!(round_off > 0.0)) return most;
+  return std::clamp(static_cast<int>(-std::log10(round_off)), least, most);
+}
+
 std::string to_text(const ModesStudy& study) {
   std::string text = fmt::format("{}: {} modes", study.model, study.modes.size());
   if (study.rotation)
@@ -108,8 +107,9 @@ std::string to_text(const ModesStudy& study) {
     if (mode.rigid) {
       row.insert(row.end(), {"0", "0"});
     } else if (mode.eigenvalue.imag() > 0.0) {
-      row.insert(row.end(), {hertz(mode.eigenvalue.imag(), digits_of(mode, 10)),
-                             fmt::format("{:.{}g}", mode.eigenvalue.imag(), digits_of(mode, 12))});
+      row.insert(row.end(),
+                 {hertz(mode.eigenvalue.imag(), digits_left(mode.round_off, 10)),
+                  fmt::format("{:.{}g}", mode.eigenvalue.imag(), digits_left(mode.round_off, 12))});
     } else {
       row.insert(row.end(), {"0", "0"});
     }

@@ -9,6 +9,9 @@
 
 namespace mbd {
 
+// Digits of a number that round-off, relative to it, leaves, within these bounds; 0: none is known, `most`.
+int digits_left(double round_off, int most, int least = 1);
+
 std::string to_text(const ModesStudy& study);
 
 // One row a mode: eigenvalue [1/s], frequency [Hz], damping ratio, orbit, frequency in inertial axes [Hz], residual, name.

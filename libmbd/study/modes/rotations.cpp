@@ -34,11 +34,7 @@ class SearchForRotations {
   RotationsStudy go();
 
  private:
-  // A path with its states.
-  struct Known {
-    std::vector<State> states;
-    std::vector<double> rates;
-  };
+  using States = std::vector<State>;  // of the points of a path
 
   SteadyRotation at_rate(double rate) const {
     SteadyRotation here = rotation_;
@@ -47,7 +43,7 @@ class SearchForRotations {
   }
   RotationOnPath describe(const State& state, double rate, double arc, bool is_fold);
   std::string follow(const State& from, double rate, bool rising, PathOfRotations& path,
-                     Known& known);
+                     States& states);
   void add_path(const State& from, double rate);
   std::vector<VecX> pushes(const State& state, double rate, double farthest);
   void push(const State& state, double rate, std::vector<State>& known);
@@ -62,7 +58,7 @@ class SearchForRotations {
   MotionsOfScene motions_;
   SteadyRotation rotation_;
   std::vector<NamedPlace> places_;
-  std::vector<Known> known_;
+  std::vector<States> states_;  // of each path of study_
   Counters counters_;
   bool is_noted_ = false;
   RotationsStudy study_;
@@ -108,7 +104,7 @@ RotationOnPath SearchForRotations::describe(const State& state, double rate, dou
 
 // Appends to a path; returns why it ends.
 std::string SearchForRotations::follow(const State& from, double rate, bool rising,
-                                       PathOfRotations& path, Known& known) {
+                                       PathOfRotations& path, States& states) {
   RotationPathOptions along;
   along.from = options_.from;
   along.to = options_.to;
@@ -117,8 +113,7 @@ std::string SearchForRotations::follow(const State& from, double rate, bool risi
   along.most_moved = 2.5 * options_.largest_step;  // so that it looks smooth
   along.points = options_.points;
   along.accepted = [&](const RotationPoint& point) {
-    known.states.push_back(point.state);
-    known.rates.push_back(point.parameter);
+    states.push_back(point.state);
     path.points.push_back(describe(point.state, point.parameter, point.arc, point.is_fold));
     if (options_.progress) options_.progress(study_.paths.size() + 1, point.parameter);
     return true;
@@ -129,28 +124,26 @@ std::string SearchForRotations::follow(const State& from, double rate, bool risi
 // Both ways from a rotation.
 void SearchForRotations::add_path(const State& from, double rate) {
   PathOfRotations path, back;
-  Known known, known_back;
+  States states, states_back;
   path.found_at = rate;
   const auto keep = [&] {
     study_.paths.push_back(std::move(path));
-    known_.push_back(std::move(known));
+    states_.push_back(std::move(states));
   };
   try {
     if (rate > options_.from) {
-      path.ends.push_back(follow(from, rate, false, back, known_back));
+      path.ends.push_back(follow(from, rate, false, back, states_back));
       for (std::size_t k = back.points.size(); k-- > 0;) {
         path.points.push_back(std::move(back.points[k]));
         path.points.back().arc *= -1.0;
-        known.states.push_back(std::move(known_back.states[k]));
-        known.rates.push_back(known_back.rates[k]);
+        states.push_back(std::move(states_back[k]));
       }
     }
     path.points.push_back(describe(from, rate, 0.0, false));
-    known.states.push_back(from);
-    known.rates.push_back(rate);
+    states.push_back(from);
     const bool is_closed = !path.ends.empty() && path.ends.front() == "it is closed";
     if (rate < options_.to && !is_closed)
-      path.ends.push_back(follow(from, rate, true, path, known));
+      path.ends.push_back(follow(from, rate, true, path, states));
   } catch (const Stopped&) {
     keep();
     throw;
@@ -268,11 +261,13 @@ void SearchForRotations::note_many(const State& state, double rate) {
 // Rotations at a rate, of all paths, each once.
 std::vector<State> SearchForRotations::known_at(double rate) {
   std::vector<State> all;
-  for (const Known& path : known_)
-    for (std::size_t k = 0; k + 1 < path.rates.size(); ++k) {
-      const double a = path.rates[k] - rate, b = path.rates[k + 1] - rate;
-      if (a * b <= 0.0) add_if_new(path.states[std::abs(a) < std::abs(b) ? k : k + 1], rate, all);
+  for (std::size_t p = 0; p < states_.size(); ++p) {
+    const std::vector<RotationOnPath>& points = study_.paths[p].points;
+    for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+      const double a = points[k].rate - rate, b = points[k + 1].rate - rate;
+      if (a * b <= 0.0) add_if_new(states_[p][std::abs(a) < std::abs(b) ? k : k + 1], rate, all);
     }
+  }
   return all;
 }
 
@@ -282,7 +277,7 @@ void SearchForRotations::seek_at(double rate) {
   for (std::size_t from = 0; from < known.size(); ++from) {
     std::vector<State> now = known;
     push(State(known[from]), rate, now);
-    for (std::size_t k = known.size(); k < now.size() && known_.size() < most_paths; ++k) {
+    for (std::size_t k = known.size(); k < now.size() && study_.paths.size() < most_paths; ++k) {
       const std::size_t before = known.size();
       add_if_new(now[k], rate, known);
       if (known.size() == before) continue;  // on a path that has been found since
@@ -295,13 +290,11 @@ void SearchForRotations::seek_at(double rate) {
 RotationsStudy SearchForRotations::go() {
   study_.model = scene_.name;
   study_.file = scene_.file;
-  study_.rotation = options_.rotation;
   study_.from = options_.from;
   study_.to = options_.to;
   study_.count = options_.count;
   study_.probes = options_.probes;
   motions_.turn(at_rate(options_.from));
-  study_.axes = motions_.axes();
   study_.notes = motions_.notes();
   try {
     add_path(State(motions_.state()), options_.from);
@@ -315,7 +308,7 @@ RotationsStudy SearchForRotations::go() {
   } catch (const Stopped&) {
     study_.notes.push_back("interrupted: paths may be missing, or end too soon");
   }
-  if (known_.size() >= most_paths)
+  if (study_.paths.size() >= most_paths)
     study_.notes.push_back(fmt::format("{} paths are found, and no more are sought", most_paths));
   return std::move(study_);
 }
@@ -323,8 +316,7 @@ RotationsStudy SearchForRotations::go() {
 }  // namespace
 
 RotationsStudy study_rotations(const Scene& scene, const RotationsOptions& options) {
-  if (!(options.from >= 0.0) || !(options.to > options.from) || !std::isfinite(options.to))
-    throw Error("rates: give two that rise and are not negative");
+  require_rising(options);
   if (options.count < 1 || options.points < 2 || options.searches < 0 ||
       !(options.largest_step > 0.0) || !(options.far > 0.0))
     throw Error("steady rotations need one mode, two points and a step at least");

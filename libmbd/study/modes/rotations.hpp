@@ -17,11 +17,8 @@
 
 namespace mbd {
 
-struct RotationsOptions {
-  SteadyRotation rotation = {};           // its axis; the rate is not used
-  std::vector<std::string> at_rest = {};  // bodies and flexible beams that do not turn
-  double from = 0.0, to = 0.0;            // rates [rad/s], from < to, not negative
-  int count = 8;                          // modes whose growth is looked at, the slowest
+struct RotationsOptions : RangeOfRates {
+  int count = 8;     // modes whose growth is looked at, the slowest
   int searches = 9;  // rates at which others are sought, evenly spaced to the ends; 0: none
   // How far a push may move it from one: mean over the nodes, of the scene's size and in rad, or of twice what that one
   // is away from the reference configuration, if that is more.
@@ -53,9 +50,7 @@ struct PathOfRotations {
 
 struct RotationsStudy {
   std::string model, file;
-  SteadyRotation rotation;
   double from = 0.0, to = 0.0;
-  ModeAxes axes = ModeAxes::turning;
   int count = 0;
   std::vector<double> searched;  // rates at which others were sought [rad/s]
   std::vector<std::string> probes;
