@@ -192,6 +192,23 @@ class ElementBatch : public Base {
     return {};
   }
 
+  void near_kinks(const State& state, std::vector<NearKink>& all) const override {
+    if constexpr (requires(const NodeState<double>* x, Environment env) {
+                    E::each_law(shared_, data_[0], x, env, [](const Law&, double, ArgumentOf) {});
+                  }) {
+      const Environment env = environment(state);
+      for (std::size_t e = 0; e < data_.size(); ++e) {
+        NodeStates x;
+        gather(state, e, x);
+        E::each_law(shared_, data_[e], x.data(), env,
+                    [&](const Law& law, double argument, ArgumentOf of) {
+                      if (const auto kink = law.nearest_kink(argument))
+                        all.push_back({names_[e], argument, *kink, of});
+                    });
+      }
+    }
+  }
+
   Energies energies(const State& state) const override {
     Energies sum;
     if constexpr (requires(const NodeState<double>* x, Environment env) {

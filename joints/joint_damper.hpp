@@ -63,6 +63,17 @@ struct JointDamper {
     return -data.force(shared.laws, rate).f * rate;
   }
 
+  // Calls visit(law, argument, ArgumentOf) for each law.
+  template <class Visit>
+  static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
+                       const Environment&, const Visit& visit) {
+    const two_frames::Frames<double> frames(data.axis.ends, x);
+    const double rate = Coordinate::gradient(frames.g).dot(frames.twist(x));
+    constexpr ArgumentOf of =
+        std::is_same_v<Coordinate, Turning> ? ArgumentOf::angular_speed : ArgumentOf::speed;
+    data.force.each_law(shared.laws, rate, of, visit);
+  }
+
   // tau of (1) [N.m, N]: the damper exerts -tau on b.
   static double effort(const Shared& shared, const Data& data, const NodeState<double>* x,
                        double /*near*/) {

@@ -60,6 +60,17 @@ struct JointSpring {
     return {.strain = data.force.energy(shared.laws, y)};
   }
 
+  // Calls visit(law, argument, ArgumentOf) for each law.
+  template <class Visit>
+  static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
+                       const Environment& env, const Visit& visit) {
+    const two_frames::Frames<double> frames(data.axis.ends, x);
+    const double y = Coordinate::value(frames.g, data.axis.near(env)) - data.rest;
+    constexpr ArgumentOf of =
+        std::is_same_v<Coordinate, Turning> ? ArgumentOf::angle : ArgumentOf::length;
+    data.force.each_law(shared.laws, y, of, visit);
+  }
+
   // tau of (2) [N.m, N]: the spring exerts -tau on b.
   static double effort(const Shared& shared, const Data& data, const NodeState<double>* x,
                        double near) {

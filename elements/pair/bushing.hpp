@@ -85,6 +85,17 @@ struct Bushing {
     return {.strain = E};
   }
 
+  // Calls visit(law, argument, ArgumentOf) for each law.
+  template <class Visit>
+  static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
+                       const Environment&, const Visit& visit) {
+    const Vec6 q = bushing::Pair::Pair<double>(two_frames::Frames<double>(data.ends, x).g).q();
+    for (std::size_t i = 0; i < 6; ++i)
+      if (data.laws[i] >= 0)
+        visit(shared.laws[static_cast<std::size_t>(data.laws[i])], q(static_cast<Index>(i)),
+              i < 3 ? ArgumentOf::length : ArgumentOf::angle);
+  }
+
   // f of (2) [N, N.m]: the bushing exerts -f on b.
   static Vec6 wrench(const Shared& shared, const Data& data, const NodeState<double>* x) {
     const two_frames::Frames<double> frames(data.ends, x);

@@ -55,6 +55,14 @@ struct Damper {
     return -data.force(shared.laws, rate).f * rate;
   }
 
+  // Calls visit(law, argument, ArgumentOf) for each law.
+  template <class Visit>
+  static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
+                       const Environment&, const Visit& visit) {
+    const double rate = two_points::Line<double>(data.ends, x).rate(x);
+    data.force.each_law(shared.laws, rate, ArgumentOf::speed, visit);
+  }
+
   // T [N], for output.
   static double tension(const Shared& shared, const Data& data, const NodeState<double>* x) {
     return data.force(shared.laws, two_points::Line<double>(data.ends, x).rate(x)).f;

@@ -55,6 +55,13 @@ struct Spring {
     return {.strain = data.force.energy(shared.laws, extension(data, x))};
   }
 
+  // Calls visit(law, argument, ArgumentOf) for each law.
+  template <class Visit>
+  static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
+                       const Environment&, const Visit& visit) {
+    data.force.each_law(shared.laws, extension(data, x), ArgumentOf::length, visit);
+  }
+
   // l - l0 [m] and T [N], for output.
   static double extension(const Data& data, const NodeState<double>* x) {
     return two_points::Line<double>(data.ends, x).l - data.free_length;

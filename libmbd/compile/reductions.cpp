@@ -10,6 +10,7 @@
 #include "libmbd/core/stop.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
+#include "solvers/modes/linearizable.hpp"
 
 namespace mbd {
 
@@ -154,6 +155,8 @@ ReducedPart::ReducedPart(const Scene& scene, const ReductionMembers& members,
   }
   SmallMotions motions(system);
   motions.about(system.reference_state());
+  if (const std::string kink = kink_at(system, {&motions.state(), 1}); !kink.empty())
+    throw Error(reduction.source, fmt::format("{}: {}", label(reduction), kink));
   try {
     modes_ = component_modes(motions, interfaces, reduction.modes, mass_damping_of(system));
   } catch (const Stopped&) {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "libmbd/core/law.hpp"
 #include "libmbd/core/linear_solver.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/types.hpp"
@@ -35,6 +36,14 @@ struct Energies {
   double strain = 0.0;     // [J]
   double potential = 0.0;  // of gravity, zero at the inertial origin [J]
   double total() const { return kinetic + strain + potential; }
+};
+
+// An element with a law that has kinks, and the one nearest to where the law is evaluated.
+struct NearKink {
+  std::string element;  // "spring 'k'"
+  double x = 0.0;       // argument of the law
+  Kink kink;
+  ArgumentOf of = ArgumentOf::length;
 };
 
 class Batch {
@@ -91,6 +100,9 @@ class Batch {
 
   // The first element out of range, or an empty string.
   virtual std::string out_of_range(const State& /*state*/) const { return {}; }
+
+  // Appends all laws that have kinks.
+  virtual void near_kinks(const State& /*state*/, std::vector<NearKink>& /*all*/) const {}
 
   // Constraint rows at position and velocity level: g [m, rad] and gdot = B V + g_t.
   virtual void constraints(const State& /*state*/, VecX& /*g*/, VecX& /*gdot*/) const {}

@@ -121,4 +121,27 @@ double Law::integral(double x) const {
   return antiderivative(table, x) - antiderivative(table, 0.0);
 }
 
+std::optional<Kink> Law::nearest_kink(double x) const {
+  constexpr double round_off = 1e-9;
+  std::optional<Kink> nearest;
+  const auto offer = [&](const Kink& kink) {
+    const double size = std::max(std::abs(kink.below), std::abs(kink.above));
+    if (std::abs(kink.above - kink.below) <= round_off * size) return;
+    if (!nearest || std::abs(kink.at - x) < std::abs(nearest->at - x)) nearest = kink;
+  };
+  if (const auto* const expression = std::get_if<Expression>(&law_)) {
+    for (const double at : expression->breakpoints())
+      offer({at, (*expression)(at, Side::left).d, (*expression)(at, Side::right).d});
+    return nearest;
+  }
+  const Table& table = std::get<Table>(law_);
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    const Piece& before = table[i - 1];
+    const double s = table[i].from - before.from;
+    offer({table[i].from, before.c[1] + s * (2.0 * before.c[2] + s * 3.0 * before.c[3]),
+           table[i].c[1]});
+  }
+  return nearest;
+}
+
 }  // namespace mbd

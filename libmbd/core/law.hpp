@@ -14,6 +14,7 @@
 // leave equilibria and steps without a solution.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -26,6 +27,12 @@ namespace mbd {
 struct LawValue {
   double f = 0.0;   // [N, N.m]
   double df = 0.0;  // df/dx
+};
+
+// Where the slope of a law jumps, and its limits from both sides.
+struct Kink {
+  double at = 0.0;                  // [m, rad, m/s, rad/s]
+  double below = 0.0, above = 0.0;  // df/dx
 };
 
 // Immutable; evaluation is const, thread safe and allocates nothing.
@@ -44,6 +51,9 @@ class Law {
 
   LawValue operator()(double x) const;
   double integral(double x) const;  // F of (1)
+
+  // The kink nearest to x. Slopes that differ by round-off (1e-9 of the larger) are none.
+  std::optional<Kink> nearest_kink(double x) const;
 
  private:
   // From the knot at `from` (the first piece: up to it) on.
@@ -67,6 +77,9 @@ S lifted(const LawValue& at, const S& x) {
   return S(at.f) + S(at.df) * (x - S(value_of(x)));
 }
 
+// What a law is of.
+enum class ArgumentOf { length, angle, speed, angular_speed };
+
 // A coefficient and, where there is one, a law: what a spring or damper does along one coordinate.
 struct Characteristic {
   double coefficient = 0.0;  // k or c  [N/m, N.m, N.s/m, N.m.s]
@@ -80,6 +93,11 @@ struct Characteristic {
       value.df += more.df;
     }
     return value;
+  }
+  // Calls visit(law, x, of) where there is one.
+  template <class Visit>
+  void each_law(std::span<const Law> laws, double x, ArgumentOf of, const Visit& visit) const {
+    if (law >= 0) visit(laws[static_cast<std::size_t>(law)], x, of);
   }
   double energy(std::span<const Law> laws, double x) const {
     return 0.5 * coefficient * x * x +

@@ -456,6 +456,13 @@ std::string System::out_of_range(const State& given) const {
   return {};
 }
 
+std::vector<NearKink> System::near_kinks(const State& given) const {
+  const State& state = fed_back(given);
+  std::vector<NearKink> all;
+  for (const auto& batch : batches_) batch->near_kinks(state, all);
+  return all;
+}
+
 void System::constraints(const State& state, VecX& g, VecX& gdot) const {
   g.setZero(multipliers_);
   gdot.setZero(multipliers_);

@@ -156,6 +156,7 @@ class System {
   // prescribed motions.
   void load_rate(const State& state, VecX& r) const;
   std::string out_of_range(const State& state) const;
+  std::vector<NearKink> near_kinks(const State& state) const;
   // All of size multipliers().
   void constraints(const State& state, VecX& g, VecX& gdot) const;
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const;

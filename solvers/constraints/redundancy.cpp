@@ -70,62 +70,10 @@ class ConstraintRows : public LinearSolver {
   Eigen::MatrixXd trash_;
 };
 
-// Rows of constraints that may depend on each other: of those in parts of the graph of nodes and constraints that
-// have a loop. The ground takes part in every loop through it, and joins nothing.
-std::vector<Index> rows_in_loops(const System& system) {
-  const auto nodes = static_cast<int>(system.nodes()) - 1;
-  DisjointSets tied(nodes);
-  const std::size_t count = system.constraints().size();
-  std::vector<std::vector<int>> nodes_of(count);
-  for (const auto& c : system.graph().contributions)
-    if (c.row >= nodes && c.column >= 0 && c.column < nodes)
-      nodes_of[static_cast<std::size_t>(c.row - nodes)].push_back(c.column);
-  for (const auto& ends : nodes_of)
-    for (std::size_t i = 1; i < ends.size(); ++i) tied.join(ends[0], ends[i]);
-  // A tree of n nodes has n - 1 constraints inside and one to the ground at most.
-  std::vector<int> inside(static_cast<std::size_t>(nodes), 1), grounded(inside.size(), 0);
-  for (int n = 0; n < nodes; ++n) --inside[static_cast<std::size_t>(tied.root(n))];
-  for (const auto& ends : nodes_of)
-    if (!ends.empty())
-      ++(ends.size() > 1 ? inside : grounded)[static_cast<std::size_t>(tied.root(ends[0]))];
-  std::vector<std::size_t> looped;
-  for (std::size_t c = 0; c < count; ++c) {
-    const auto part = nodes_of[c].empty() ? -1 : tied.root(nodes_of[c][0]);
-    if (part >= 0 && inside[static_cast<std::size_t>(part)] <= 0 &&
-        grounded[static_cast<std::size_t>(part)] <= 1)
-      continue;
-    looped.push_back(c);
-  }
-  // Joints first, so that a drive is blamed before the joint it drives.
-  const std::vector<char> is_prescribed = prescribed_constraints(system);
-  std::vector<Index> rows;
-  for (const bool prescribed : {false, true})
-    for (const std::size_t c : looped)
-      for (Index i = 0; (is_prescribed[c] != 0) == prescribed && i < system.constraints()[c].rows;
-           ++i)
-        rows.push_back(system.constraints()[c].first_row + i);
-  return rows;
-}
-
-// Of B over nodes' motions in one unit, all rows.
-ConstraintEntries entries_of(const System& system, const State& state) {
-  ConstraintEntries entries;
-  const double L = system.length_scale();
-  for (const GradientBlock& block : constraint_gradients(system, state)) {
-    const ConstraintInfo& info = system.constraints()[static_cast<std::size_t>(block.constraint)];
-    for (Index i = 0; i < info.rows; ++i)
-      for (int j = 0; j < 6; ++j)
-        if (block.B(i, j) != 0.0)
-          entries.emplace_back(static_cast<int>(info.first_row + i), 6 * (block.node - 1) + j,
-                               (j < 3 ? 1.0 : 1.0 / L) * block.B(i, j));
-  }
-  return entries;
-}
-
 Dependence dependence(const System& system, const State& state) {
   const std::vector<Index> rows = rows_in_loops(system);
   if (rows.empty()) return {};
-  const ConstraintEntries entries = entries_of(system, state);
+  const ConstraintEntries entries = scaled_gradient(system, state);
   return find_dependent(entries, system.multipliers(), 6 * (system.nodes() - 1), rows);
 }
 
@@ -144,7 +92,7 @@ Sparse null_of_idle(const System& system, const State& state) {
   const auto idle = static_cast<Index>(state.idle.size());
   Eigen::MatrixXd others = Eigen::MatrixXd::Zero(columns, idle);
   ConstraintEntries entries;
-  for (const auto& e : entries_of(system, state)) {
+  for (const auto& e : scaled_gradient(system, state)) {
     const int k = place[static_cast<std::size_t>(e.row())];
     if (k >= 0) entries.emplace_back(e.col(), k, e.value());
     const auto at = std::lower_bound(state.idle.begin(), state.idle.end(), Index{e.row()});
@@ -289,6 +237,55 @@ std::vector<GradientBlock> constraint_gradients(const System& system, const Stat
     system.linearize(all, {}, r, rows);
   }
   return rows.pieces();
+}
+
+std::vector<Index> rows_in_loops(const System& system) {
+  const auto nodes = static_cast<int>(system.nodes()) - 1;
+  DisjointSets tied(nodes);
+  const std::size_t count = system.constraints().size();
+  std::vector<std::vector<int>> nodes_of(count);
+  for (const auto& c : system.graph().contributions)
+    if (c.row >= nodes && c.column >= 0 && c.column < nodes)
+      nodes_of[static_cast<std::size_t>(c.row - nodes)].push_back(c.column);
+  for (const auto& ends : nodes_of)
+    for (std::size_t i = 1; i < ends.size(); ++i) tied.join(ends[0], ends[i]);
+  // A tree of n nodes has n - 1 constraints inside and one to the ground at most.
+  std::vector<int> inside(static_cast<std::size_t>(nodes), 1), grounded(inside.size(), 0);
+  for (int n = 0; n < nodes; ++n) --inside[static_cast<std::size_t>(tied.root(n))];
+  for (const auto& ends : nodes_of)
+    if (!ends.empty())
+      ++(ends.size() > 1 ? inside : grounded)[static_cast<std::size_t>(tied.root(ends[0]))];
+  std::vector<std::size_t> looped;
+  for (std::size_t c = 0; c < count; ++c) {
+    const auto part = nodes_of[c].empty() ? -1 : tied.root(nodes_of[c][0]);
+    if (part >= 0 && inside[static_cast<std::size_t>(part)] <= 0 &&
+        grounded[static_cast<std::size_t>(part)] <= 1)
+      continue;
+    looped.push_back(c);
+  }
+  // Joints first, so that a drive is blamed before the joint it drives.
+  const std::vector<char> is_prescribed = prescribed_constraints(system);
+  std::vector<Index> rows;
+  for (const bool prescribed : {false, true})
+    for (const std::size_t c : looped)
+      for (Index i = 0; (is_prescribed[c] != 0) == prescribed && i < system.constraints()[c].rows;
+           ++i)
+        rows.push_back(system.constraints()[c].first_row + i);
+  return rows;
+}
+
+ConstraintEntries scaled_gradient(const System& system, const State& state) {
+  ConstraintEntries entries;
+  const double L = system.length_scale();
+  for (const GradientBlock& block : constraint_gradients(system, state)) {
+    const ConstraintInfo& info = system.constraints()[static_cast<std::size_t>(block.constraint)];
+    for (Index i = 0; i < info.rows; ++i)
+      for (int j = 0; j < 6; ++j)
+        if (block.B(i, j) != 0.0)
+          entries.emplace_back(static_cast<int>(info.first_row + i), 6 * (block.node - 1) + j,
+                               (j < 3 ? 1.0 : 1.0 / L) * block.B(i, j));
+  }
+  return entries;
 }
 
 Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Index columns,

@@ -84,6 +84,14 @@ struct GradientBlock {
 };
 std::vector<GradientBlock> constraint_gradients(const System& system, const State& state);
 
+// Rows of B at a state, idle ones too, over motions of the nodes but the ground in one unit: displacements and rotations times the
+// scene's length.
+ConstraintEntries scaled_gradient(const System& system, const State& state);
+
+// Rows of constraints that may depend on each other: of those in parts of the graph of nodes and constraints that
+// have a loop. The ground takes part in every loop through it, and joins nothing.
+std::vector<Index> rows_in_loops(const System& system);
+
 // Of which constraints are drives and motions.
 std::vector<char> prescribed_constraints(const System& system);
 

@@ -279,6 +279,8 @@ struct ModeSearch {
             : fastest > 0.0        ? 1e-3 * fastest
                                    : 1.0;
     result = options.near > 0.0 ? near_frequency() : slowest();
+    if (!(options.near > 0.0) && options.free_motions == FreeMotions::looked_for)
+      add_far_faster(result);
     if (result.modes.size() > static_cast<std::size_t>(wanted))
       result.modes.resize(static_cast<std::size_t>(wanted));
     result.work = work;
@@ -330,6 +332,32 @@ struct ModeSearch {
     sort(result.modes);
     leave_independent_rigid_ones(result.modes);
     return result;
+  }
+
+  // Modes so much faster than those found that they are taken for infinite beside these (least_share), as long as there are fewer
+  // than what moves has.
+  void add_far_faster(ModesFound& found) {
+    constexpr double far = 100.0, other = 1.001;
+    const auto wanted_size = static_cast<std::size_t>(wanted);
+    const Index most =
+        2 * (motions.motions() - motions.system().multipliers() + std::ssize(motions.state().idle));
+    while (found.failure.empty() && found.modes.size() < wanted_size) {
+      Index pairs = 0;  // of a shape and its rate, halves of them
+      double fastest_found = 0.0;
+      for (const Mode& mode : found.modes) {
+        pairs += mode.rigid || mode.eigenvalue.imag() > 0.0 ? 2 : 1;
+        fastest_found = std::max(fastest_found, std::abs(mode.eigenvalue));
+      }
+      if (pairs >= most || !(fastest_found > 0.0)) return;
+      ModesFound more = at(far * fastest_found, wanted);
+      if (!more.failure.empty()) return;
+      const auto is_known = [&](const Mode& mode) {
+        return !(std::abs(mode.eigenvalue) > other * fastest_found);
+      };
+      std::erase_if(more.modes, is_known);
+      if (more.modes.empty()) return;
+      std::move(more.modes.begin(), more.modes.end(), std::back_inserter(found.modes));
+    }
   }
 
   // [rad/s] About, by what the inverse iteration x <- K^-1 M x shrinks: with another scale of rates eigenvectors of (3) are

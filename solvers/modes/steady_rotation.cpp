@@ -201,6 +201,83 @@ std::string held_fast(const SmallMotions& motions, const SteadyRotation& rotatio
 
 namespace {
 
+// Rates of a law over a while, and how far accelerations there would change them [1/s].
+struct RatesOfLaw {
+  double least = std::numeric_limits<double>::infinity(), most = -least, change = 0.0;
+  bool is_constant() const {
+    constexpr double hardly = 1e-6;
+    return change <= hardly * std::max(std::abs(least), std::abs(most));
+  }
+};
+
+// After the last breakpoint between two times.
+RatesOfLaw rates_of(const Signal& signal, double from, double to) {
+  bool is_rate = false;
+  const Expression* const law = signal.expression(is_rate);
+  for (const double t : law->breakpoints())
+    if (t > from && t < to) from = t;
+  RatesOfLaw rates;
+  constexpr int samples = 64;
+  constexpr double golden = 0.6180339887498949;  // no period of a law is a multiple of it
+  for (int i = 1; i <= samples; ++i) {
+    const Taylor2 f = (*law)(from + std::fmod(i * golden, 1.0) * (to - from));
+    const double rate = is_rate ? f.v : f.d, acceleration = is_rate ? f.d : f.dd;
+    rates.least = std::min(rates.least, rate);
+    rates.most = std::max(rates.most, rate);
+    rates.change = std::max(rates.change, std::abs(acceleration) * (to - from));
+  }
+  return rates;
+}
+
+// Whether a signal drives what the rotation turns, and whether it drives anything.
+struct Driven {
+  bool rotation = false, any = false;
+};
+
+Driven driven_by(const System& system, const VecX& open, State state, std::size_t k) {
+  for (Vec6& V : state.V) V.setZero();
+  for (SignalValue& signal : state.signals) signal.fdot = 0.0;
+  state.signals[k].fdot = 1.0;
+  VecX g, gdot;
+  system.constraints(state, g, gdot);
+  const double none = same * std::max(1.0, system.length_scale());
+  Driven driven;
+  for (Index row = 0; row < gdot.size(); ++row) {
+    if (gdot(row) == 0.0) continue;
+    driven.any = true;
+    driven.rotation = driven.rotation || std::abs(open(row)) > none;
+  }
+  return driven;
+}
+
+}  // namespace
+
+std::string unsteady_drive(const SmallMotions& motions, const SteadyRotation& rotation,
+                           const State& state, double duration) {
+  const System& system = motions.system();
+  const VecX open = motions.opening(turning(motions, rotation, state));
+  for (std::size_t k = 0; k < state.signals.size(); ++k) {
+    const Signal& signal = system.signals()[k];
+    if (system.signal_use(k) != SignalUse::drive || signal.is_constant() || signal.has_inputs())
+      continue;
+    const Driven driven = driven_by(system, open, state, k);
+    if (driven.any && !driven.rotation)
+      return fmt::format(
+          "{} moves, and steady rotation changes no shape: give it a constant value, or leave it "
+          "out",
+          system.signal_name(k));
+    const RatesOfLaw rates = rates_of(signal, 0.9 * duration, duration);
+    if (!rates.is_constant() && !rates_of(signal, duration, 2.0 * duration).is_constant())
+      return fmt::format(
+          "{} has no constant rate at the end of the run (from {:.6g} to {:.6g} 1/s in its last "
+          "tenth), as a steady rotation has: end it with one",
+          system.signal_name(k), rates.least, rates.most);
+  }
+  return {};
+}
+
+namespace {
+
 // A state turned about the axis.
 struct Turned {
   State state;
@@ -256,6 +333,18 @@ VecX random_force(Index n, double length) {
   return force;
 }
 
+// Where one of the answers is farthest from the first, if by more than `none` of its largest; -1: nowhere, and where answers
+// are smaller than `any`: nothing is left to move, and they are round-off.
+Index most_changed(const VecX& first, const std::vector<VecX>& answers, double none, double any) {
+  if (!(first.cwiseAbs().maxCoeff() > any)) return -1;
+  for (const VecX& answer : answers) {
+    Index worst = 0;
+    if (!((answer - first).cwiseAbs().maxCoeff(&worst) < none * first.cwiseAbs().maxCoeff()))
+      return worst;
+  }
+  return -1;
+}
+
 }  // namespace
 
 std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotation, ModeAxes axes,
@@ -267,10 +356,11 @@ std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotatio
   const double s = std::max({std::abs(rotation.rate),
                              slightly * std::sqrt(motions.stiffness() / motions.mass()), 1e-300});
   const VecX force = random_force(n, length);
+  constexpr double hardly = 1e-9;
+  const double any = hardly * force.maxCoeff() / (motions.stiffness() + s * s * motions.mass());
   VecX first;
   std::vector<VecX> answers;
   double noise = 0.0;  // round-off, of another angle that is nearly the same
-  constexpr double hardly = 1e-9;
   std::string broken;
   for (const double angle : {0.0, 0.7, 0.7 + hardly, -1.1}) {
     Turned turned = turned_by(angle, rotation, axes, state);
@@ -308,14 +398,11 @@ std::string broken_symmetry(SmallMotions& motions, const SteadyRotation& rotatio
     if (angle == 0.7 + hardly) noise = (answer - answers.back()).cwiseAbs().maxCoeff() / size;
     answers.push_back(std::move(answer));
   }
-  for (const VecX& answer : answers) {
-    Index worst = 0;
-    const double change =
-        (answer - first).cwiseAbs().maxCoeff(&worst) / first.cwiseAbs().maxCoeff();
-    if (broken.empty() && !(change < std::max(10.0 * same, 30.0 * noise)))
+  if (broken.empty())
+    if (const Index worst = most_changed(first, answers, std::max(10.0 * same, 30.0 * noise), any);
+        worst >= 0)
       broken = fmt::format("it is not the same in all directions about the axis, most felt by {}",
                            system.name_of(worst + 6));
-  }
   about_rotation(motions, rotation, axes, state);
   return broken;
 }

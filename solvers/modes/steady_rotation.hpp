@@ -70,6 +70,11 @@ using IsDriven = std::function<bool(Index)>;
 std::string held_fast(const SmallMotions& motions, const SteadyRotation& rotation,
                       const State& state, const IsDriven& driven);
 
+// A drive that does not go with a steady rotation: one that turns what turns, and has no constant rate in the last tenth of a run of
+// `duration` [s], nor after it; any other that moves. In words; empty if there is none. Inputs are held. `motions` is assembled about the state.
+std::string unsteady_drive(const SmallMotions& motions, const SteadyRotation& rotation,
+                           const State& state, double duration);
+
 // Why small motions in these axes do not stay as they are while the scene turns (weight and dead loads, what is not alike
 // in all directions and turns otherwise than the axes): in words, empty if they do. What turns is turned by some angles,
 // and forces and the answer to forces are compared, beside the round-off between two angles that are nearly the same. `motions`

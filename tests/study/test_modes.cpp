@@ -357,6 +357,28 @@ TEST(Modes, AreNoMoreThanThereAre) {
     }
 }
 
+// Arms of 2 kg.m2 on springs of 1e-3 … 1e13 N.m, and one that is free: asked for ten modes, all five are given. The old search
+// gave three: the others were taken for infinite beside the slowest.
+TEST(Modes, FarApartAreAllFound) {
+  const double stiffness[] = {1e-3, 1e4, 1e9, 1e13};
+  for (const char* const damper :
+       {"", R"(<joint_spring name="d" joint="h0" angular_damping="1e-9"/>)"}) {
+    std::string scene = R"(<body name="free" mass="1" inertia="1 1 2"/>
+                           <revolute name="h" between="ground free" axis="0 0 1"/>)";
+    for (int i = 0; i < 4; ++i)
+      scene += fmt::format(R"(<body name="b{0}" mass="1" inertia="1 1 2"/>
+                              <revolute name="h{0}" between="ground b{0}" axis="0 0 1"/>
+                              <joint_spring name="k{0}" joint="h{0}" angular_stiffness="{1}"/>)",
+                           i, stiffness[i]);
+    const std::vector<NamedMode> modes = modes_of(read(scene + damper), 10);
+    ASSERT_EQ(modes.size(), 5U) << damper;
+    EXPECT_TRUE(modes[0].rigid) << damper;
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_NEAR(modes[i + 1].eigenvalue.imag() / std::sqrt(0.5 * stiffness[i]), 1.0, 1e-7)
+          << i << damper;
+  }
+}
+
 TEST(Modes, NearAFrequency) {
   const std::vector<NamedMode> all = modes_of(cantilever(8, 4), 12);
   ModesOptions options;

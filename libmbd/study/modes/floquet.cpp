@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/core/se3.hpp"
@@ -17,6 +18,7 @@
 #include "libmbd/text/tables.hpp"
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/motion.hpp"
+#include "solvers/modes/linearizable.hpp"
 #include "solvers/statics/equilibrium.hpp"
 
 namespace mbd {
@@ -152,6 +154,14 @@ struct FoundMotion {
   FloquetFound small;  // motions about it
 };
 
+// Where a law stays at a kink, motions near it are not linear. Going through one they are.
+void refuse_kinks(const Scene& scene, const System& system, const PeriodicMotion& motion) {
+  const std::span<const State> states = motion.states();
+  for (std::size_t i = 0; i + 1 < states.size(); ++i)
+    if (const std::string kink = kink_at(system, states.subspan(i, 2)); !kink.empty())
+      throw Error(scene.source, "floquet: " + kink);
+}
+
 // With as many harmonics as resolve the motion and the small ones that are asked for.
 FoundMotion find_motion(const Scene& scene, const System& system, const RunOfPeriod& run,
                         const FloquetOptions& options, FloquetStudy& study) {
@@ -187,6 +197,7 @@ FoundMotion find_motion(const Scene& scene, const System& system, const RunOfPer
                               "{:.3g} of the scene's size or rad; --settle gives it more "
                               "periods before)",
                               motion_between(system, run.states.front(), run.states.back()))));
+  refuse_kinks(scene, system, *motion);
   if (study.report.tail >= resolved)
     study.notes.push_back(
         fmt::format("the motion is not smooth: of its velocities {:.2g} is in the fastest of {} "

@@ -14,6 +14,7 @@
 #include "libmbd/text/files.hpp"
 #include "libmbd/text/tables.hpp"
 #include "solvers/modes/eigenmodes.hpp"
+#include "solvers/modes/linearizable.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/time/stepper.hpp"
 
@@ -184,6 +185,7 @@ Linearization linearize(const Scene& scene, const ModesOptions& options) {
                   "linearize: the coefficients are constant in axes that rest only, in which nodes "
                   "turn; name what does not turn, or make it alike in all directions");
   }
+  of_scene.require_linear();
   try {
     Linearization linear = of_motions(of_scene.model(), of_scene.motions(), !options.time);
     linear.model = scene.name;
@@ -191,6 +193,9 @@ Linearization linearize(const Scene& scene, const ModesOptions& options) {
     linear.rotation = options.rotation;
     linear.time = options.time;
     linear.notes.insert(linear.notes.end(), of_scene.notes().begin(), of_scene.notes().end());
+    if (const std::string range = range_of_linearity(*of_scene.model().system, of_scene.state());
+        !range.empty())
+      linear.notes.push_back(range);
     return linear;
   } catch (const Error& error) {
     throw Error(scene.source, std::string("linearize: ") + error.what());
@@ -204,6 +209,8 @@ Linearization linearize(const Model& model, const State& given) {
   State state = given;
   if (const std::string failure = make_consistent(system, state); !failure.empty())
     throw Error("linearize: " + failure);
+  if (const std::string why = why_not_linear(system, state); !why.empty())
+    throw Error("linearize: " + why);
   SmallMotions motions(system);
   const double L = system.length_scale();
   const auto rests = [&](const std::vector<Vec6>& all) {

@@ -16,6 +16,7 @@
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/motion.hpp"
 #include "solvers/linear/block_solver.hpp"
+#include "solvers/modes/linearizable.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/statics/statics.hpp"
 
@@ -126,7 +127,8 @@ std::optional<double> NamedMode::whirl(double rate, ModeAxes axes) const {
 
 MotionsOfScene::MotionsOfScene(const Scene& scene, std::optional<double> time)
     // Inertia takes part, steps do not.
-    : scene_(scene_of_run(scene, time_within(scene, time.value_or(0.0)))) {
+    : scene_(scene_of_run(scene, time_within(scene, time.value_or(0.0)))),
+      duration_(scene.transient ? scene.transient->duration : 1.0) {
   if (!time && !scene_.statics) scene_.statics.emplace();
   model_ = compile(scene_);
   const System& system = *model_.system;
@@ -231,6 +233,10 @@ void MotionsOfScene::turn(const SteadyRotation& rotation) {
     if (const std::string held = held_fast(*motions_, rotation, state_, driven()); !held.empty())
       throw Error(scene_.source, "steady rotation: " + held +
                                      "; name what does not turn (--at-rest), or hold it otherwise");
+  if (!axes_)
+    if (const std::string drive = unsteady_drive(*motions_, rotation, state_, duration_);
+        !drive.empty())
+      throw Error(drive);  // which says where it is
   const SteadyReport report = find_steady_rotation(*motions_, rotation, from, {}, state_);
   rotation_->rate = report.rate;
   if (!report.converged) throw Error(scene_.source, report.failure);
@@ -261,7 +267,16 @@ void MotionsOfScene::settle(const SteadyRotation& rotation, const State& state) 
   check_axes();
 }
 
+void MotionsOfScene::require_linear() {
+  const System& system = *model_.system;
+  const std::string why =
+      has_rank_ ? kink_at(system, {&state_, 1}) : why_not_linear(system, state_);
+  has_rank_ = true;
+  if (!why.empty()) throw Error(scene_.source, "small motions: " + why);
+}
+
 std::vector<NamedMode> MotionsOfScene::modes(const ModeOptions& options) {
+  require_linear();
   ModesFound found = find_modes(*motions_, options);
   work_ += found.work;
   if (!found.failure.empty()) throw Error(scene_.source, "modes: " + found.failure);
@@ -448,6 +463,8 @@ ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
     study.poses.push_back(scene_motions.state().pose[static_cast<std::size_t>(n)]);
   }
   study.notes = scene_motions.notes();
+  if (const std::string range = range_of_linearity(system, scene_motions.state()); !range.empty())
+    study.notes.push_back(range);
   if (const std::string note = note_on_round_off(study.modes); !note.empty())
     study.notes.push_back(note);
   const Weigh weigh = [&](const Eigen::MatrixXcd& X) { return scene_motions.mass_times(X); };

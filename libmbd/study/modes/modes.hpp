@@ -100,14 +100,17 @@ class MotionsOfScene {
 
   // To the steady rotation, from the equilibrium that there is. Small motions are in turning axes where they have
   // constant coefficients there, else in resting ones; what is found at the first call holds for the next. Throws Error where
-  // the rotation is not found, and where coefficients are constant in neither.
+  // the rotation is not found, where a drive does not go with it (unsteady_drive()), and where coefficients are constant in neither.
   void turn(const SteadyRotation& rotation);
   ModeAxes axes() const { return axes_.value_or(ModeAxes::turning); }
   // In a steady rotation that has been found elsewise, in the axes of turn(), which has been called. Throws Error where
   // coefficients are not constant in these: forces of unbalance show with the rate.
   void settle(const SteadyRotation& rotation, const State& state);
 
-  // As find_modes(), named. Throws Error where it fails.
+  // Throws Error where motions near the state are not linear (linearizable.hpp).
+  void require_linear();
+
+  // As find_modes(), named. Throws Error where it fails, and as require_linear().
   std::vector<NamedMode> modes(const ModeOptions& options);
   const KrylovWork& work() const { return work_; }  // of all modes() so far
 
@@ -136,11 +139,13 @@ class MotionsOfScene {
   std::optional<double> orbit_of(const Mode& mode, const VecXc& p, double whole) const;
 
   Scene scene_;
+  double duration_;  // [s] of the scene's own run
   Model model_;
   State state_;
   std::optional<ModeAxes> axes_;
   std::optional<SteadyRotation> rotation_;
-  double checked_ = 0.0;  // [rad/s] the fastest rate at which coefficients have been looked at
+  bool has_rank_ = false;  // constraints have been looked at
+  double checked_ = 0.0;   // [rad/s] the fastest rate at which coefficients have been looked at
   std::unique_ptr<SmallMotions> motions_;
   std::vector<int> part_of_node_;                 // -1: none; else of part_names_
   std::vector<Quaternion<double>> axes_of_node_;  // section axes in its frame

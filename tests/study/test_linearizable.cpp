@@ -1,0 +1,323 @@
+// What has no small motions is refused by name: laws at their kinks, constraints that lose rank, drives that do not go with a
+// steady rotation. What has them, next to these, is not.
+// Frequencies against closed forms; errors are relative.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include "libmbd/compile/model.hpp"
+#include "libmbd/study/modes/campbell.hpp"
+#include "libmbd/study/modes/floquet.hpp"
+#include "libmbd/study/modes/linearize.hpp"
+#include "libmbd/study/modes/modes.hpp"
+#include "libmbd/study/modes/rotations.hpp"
+#include "solvers/constraints/rank_loss.hpp"
+#include "tests/support/read_text.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test::test_linearizable {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::string refusal(const std::function<void()>& what) {
+  try {
+    what();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::vector<double> frequencies(const Scene& scene, const ModesOptions& options = {}) {
+  std::vector<double> all;
+  for (const NamedMode& mode : study_modes(scene, options).modes)
+    all.push_back(mode.eigenvalue.imag());
+  return all;
+}
+
+std::string notes(const Scene& scene) {
+  std::string all;
+  for (const std::string& note : study_modes(scene, {}).notes) all += note + '\n';
+  return all;
+}
+
+// 2 kg.m2 about its hinge, 3 kg on its rail, a block on a bushing.
+Scene hinged(const std::string& spring) {
+  return read(R"(<body name="arm" mass="1" inertia="1 1 2"/>
+                 <revolute name="hinge" between="ground arm" axis="0 0 1"/>
+                 <joint_spring name="k" joint="hinge" )" +
+              spring + "/>");
+}
+Scene sliding(const std::string& more) {
+  return read(R"(<body name="cart" mass="3" inertia="1 1 1"/>
+                 <prismatic name="rail" between="ground cart" axis="1 0 0"/>)" +
+              more);
+}
+Scene mounted(const std::string& law) {
+  return read(R"(<body name="block" mass="1" inertia="1 1 1"/>
+                 <bushing name="mount" between="ground block" at="0 0 0" stiffness="10 10 10"
+                          angular_stiffness="5 5 5"><law )" +
+              law + "/></bushing>");
+}
+
+// --- laws ---
+
+// Mutations seen: both slopes taken from the right; dampers looked at at their lengths.
+TEST(KinksOfLaws, AreRefusedByName) {
+  const struct {
+    Scene scene;
+    const char *element, *where;
+  } cases[] = {
+      {hinged(R"(moment="x > 0 ? 100*x : 1000*x")"), "joint spring 'k'",
+       "x = 0 rad the slope is 1000 from below and 100 from above"},
+      {hinged(R"x(moment="500*abs(x)")x"), "joint spring 'k'",
+       "x = 0 rad the slope is -500 from below and 500 from above"},
+      {hinged(R"(angular_stiffness="10" moment="max(x, 0)*7")"), "joint spring 'k'",
+       "x = 0 rad the slope is 0 from below and 7 from above"},
+      {hinged(R"(angular_stiffness="10" damping_moment="v &lt; 0 ? 2*v : 20*v")"),
+       "joint spring 'k'", "v = 0 rad/s the slope is 2 from below and 20 from above"},
+      {sliding(R"(<joint_spring name="k" joint="rail" force="x > 0 ? 100*x : 1000*x"/>)"),
+       "joint spring 'k'", "x = 0 m the slope is 1000 from below and 100 from above"},
+      {sliding(
+           R"(<joint_spring name="k" joint="rail" stiffness="5" damping_force="min(v, 0)*3"/>)"),
+       "joint spring 'k'", "v = 0 m/s the slope is 3 from below and 0 from above"},
+      {sliding(R"(<spring name="stop" between="ground cart" at_a="-2 0 0" length="2"
+                          force="x &lt; 0 ? 1e5*x : 0"/>
+                  <joint_spring name="k" joint="rail" stiffness="5"/>)"),
+       "spring 'stop'", "x = 0 m the slope is 100000 from below and 0 from above"},
+      {sliding(R"(<joint_spring name="k" joint="rail" stiffness="5"/>
+                  <spring name="shock" between="ground cart" at_a="-2 0 0"
+                          damping_force="v &lt; 0 ? 2*v : 20*v"/>)"),
+       "spring 'shock'", "v = 0 m/s the slope is 2 from below and 20 from above"},
+      {mounted(R"(component="2" force="x &lt; 0 ? 3*x : 4*x")"), "bushing 'mount'",
+       "x = 0 m the slope is 3 from below and 4 from above"},
+      {mounted(R"x(component="6" moment="abs(x)")x"), "bushing 'mount'",
+       "x = 0 rad the slope is -1 from below and 1 from above"},
+  };
+  for (const auto& [scene, element, where] : cases) {
+    for (const auto& what : {std::function<void()>([&] { study_modes(scene, {}); }),
+                             std::function<void()>([&] { linearize(scene, {}); })}) {
+      const std::string said = refusal(what);
+      EXPECT_SAYS(said, element + std::string(" is at a kink of its law: at ") + where);
+    }
+  }
+}
+
+// Where the equilibrium is on one side, its slope counts, and the report says how far the kink is.
+TEST(KinksOfLaws, BesideOneASlopeCounts) {
+  const auto loaded = [&](const char* force) {
+    return sliding(fmt::format(R"(<joint_spring name="k" joint="rail"
+                                    force="x > 0.1 ? 10 + 400*(x - 0.1) : 100*x"/>
+                                  <load at="cart" force="{} 0 0"/><static/>)",
+                               force));
+  };
+  EXPECT_NEAR(frequencies(loaded("6")).front(), std::sqrt(100.0 / 3.0), 1e-9);
+  EXPECT_NEAR(frequencies(loaded("14")).front(), std::sqrt(400.0 / 3.0), 1e-9);
+  EXPECT_SAYS(notes(loaded("6")), "kink at x = 0.1 m, which is 0.04 m away");
+  EXPECT_SAYS(notes(loaded("14")), "kink at x = 0.1 m, which is 0.01 m away");
+  EXPECT_SAYS(refusal([&] { study_modes(loaded("10"), {}); }), "100 from below and 400 from above");
+}
+
+// Slopes that agree are no kink, whatever the curvature does.
+TEST(KinksOfLaws, SmoothOnesAreNone) {
+  for (const char* const law :
+       {"50*x + 3*x*abs(x)", "x > 0 ? 50*x : 50*x + 4*x^3", "50*x + max(x, 0)^2"}) {
+    const Scene scene = hinged(std::string("moment=\"") + law + '"');
+    EXPECT_NEAR(frequencies(scene).front(), 5.0, 1e-9) << law;
+    EXPECT_EQ(notes(scene), "") << law;
+  }
+}
+
+// Straight lines between points have kinks at these, splines none.
+TEST(KinksOfLaws, OfTables) {
+  const auto with_table = [](const char* interpolation) {
+    return read(fmt::format(R"(<body name="arm" mass="1" inertia="1 1 2"/>
+        <revolute name="hinge" between="ground arm" axis="0 0 1"/>
+        <joint_spring name="k" joint="hinge">
+          <table of="moment" interpolation="{}">-1 -100  0 0  1 50  2 60</table></joint_spring>)",
+                            interpolation));
+  };
+  EXPECT_SAYS(refusal([&] { study_modes(with_table("linear"), {}); }),
+              "the slope is 100 from below and 50 from above");
+  EXPECT_EQ(refusal([&] { study_modes(with_table("smooth"), {}); }), "no error");
+}
+
+// At rest a slider touches its stop; an arm that turns takes it off: w^2 = k/m - W^2.
+TEST(KinksOfLaws, AreLeftByTurning) {
+  const Scene scene = read(R"x(
+    <body name="arm" mass="1" inertia="1 1 1"/>
+    <body name="slider" at="0.5 0 0" mass="2" inertia="1 1 1"/>
+    <revolute name="hub" between="ground arm" at="0 0 0" axis="0 0 1"/>
+    <prismatic name="rail" between="arm slider" at="0.5 0 0" axis="1 0 0"/>
+    <joint_spring name="k" joint="rail" force="x &lt; 0 ? 1e4*x : 800*x"/>
+    <drive joint="hub" rate="6*(1 - exp(-40*t))"/>
+    <transient duration="2" step="1e-3"/>)x");
+  EXPECT_SAYS(refusal([&] { study_modes(scene, {}); }), "10000 from below and 800 from above");
+  ModesOptions turning;
+  turning.rotation = SteadyRotation{6.0, Vec3::UnitZ()};
+  EXPECT_NEAR(frequencies(scene, turning).front(), std::sqrt(400.0 - 36.0), 1e-8);
+}
+
+// A motion that stays at a kink has no Floquet exponents; one that goes through has.
+TEST(KinksOfLaws, OfPeriodicMotions) {
+  FloquetOptions options;
+  options.period = 1.0;
+  const auto scene = [](const char* force) {
+    return sliding(fmt::format(
+        R"(<joint_spring name="k" joint="rail" damping="3" force="x > 0 ? 300*x : 250*x"/>
+           <load at="cart" force="{} 0 0"/><transient duration="1" step="1e-3"/>)",
+        force));
+  };
+  EXPECT_SAYS(refusal([&] { study_floquet(scene("0*t"), options); }),
+              "250 from below and 300 from above");
+  EXPECT_EQ(refusal([&] { study_floquet(scene("5*sin(2*pi*t)"), options); }), "no error");
+}
+
+// --- constraints ---
+
+std::string at(double x, double y) { return fmt::format("{:.17g} {:.17g} 0", x, y); }
+
+// Links of 1 m between pins 4 m apart, with a coupler of 2 m flat between them or, longer, bent.
+Scene linkage(double height) {
+  const double reach = std::sqrt(1.0 - height * height);
+  return read(fmt::format(
+      R"(<body name="a" at="{}" mass="1" inertia="0.1 0.1 0.1"/>
+         <body name="b" at="{}" mass="2" inertia="0.4 0.4 0.4"/>
+         <body name="c" at="{}" mass="1" inertia="0.1 0.1 0.1"/>
+         <revolute name="A" between="ground a" at="0 0 0" axis="0 0 1"/>
+         <revolute name="B" between="a b" at="{}" axis="0 0 1"/>
+         <revolute name="C" between="b c" at="{}" axis="0 0 1"/>
+         <revolute name="D" between="c ground" at="4 0 0" axis="0 0 1"/>
+         <joint_spring name="k" joint="A" angular_stiffness="100"/>)",
+      at(reach / 2, height / 2), at(2, height), at(4 - reach / 2, height / 2), at(reach, height),
+      at(4 - reach, height)));
+}
+
+// Two cranks of 1 m and a coupler of 2 m, a parallelogram, with a spring on one crank.
+Scene parallelogram(double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return read(fmt::format(
+      R"(<body name="a" at="{}" mass="1" inertia="0.1 0.1 0.1"/>
+         <body name="b" at="{}" mass="2" inertia="0.4 0.4 0.4"/>
+         <body name="c" at="{}" mass="1" inertia="0.1 0.1 0.1"/>
+         <revolute name="A" between="ground a" at="0 0 0" axis="0 0 1"/>
+         <revolute name="B" between="a b" at="{}" axis="0 0 1"/>
+         <revolute name="C" between="b c" at="{}" axis="0 0 1"/>
+         <revolute name="D" between="c ground" at="2 0 0" axis="0 0 1"/>
+         <joint_spring name="k" joint="A" angular_stiffness="100"/>)",
+      at(c / 2, s / 2), at(c + 1, s), at(2 + c / 2, s / 2), at(c, s), at(c + 2, s)));
+}
+
+// w^2 = k/J, J of both cranks about their pins and of the coupler's mass at their end. Flat it has two motions to the first
+// order; they are not to the second. Mutation seen: n^T dB[u] compared without what B^T answers (all are refused).
+TEST(RankLoss, AFlatLinkageIsRefused) {
+  const double inertia = 2.0 * (0.1 + 0.25) + 2.0;
+  for (const double angle : {0.01, 0.7, pi / 2, 2.0}) {
+    const std::vector<double> found = frequencies(parallelogram(angle));
+    ASSERT_EQ(found.size(), 1U) << angle;
+    EXPECT_NEAR(found.front(), std::sqrt(100.0 / inertia), 1e-7) << angle;
+  }
+  for (const double angle : {0.0, pi}) {
+    const Scene flat = parallelogram(angle);
+    for (const auto& what : {std::function<void()>([&] { study_modes(flat, {}); }),
+                             std::function<void()>([&] { linearize(flat, {}); })}) {
+      const std::string said = refusal(what);
+      EXPECT_SAYS(said, "lose rank in this configuration");
+      EXPECT_SAYS(said, "revolute 'B'");
+    }
+  }
+  EXPECT_SAYS(refusal([] { study_modes(linkage(0.0), {}); }), "lose rank");
+  EXPECT_EQ(refusal([] { study_modes(linkage(0.6), {}); }), "no error");
+}
+
+// Six wheels and a rod, of which four cranks repeat others: w^2 = k/(6 J + m).
+TEST(RankLoss, OfARodOnSixWheels) {
+  const auto train = [](double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    std::string all = fmt::format(R"(<body name="rod" at="{}" mass="1" inertia="1 1 1"/>
+        <joint_spring name="k" joint="P0" angular_stiffness="50"/>)",
+                                  at(5 + c, s));
+    for (int i = 0; i < 6; ++i)
+      all += fmt::format(R"(<body name="w{0}" at="{1}" mass="1" inertia="0.1 0.2 0.3"/>
+          <revolute name="P{0}" between="ground w{0}" at="{1}" axis="0 0 1"/>
+          <revolute name="Q{0}" between="w{0} rod" at="{2}" axis="0 0 1"/>)",
+                         i, at(2.0 * i, 0), at(2.0 * i + c, s));
+    return read(all);
+  };
+  EXPECT_NEAR(frequencies(train(0.7)).front(), std::sqrt(50.0 / 2.8), 1e-8);
+  EXPECT_SAYS(refusal([&] { study_modes(train(0.0), {}); }), "lose rank");
+}
+
+// Constraints that repeat each other wherever the mechanism is lose nothing.
+TEST(RankLoss, RepeatedConstraintsHaveNone) {
+  for (const char* const name :
+       {"hard/bricard", "hard/parallelogram", "hard/door", "hard/turning_joints", "windows",
+        "four_bar", "rigid_frame", "slider_crank", "every_joint", "hard/dead_centre"}) {
+    const Model model = compile(model_scene(name));
+    EXPECT_EQ(rank_loss(*model.system, model.initial), "") << name;
+  }
+}
+
+// A slider-crank of equal lengths at its dead centre: it may go on as a crank, or turn about its pin as one body.
+TEST(RankLoss, AtADeadCentre) {
+  const auto lost_at = [](const char* angle) {
+    const Model model = compile(model_scene("hard/dead_centre", {{"q0", angle}}));
+    return rank_loss(*model.system, model.initial);
+  };
+  EXPECT_SAYS(lost_at("pi/2"), "lose rank");
+  EXPECT_EQ(lost_at("pi/2 + 1e-3"), "");
+}
+
+// --- drives ---
+
+std::string refusal_of_rotor(const std::string& rate, const std::string& more) {
+  ModesOptions options;
+  options.rotation = SteadyRotation{40.0};
+  const std::string rotor = R"(<body name="rotor" mass="2" inertia="2 1 1"/>
+      <body name="blade" at="0 0 1" mass="1" inertia="0.1 0.1 0.1"/>
+      <revolute name="hub" between="ground rotor" axis="1 0 0"/>
+      <revolute name="pitch" between="rotor blade" at="0 0 0.5" axis="0 0 1"/>
+      <transient duration="10" step="1e-2"/><drive joint="hub" rate=")";
+  return refusal([&] { study_modes(read(rotor + rate + "\"/>" + more), options); });
+}
+
+// Mutation seen: the rates of the whole run compared.
+TEST(UnsteadyDrives, AreRefusedByName) {
+  const std::string spring = R"(<joint_spring name="k" joint="pitch" angular_stiffness="30"/>)";
+  for (const char* const steady : {"t &lt; 1 ? 50*t : 50", "50*tanh(4*t)", "min(5*t, 40)",
+                                   "t &lt; 10.5 ? 50*tanh(4*t) : 50 + sin(t - 10.5)^2"})
+    EXPECT_EQ(refusal_of_rotor(steady, spring), "no error") << steady;
+  for (const char* const unsteady :
+       {"50*sin(t)", "5*t", "50*tanh(4*t) + 0.1*sin(2*pi*10*t)", "500*t/(10 + t)"}) {
+    const std::string said = refusal_of_rotor(unsteady, spring);
+    EXPECT_SAYS(said, "\"hub\"");
+    EXPECT_SAYS(said, "has no constant rate at the end of the run");
+  }
+  const std::string pitching =
+      refusal_of_rotor("50*tanh(4*t)", R"x(<drive joint="pitch" angle="0.1*sin(3*t)^2"/>)x");
+  EXPECT_SAYS(pitching, "\"pitch\"");
+  EXPECT_SAYS(pitching, "changes no shape");
+  EXPECT_EQ(refusal_of_rotor("50*tanh(4*t)", R"(<drive joint="pitch" angle="0"/>)"), "no error");
+}
+
+TEST(UnsteadyDrives, AreRefusedByStudiesOverTheRate) {
+  Scene scene = model_scene("shaft");
+  scene.gravity.reset();
+  scene.drives[0].rate = Expression::parse("20*t", {}, Variables::time);
+  CampbellOptions campbell;
+  campbell.from = 10.0;
+  campbell.to = 20.0;
+  EXPECT_SAYS(refusal([&] { study_campbell(scene, campbell); }), "no constant rate");
+  RotationsOptions rotations;
+  rotations.from = 10.0;
+  rotations.to = 20.0;
+  EXPECT_SAYS(refusal([&] { study_rotations(scene, rotations); }), "no constant rate");
+}
+
+}  // namespace
+}  // namespace mbd::test::test_linearizable
