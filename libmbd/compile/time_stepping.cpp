@@ -113,6 +113,7 @@ std::unique_ptr<Stepper> make_stepper(const System& system, const TransientScene
                                      RadauOptions{.step = step,
                                                   .tolerances = error_tolerances(transient),
                                                   .end = transient.duration,
+                                                  .stages = radau_stages(transient),
                                                   .max_step = max_step,
                                                   .newton = newton_options(transient)});
     case TimeMethod::ida:

@@ -593,6 +593,11 @@ void check(const Checked& item, const TransientScene& transient, const Scene&) {
   };
   of_alpha("rho_infinity", transient.rho_infinity.has_value());
   of_alpha("balance", transient.balance.has_value());
+  item.fail_if(transient.stages && transient.method != TimeMethod::radau,
+               "stages belong to method=\"radau\", not to" + method + "; leave them out");
+  item.fail_if(transient.stages == StageCount::automatic && transient.step,
+               "stages=\"auto\" follows the errors of steps, and fixed steps have none; give a "
+               "number, or a tolerance in place of step");
   item.fail_if(transient.balance == Balance::momentum && transient.inertia != InertiaTerms::full,
                "balance=\"momentum\" balances the whole of inertia; leave out inertia, or give "
                "balance=\"acceleration\"");

@@ -106,6 +106,7 @@ Json settings(const TransientScene& transient) {
     all["rho_infinity"] = rho_infinity_of(transient);
     all["balance"] = name_of(transient.balance.value_or(Balance::acceleration));
   }
+  if (transient.method == TimeMethod::radau) all["stages"] = name_of(stages_of(transient));
   all["linear_solver"] =
       name_of(transient.method == TimeMethod::ida ? LinearMethod::klu : transient.linear_solver);
   if (transient.inertia != InertiaTerms::full) all["inertia"] = "no_gyroscopic";

@@ -7,9 +7,10 @@
 //
 //   d / |r^p - 1|,   r the ratio of the other's steps to its own                                        (1)
 //
-// p = 2 of generalized-alpha, 3 of Radau IIA (the least of its orders). Of tolerances, of which the error is proportional
-// to no power that is sure, d/3 and 3/2 d. Displacements are measured by the farther of the scene's length L and the way
-// that a node goes, rotations in radians; both over the largest motion of any node from the start, 1 at most:
+// p = 2 of generalized-alpha, 3 of Radau IIA (the least of its orders with three stages; with more of them (1) is too large
+// rather than too small). Of tolerances, of which the error is proportional to no power that is sure, d/3 and 3/2 d.
+// Displacements are measured by the farther of the scene's length L and the way that a node goes, rotations in radians; both
+// over the largest motion of any node from the start, 1 at most:
 //
 //   error = max |d| / min(1, max over nodes and times of max(|u|/L, |psi|))                             (2)
 //

@@ -172,6 +172,10 @@ std::string error_limits(const TransientScene& transient) {
 std::string plan(const TransientScene& transient, long steps) {
   std::string text = fmt::format("transient of {} s by {}", shortest(transient.duration),
                                  name_of(transient.method));
+  if (transient.stages == StageCount::automatic)
+    text += " of as many stages as come farthest";
+  else if (transient.stages)
+    text += fmt::format(" of {} stages", name_of(*transient.stages));
   if (transient.step)
     text += fmt::format(" in {} of {:.12g} s", counted(steps, "steps"), *transient.step);
   else
@@ -236,6 +240,7 @@ Json settings(const CheckReport& report) {
     }
     const std::optional<double> interval = row_interval(*transient);
     of["output"] = interval ? Json(*interval) : Json("steps");
+    if (transient->method == TimeMethod::radau) of["stages"] = name_of(stages_of(*transient));
     if (transient->method == TimeMethod::generalized_alpha)
       of["rho_infinity"] = rho_infinity_of(*transient);
   }

@@ -96,6 +96,12 @@ struct PathScene {
   }
 };
 
+// Of a step of Radau IIA, or chosen as it goes (solvers/time/radau.hpp). Not its order, which of reactions, of rows inside
+// steps and where things are stiff is lower.
+enum class StageCount { automatic, three, five, seven };
+template <>
+inline constexpr std::string_view words_of<StageCount> = "auto 3 5 7";
+
 // Integration in time. What is absent is chosen by the method, or not used.
 struct TransientScene {
   Source source = {};
@@ -108,6 +114,7 @@ struct TransientScene {
                         angular_velocity_tolerance = {}, max_step = {};
   std::optional<ErrorsOf> errors = {};          // of radau with a tolerance only
   std::optional<double> newton_tolerance = {};  // of ida there is none
+  std::optional<StageCount> stages = {};        // of radau only
   // Of generalized_alpha only.
   std::optional<double> rho_infinity = {};
   std::optional<Balance> balance = {};
@@ -148,6 +155,9 @@ struct TransientScene {
             "of radau with a tolerance: which errors steps are held by, those of positions and "
             "rotations, relative to the largest motion so far, or of velocities as well (default: "
             "motion where all that is recorded follows from it, else velocities)"));
+    f(Field(&S::stages, "stages", "", optional,
+            "of radau: how many stages a step has, for order 5, 9 or 13, or chosen as it goes by "
+            "what comes farthest for its work (default: 3)"));
     f(Field(&S::max_step, "max_step", "s", optional,
             "longest step that a tolerance may lead to (default: a part of the duration)",
             positive));

@@ -49,6 +49,24 @@ double rho_infinity_of(const TransientScene& transient) {
   return transient.rho_infinity.value_or(0.0);
 }
 
+StageCount stages_of(const TransientScene& transient) {
+  return transient.stages.value_or(StageCount::three);
+}
+
+std::size_t radau_stages(const TransientScene& transient) {
+  switch (stages_of(transient)) {
+    case StageCount::automatic:
+      return 0;
+    case StageCount::three:
+      return 3;
+    case StageCount::five:
+      return 5;
+    case StageCount::seven:
+      return 7;
+  }
+  return 3;
+}
+
 std::vector<std::string> change_stepping(TransientScene& transient, const SteppingChange& change) {
   std::vector<std::string> notes;
   const auto drop = [&notes](std::string_view name, auto& value, std::string_view why) {
@@ -66,6 +84,7 @@ std::vector<std::string> change_stepping(TransientScene& transient, const Steppi
     drop("rotation_tolerance", transient.rotation_tolerance, why);
     drop("velocity_tolerance", transient.velocity_tolerance, why);
     drop("angular_velocity_tolerance", transient.angular_velocity_tolerance, why);
+    if (transient.stages == StageCount::automatic) drop("stages", transient.stages, why);
     drop("errors", transient.errors, why);
     drop("max_step", transient.max_step, why);
   }
@@ -81,7 +100,11 @@ std::vector<std::string> change_stepping(TransientScene& transient, const Steppi
       drop("rho_infinity", transient.rho_infinity, why);
       drop("balance", transient.balance, why);
     }
+    if (transient.method != TimeMethod::radau)
+      drop("stages", transient.stages,
+           fmt::format("it belongs to radau, not {}", name_of(transient.method)));
   }
+  if (change.stages) transient.stages = change.stages;
   if (transient.method == TimeMethod::generalized_alpha) {
     constexpr std::string_view why =
         "generalized_alpha estimates errors of positions and rotations only";

@@ -20,11 +20,16 @@ bool takes_newton_tolerance(const TransientScene& transient);
 
 // The method's own where the scene gives none.
 double rho_infinity_of(const TransientScene& transient);
+StageCount stages_of(const TransientScene& transient);
+
+// Of a step of Radau IIA: 3, 5 or 7; 0: as it goes.
+std::size_t radau_stages(const TransientScene& transient);
 
 // Other settings for a <transient>; what is absent stays.
 struct SteppingChange {
   std::optional<TimeMethod> method = {};
   std::optional<double> step = {}, tolerance = {};  // [s], relative; one of them at most
+  std::optional<StageCount> stages = {};            // of radau
 };
 
 // Makes the change, and leaves out what does not go with it then; rows of results stay where the scene has them.

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
-#include <Eigen/SparseQR>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,12 +13,12 @@
 #include "libmbd/core/disjoint_sets.hpp"
 #include "libmbd/core/error.hpp"
 #include "solvers/constraints/row_echelon.hpp"
+#include "solvers/newton/increments.hpp"
 
 namespace mbd {
 namespace {
 
-constexpr double independent = 1e-8;  // least distance of a unit row from the span of others
-constexpr double involved = 1e-6;     // least share of a row that is named
+constexpr double involved = 1e-6;  // least share of a row that is named
 // Rows that repeat others, of constraints that they tie together: what is done with them is dense, takes seconds at
 // this number, and goes with its cube.
 constexpr std::ptrdiff_t most_tied = 1000;
@@ -70,53 +70,54 @@ class ConstraintRows : public LinearSolver {
   Eigen::MatrixXd trash_;
 };
 
-Dependence dependence(const System& system, const State& state) {
+Dependence dependence(const System& system, const State& state, double least = independent) {
   const std::vector<Index> rows = rows_in_loops(system);
   if (rows.empty()) return {};
   const ConstraintEntries entries = scaled_gradient(system, state);
-  return find_dependent(entries, system.multipliers(), 6 * (system.nodes() - 1), rows);
+  return find_dependent(entries, system.multipliers(), 6 * (system.nodes() - 1), rows, least);
 }
 
 // As find_dependent().null, where it is known which rows repeat others, but the state is off the constraints, by what
-// interpolation in a step leaves, and ranks cannot be seen: of each idle row, less its nearest combination of the others.
+// interpolation in a step leaves, and ranks cannot be seen: of the rows B, scaled to length one, the singular vectors of the
+// smallest singular values, by inverse iteration from the idle rows. (Not used: of each idle row its nearest combination of the
+// others; where these come near to repeating each other it errs by the distance from the constraints over theirs.)
 Sparse null_of_idle(const System& system, const State& state) {
-  const Index multipliers = system.multipliers(), columns = 6 * (system.nodes() - 1);
-  std::vector<int> place(static_cast<std::size_t>(multipliers),
-                         -1);  // among the rows that are kept, in loops
-  std::vector<Index> kept;
-  for (const Index row : rows_in_loops(system))
-    if (!std::binary_search(state.idle.begin(), state.idle.end(), row)) {
-      place[static_cast<std::size_t>(row)] = static_cast<int>(kept.size());
-      kept.push_back(row);
-    }
-  const auto idle = static_cast<Index>(state.idle.size());
-  Eigen::MatrixXd others = Eigen::MatrixXd::Zero(columns, idle);
+  constexpr double shift =
+      1e-10;  // of squares of singular values: below it none is told from another
+  constexpr int passes = 2;
+  const Index multipliers = system.multipliers();
+  const std::vector<Index> rows = rows_in_loops(system);
+  std::vector<int> place(static_cast<std::size_t>(multipliers), -1);  // among the rows in loops
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
+  const auto count = static_cast<Index>(rows.size());
   ConstraintEntries entries;
-  for (const auto& e : scaled_gradient(system, state)) {
-    const int k = place[static_cast<std::size_t>(e.row())];
-    if (k >= 0) entries.emplace_back(e.col(), k, e.value());
-    const auto at = std::lower_bound(state.idle.begin(), state.idle.end(), Index{e.row()});
-    if (at != state.idle.end() && *at == e.row())
-      others(e.col(), at - state.idle.begin()) += e.value();
+  VecX length = VecX::Zero(count);
+  for (const auto& e : scaled_gradient(system, state))
+    if (const int k = place[static_cast<std::size_t>(e.row())]; k >= 0) {
+      entries.emplace_back(k, e.col(), e.value());
+      length(k) += e.value() * e.value();
+    }
+  for (double& l : length) l = l > 0.0 ? std::sqrt(l) : 1.0;
+  Sparse B(count, 6 * (system.nodes() - 1)), unit(count, count);
+  B.setFromTriplets(entries.begin(), entries.end());
+  B = length.cwiseInverse().asDiagonal() * B;
+  unit.setIdentity();
+  const Eigen::SimplicialLDLT<Sparse> squares(Sparse(B * B.transpose()) + shift * unit);
+  const auto idle = static_cast<Index>(state.idle.size());
+  Eigen::MatrixXd n = Eigen::MatrixXd::Zero(count, idle);
+  for (Index i = 0; i < idle; ++i)
+    n(place[static_cast<std::size_t>(state.idle[static_cast<std::size_t>(i)])], i) = 1.0;
+  for (int pass = 0; pass < passes; ++pass) {
+    n = squares.solve(n).eval();
+    n.colwise().normalize();
   }
-  const auto size = static_cast<Index>(kept.size());
-  Sparse Bt(std::max(columns, size), size);
-  Bt.setFromTriplets(entries.begin(), entries.end());
-  Bt.makeCompressed();
-  Eigen::SparseQR<Sparse, Eigen::COLAMDOrdering<int>> qr;
-  qr.setPivotThreshold(independent);
-  qr.compute(Bt);
-  others.conservativeResizeLike(Eigen::MatrixXd::Zero(Bt.rows(), idle));
   ConstraintEntries null;
-  for (Index i = 0; i < idle; ++i) {
-    const VecX share = qr.solve(VecX(others.col(i)));
-    null.emplace_back(static_cast<int>(state.idle[static_cast<std::size_t>(i)]),
-                      static_cast<int>(i), 1.0);
-    for (Index k = 0; k < size; ++k)
-      if (share(k) != 0.0)
-        null.emplace_back(static_cast<int>(kept[static_cast<std::size_t>(k)]), static_cast<int>(i),
-                          -share(k));
-  }
+  for (Index i = 0; i < idle; ++i)
+    for (Index k = 0; k < count; ++k)
+      if (n(k, i) != 0.0)
+        null.emplace_back(static_cast<int>(rows[static_cast<std::size_t>(k)]), static_cast<int>(i),
+                          n(k, i) / length(k));
   Sparse result(multipliers, idle);
   result.setFromTriplets(null.begin(), null.end());
   return result;
@@ -289,7 +290,7 @@ ConstraintEntries scaled_gradient(const System& system, const State& state) {
 }
 
 Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Index columns,
-                          const std::vector<Index>& order) {
+                          const std::vector<Index>& order, double least) {
   const auto rows = static_cast<Index>(order.size());
   Dependence result;
   result.rank_of_first.assign(order.size() + 1, 0);
@@ -312,7 +313,7 @@ Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Inde
     if (i >= 0 && size(i) > 0.0)
       scaled.emplace_back(e.col(), static_cast<int>(i), e.value() / size(i));
   }
-  const RowEchelon R(scaled, columns, rows, independent);
+  const RowEchelon R(scaled, columns, rows, least);
   std::vector<Index> dependent;  // by row of the matrix, places in `order`
   for (Index k = 0; k < rows; ++k) {
     const auto n = static_cast<std::size_t>(k);
@@ -346,9 +347,10 @@ Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Inde
 
 bool has_loops(const System& system) { return !rows_in_loops(system).empty(); }
 
-Redundancy find_redundancy(const System& system, const State& state) {
+Redundancy find_redundancy(const System& system, const State& state, double open) {
   Redundancy result;
-  Dependence found = dependence(system, state);
+  constexpr double moved = 100.0, most = 1e-4;  // rows of B, by what the state is off; at most
+  Dependence found = dependence(system, state, std::clamp(moved * open, independent, most));
   if (found.redundant.empty()) return result;
   refuse_too_many(system, found);
   const std::vector<Group> groups = groups_of(found.null);
@@ -364,6 +366,14 @@ Redundancy find_redundancy(const System& system, const State& state) {
   result.rows = std::move(found.redundant);
   result.null = std::move(found.null);
   return result;
+}
+
+double openness(const System& system, const State& state) {
+  State all = state;
+  all.idle.clear();
+  VecX g, gdot;
+  system.constraints(all, g, gdot);
+  return largest_violation(system, g);
 }
 
 VecX minimum_norm(const System& system, const State& state) {

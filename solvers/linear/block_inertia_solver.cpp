@@ -65,7 +65,7 @@ class BlockInertiaSolver final : public InertiaSolver {
     state_ = State::none;
     if (!symmetrize()) return FactorStatus::singular;
     PivotInertia inertia;
-    if ((*room_.prepared)->factor(judged().lu, room_.values->data(), &inertia) &&
+    if ((*room_.prepared)->factor(judged(), room_.values->data(), &inertia) &&
         inertia.least > nearly_singular && solves()) {
       negative_ = inertia.negative;
       state_ = State::blocks;

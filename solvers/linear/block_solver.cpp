@@ -231,16 +231,16 @@ class BlockBacked : public Interface {
     return status;
   }
 
-  // A: what `judged` has factored; a nullptr: it is no longer there.
-  template <class T>
-  void solve_with(std::span<T> b, Judged<T>* judged, const T* A) const {
-    if (state_ == State::klu) return klu_->solve(b);
+  // A: what `judged` has factored; a nullptr: it is no longer there. `which` as solve() has it.
+  template <class T, class... Which>
+  void solve_with(std::span<T> b, Judged<T>* judged, const T* A, Which... which) const {
+    if (state_ == State::klu) return klu_->solve(b, which...);
     if (state_ == State::none) return make_nan(b);
     if (b.empty() || judged->solve(b, A, choice_.facts.refinements)) return;
     choice_.failed(inaccurate);
     factor_by_klu();
     if (state_ == State::klu)
-      klu_->solve(b);
+      klu_->solve(b, which...);
     else
       make_nan(b);
   }
@@ -314,7 +314,7 @@ class BlockSolver final : public BlockBacked<LinearSolver> {
     judged_ = std::make_unique<Judged<double>>(prepared_->plan, columns_);
   }
   bool factor_prepared() override {
-    if (!prepared_->factor(judged_->lu, values_.data())) return false;
+    if (!prepared_->factor(*judged_, values_.data())) return false;
     judged_->begin();
     return true;
   }
@@ -350,7 +350,7 @@ class BlockPencilSolver final : public BlockBacked<PencilSolver> {
     begin(graph);
     blocks_.analyze(graph);
     real_.assign(blocks_.P[0].size(), 0.0);
-    complex_.assign(blocks_.P[0].size(), 0.0);
+    parts_.clear();
     own_.clear();
     const BlockColumns& columns = blocks_.columns;
     for (int c = 0; c < columns.blocks(); ++c) {
@@ -370,11 +370,13 @@ class BlockPencilSolver final : public BlockBacked<PencilSolver> {
     blocks_.multiply(power, x, y);
   }
 
-  FactorStatus factor(double s, double x, std::complex<double> z) override {
+  using PencilSolver::factor;
+  FactorStatus factor(double s, double x, std::span<const std::complex<double>> z) override {
     ++choice_.facts.factorizations;
     s_ = s;
     x_ = x;
-    z_ = z;
+    z_.assign(z.begin(), z.end());
+    while (parts_.size() < z.size()) parts_.push_back(new_part());
     if (is_tolerant()) {
       choice_.facts.reason = tolerant_diagonal;
       return factor_by_klu();
@@ -385,8 +387,9 @@ class BlockPencilSolver final : public BlockBacked<PencilSolver> {
   }
 
   void solve(std::span<double> b) const override { solve_with(b, of_real_.get(), real_.data()); }
-  void solve(std::span<std::complex<double>> b) const override {
-    solve_with(b, of_complex_.get(), complex_.data());
+  void solve(std::span<std::complex<double>> b, std::size_t which) const override {
+    const Part& part = parts_[which];
+    solve_with(b, part.judged.get(), part.values.data(), which);
   }
 
   double reciprocal_condition() const override {
@@ -397,23 +400,39 @@ class BlockPencilSolver final : public BlockBacked<PencilSolver> {
   }
 
  private:
+  using Complex = std::complex<double>;
+  // E(z) of one z.
+  struct Part {
+    std::vector<Complex> values;
+    std::unique_ptr<Judged<Complex>> judged;
+  };
+  Part new_part() const {
+    return {std::vector<Complex>(blocks_.P[0].size()),
+            std::make_unique<Judged<Complex>>(prepared_->plan, blocks_.columns)};
+  }
+
   void prepare() override {
     prepared_order_ = choice_.order;
     of_real_.reset();
-    of_complex_.reset();
+    for (Part& part : parts_) part.judged.reset();
     prepared_ = std::make_unique<Prepared>(graph_, blocks_.columns, prepared_order_);
     of_real_ = std::make_unique<Judged<double>>(prepared_->plan, blocks_.columns);
-    of_complex_ = std::make_unique<Judged<std::complex<double>>>(prepared_->plan, blocks_.columns);
+    for (Part& part : parts_)
+      part.judged = std::make_unique<Judged<Complex>>(prepared_->plan, blocks_.columns);
   }
   bool factor_prepared() override {
-    if (!prepared_->factor(of_real_->lu, real_.data())) return false;
+    if (!prepared_->factor(*of_real_, real_.data())) return false;
     of_real_->begin();
-    if (!prepared_->factor(of_complex_->lu, complex_.data())) return false;
-    of_complex_->begin();
+    for (std::size_t k = 0; k < z_.size(); ++k) {
+      if (!prepared_->factor(*parts_[k].judged, parts_[k].values.data())) return false;
+      parts_[k].judged->begin();
+    }
     return true;
   }
   bool was_refined() const override {
-    return of_real_->was_refined() || of_complex_->was_refined();
+    return of_real_->was_refined() ||
+           std::any_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(z_.size()),
+                       [](const Part& part) { return part.judged->was_refined(); });
   }
   std::unique_ptr<PencilSolver> make_klu() const override { return make_klu_pencil_solver(); }
   FactorStatus factor_same(PencilSolver& klu) const override {
@@ -431,45 +450,61 @@ class BlockPencilSolver final : public BlockBacked<PencilSolver> {
     return false;
   }
 
-  void combine() {
+  // use(first place, their number, whether they are of two nodes) of each column of each block.
+  template <class Use>
+  void each_column(const Use& use) const {
     const BlockColumns& columns = blocks_.columns;
-    const auto& P = blocks_.P;
-    const std::complex<double> z1 = s_ * z_, z2 = s_ * z_ * z_;
-    const double x1 = s_ * x_, x2 = s_ * x_ * x_;
     for (int c = 0; c < columns.blocks(); ++c) {
       const auto C = static_cast<std::size_t>(c);
       for (std::size_t e = columns.begin[C]; e < columns.begin[C + 1]; ++e) {
         const auto R = static_cast<std::size_t>(columns.entries[e].row);
         const bool nodes = columns.kinds[C] != 0 && columns.kinds[R] != 0;
-        const int rows = columns.size(columns.entries[e].row);
-        for (int j = 0; j < columns.size(c); ++j) {
-          const auto start =
-              static_cast<std::size_t>(columns.entries[e].offset + j * columns.height[C]);
-          for (std::size_t i = start; i < start + static_cast<std::size_t>(rows); ++i) {
-            const double p0 = P[0][i];
-            if (nodes) {
-              const double p1 = P[1][i], p2 = P[2][i];
-              real_[i] = s_ * p0 + x1 * p1 + x2 * p2;
-              complex_[i] = {s_ * p0 + z1.real() * p1 + z2.real() * p2,
-                             z1.imag() * p1 + z2.imag() * p2};
-            } else {
-              real_[i] = p0;
-              complex_[i] = p0;
-            }
-          }
-        }
+        const auto rows = static_cast<std::size_t>(columns.size(columns.entries[e].row));
+        for (int j = 0; j < columns.size(c); ++j)
+          use(static_cast<std::size_t>(columns.entries[e].offset + j * columns.height[C]), rows,
+              nodes);
       }
     }
   }
 
+  void combine() {
+    const auto& P = blocks_.P;
+    const std::complex<double> z1 = s_ * z_[0], z2 = s_ * z_[0] * z_[0];
+    const double x1 = s_ * x_, x2 = s_ * x_ * x_;
+    std::vector<Complex>& first = parts_[0].values;
+    each_column([&](std::size_t start, std::size_t rows, bool nodes) {
+      for (std::size_t i = start; i < start + rows; ++i) {
+        const double p0 = P[0][i];
+        if (nodes) {
+          const double p1 = P[1][i], p2 = P[2][i];
+          real_[i] = s_ * p0 + x1 * p1 + x2 * p2;
+          first[i] = {s_ * p0 + z1.real() * p1 + z2.real() * p2, z1.imag() * p1 + z2.imag() * p2};
+        } else {
+          real_[i] = p0;
+          first[i] = p0;
+        }
+      }
+    });
+    for (std::size_t k = 1; k < z_.size(); ++k) combine_into(parts_[k].values, z_[k]);
+  }
+  void combine_into(std::vector<Complex>& values, Complex z) const {
+    const auto& P = blocks_.P;
+    const Complex z1 = s_ * z, z2 = s_ * z * z;
+    each_column([&](std::size_t start, std::size_t rows, bool nodes) {
+      for (std::size_t i = start; i < start + rows; ++i)
+        values[i] = nodes ? Complex(s_ * P[0][i] + z1.real() * P[1][i] + z2.real() * P[2][i],
+                                    z1.imag() * P[1][i] + z2.imag() * P[2][i])
+                          : Complex(P[0][i]);
+    });
+  }
+
   PencilBlocks blocks_;
   std::vector<double> real_;
-  std::vector<std::complex<double>> complex_;
   std::vector<Index> own_;  // places of the diagonals of multipliers
   double s_ = 0.0, x_ = 0.0;
-  std::complex<double> z_ = 0.0;
+  std::vector<Complex> z_;
   std::unique_ptr<Judged<double>> of_real_;
-  std::unique_ptr<Judged<std::complex<double>>> of_complex_;
+  std::vector<Part> parts_;  // those of z_ first
 };
 
 }  // namespace

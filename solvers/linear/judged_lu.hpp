@@ -17,7 +17,7 @@ namespace mbd {
 class MultiplierScales {
  public:
   explicit MultiplierScales(const BlockColumns& columns)
-      : scales_(static_cast<std::size_t>(columns.n), 1.0) {
+      : most_(static_cast<std::size_t>(columns.n)), weighted_(most_.size()) {
     for (int c = 0; c < columns.blocks(); ++c) {
       const auto C = static_cast<std::size_t>(c);
       if (columns.kinds[C] == 0) continue;
@@ -32,12 +32,12 @@ class MultiplierScales {
                                 columns.height[C]});
       }
     }
-    most_.resize(scales_.size());
-    weighted_.resize(scales_.size());
   }
 
+  // Into `scales`: of all unknowns, 1 but of multipliers.
   template <class T>
-  const double* of(const T* A) {
+  void of(const T* A, std::vector<double>& scales) {
+    scales.resize(most_.size(), 1.0);
     for (const Gradient& g : gradients_)
       for (int i = 0; i < g.rows; ++i) {
         const auto row = static_cast<std::size_t>(g.first_row + i);
@@ -57,10 +57,9 @@ class MultiplierScales {
       for (int i = 0; i < g.rows; ++i) {
         const auto row = static_cast<std::size_t>(g.first_row + i);
         const double scale = weighted_[row] / (most_[row] * most_[row]);
-        scales_[row] =
+        scales[row] =
             scale > 1e-200 && scale < 1e200 ? std::exp2(std::round(std::log2(scale))) : 1.0;
       }
-    return scales_.data();
   }
 
  private:
@@ -69,16 +68,20 @@ class MultiplierScales {
     Index offset, diagonal, height;
   };
   std::vector<Gradient> gradients_;
-  std::vector<double> scales_, most_, weighted_;
+  std::vector<double> most_, weighted_;
 };
+
+template <class T>
+class Judged;
 
 // A plan with what it needs to be carried out.
 struct Prepared {
   Prepared(const BlockGraph& graph, const BlockColumns& columns, PivotOrder order)
       : Prepared(columns, eliminate(graph, order), order) {}
   template <class T>
-  bool factor(BlockLu<T>& lu, const T* A, PivotInertia* inertia = nullptr) {
-    return lu.factor(A, scales ? scales->of(A) : nullptr, inertia);
+  bool factor(Judged<T>& of, const T* A, PivotInertia* inertia = nullptr) {
+    if (scales) scales->of(A, of.scales);
+    return of.lu.factor(A, scales ? of.scales.data() : nullptr, inertia);
   }
   BlockLuPlan plan;
   bool dissected = false;  // the order is METIS'
@@ -132,6 +135,7 @@ class Judged {
   bool was_refined() const { return refinements_ > 0; }
 
   BlockLu<T> lu;
+  std::vector<double> scales;  // of its factors, which refer to them
 
  private:
   static constexpr double accurate = 1e-10;  // backward error

@@ -171,7 +171,7 @@ class KluSolver : public LinearSolver {
   std::vector<Slot> slots_;
 };
 
-// The two matrices share pattern and analysis.
+// The matrices share pattern and analysis.
 class KluPencilSolver final : public PencilSolver {
  public:
   KluPencilSolver() : common_(common_settings()) {}
@@ -190,37 +190,41 @@ class KluPencilSolver final : public PencilSolver {
 
   std::span<const Slot> slots(int power) const override { return blocks_.slots(power); }
   void set_zero() override { blocks_.set_zero(); }
-  void forget_pivots() override {
-    free_numeric(real_);
-    free_numeric(complex_);
-  }
+  void forget_pivots() override { free_numerics(); }
   void multiply(int power, std::span<const double> x, std::span<double> y) const override {
     blocks_.multiply(power, x, y);
   }
 
-  FactorStatus factor(double s, double x, std::complex<double> z) override {
+  using PencilSolver::factor;
+  FactorStatus factor(double s, double x, std::span<const std::complex<double>> z) override {
     ++factorizations_;
     singular_row_ = -1;
-    const FactorStatus status = factor_part(real_, s, x);
-    return status == FactorStatus::ok ? factor_part(complex_, s, z) : status;
+    FactorStatus status = factor_part(real_, s, x);
+    keep_parts(z.size());
+    for (std::size_t k = 0; k < z.size() && status == FactorStatus::ok; ++k)
+      status = factor_part(complex_[k], s, z[k]);
+    return status;
   }
   FactorStatus factor_real(double s, double x) override {
     ++factorizations_;
     singular_row_ = -1;
-    free_numeric(complex_);
+    keep_parts(0);
     return factor_part(real_, s, x);
   }
   FactorStatus factor_complex(double s, std::complex<double> z) override {
     ++factorizations_;
     singular_row_ = -1;
     free_numeric(real_);
-    return factor_part(complex_, s, z);
+    keep_parts(1);
+    return factor_part(complex_[0], s, z);
   }
 
   Index singular_row() const override { return singular_row_; }
 
   void solve(std::span<double> b) const override { solve_columns(b, 1); }
-  void solve(std::span<std::complex<double>> b) const override { solve_columns(b, 1); }
+  void solve(std::span<std::complex<double>> b, std::size_t which) const override {
+    solve_columns(b, 1, which);
+  }
   // KLU reads its factors once for four columns.
   void solve_columns(std::span<double> B, Index columns) const override {
     const int n = blocks_.columns.n;
@@ -230,19 +234,14 @@ class KluPencilSolver final : public PencilSolver {
       std::fill(B.begin(), B.end(), std::numeric_limits<double>::quiet_NaN());
   }
   void solve_columns(std::span<std::complex<double>> B, Index columns) const override {
-    const int n = blocks_.columns.n;
-    if (n == 0) return;
-    if (complex_.numeric == nullptr ||
-        klu_z_solve(symbolic_, complex_.numeric, n, static_cast<int>(columns),
-                    reinterpret_cast<double*>(B.data()), &common_) != 1)
-      std::fill(B.begin(), B.end(), std::numeric_limits<double>::quiet_NaN());
+    solve_columns(B, columns, 0);
   }
   void solve_transposed(std::span<std::complex<double>> b) const override {
     const int n = blocks_.columns.n;
     constexpr int conjugated = 0;
     if (n == 0) return;
-    if (complex_.numeric == nullptr ||
-        klu_z_tsolve(symbolic_, complex_.numeric, n, 1, reinterpret_cast<double*>(b.data()),
+    if (complex_.empty() || complex_.front().numeric == nullptr ||
+        klu_z_tsolve(symbolic_, complex_.front().numeric, n, 1, reinterpret_cast<double*>(b.data()),
                      conjugated, &common_) != 1)
       std::fill(b.begin(), b.end(), std::numeric_limits<double>::quiet_NaN());
   }
@@ -270,6 +269,24 @@ class KluPencilSolver final : public PencilSolver {
     std::vector<double> pivots;  // of the last full factorisation, sizes
   };
 
+  void solve_columns(std::span<std::complex<double>> B, Index columns, std::size_t which) const {
+    const int n = blocks_.columns.n;
+    if (n == 0) return;
+    if (which >= complex_.size() || complex_[which].numeric == nullptr ||
+        klu_z_solve(symbolic_, complex_[which].numeric, n, static_cast<int>(columns),
+                    reinterpret_cast<double*>(B.data()), &common_) != 1)
+      std::fill(B.begin(), B.end(), std::numeric_limits<double>::quiet_NaN());
+  }
+
+  // So many complex ones: those beyond are lost.
+  void keep_parts(std::size_t count) {
+    for (std::size_t k = count; k < complex_.size(); ++k) free_numeric(complex_[k]);
+    if (count > complex_.size()) complex_.resize(count);
+  }
+  void free_numerics() {
+    free_numeric(real_);
+    keep_parts(0);
+  }
   void free_numeric(Part<double>& part) {
     if (part.numeric != nullptr) klu_free_numeric(&part.numeric, &common_);
   }
@@ -277,8 +294,7 @@ class KluPencilSolver final : public PencilSolver {
     if (part.numeric != nullptr) klu_z_free_numeric(&part.numeric, &common_);
   }
   void release() {
-    free_numeric(real_);
-    free_numeric(complex_);
+    free_numerics();
     if (symbolic_ != nullptr) klu_free_symbolic(&symbolic_, &common_);
   }
 
@@ -321,8 +337,7 @@ class KluPencilSolver final : public PencilSolver {
       singular_row_ = common_.singular_col >= 0 && common_.singular_col < blocks_.columns.n
                           ? common_.singular_col
                           : -1;
-      free_numeric(real_);
-      free_numeric(complex_);
+      free_numerics();
       refuse_size(common_, blocks_.columns.n);
       return FactorStatus::singular;
     }
@@ -351,7 +366,7 @@ class KluPencilSolver final : public PencilSolver {
   PencilBlocks blocks_;
   BlockColumns::Scalars scalars_;
   Part<double> real_;
-  Part<std::complex<double>> complex_;
+  std::vector<Part<std::complex<double>>> complex_;
   std::vector<double> now_;
 };
 

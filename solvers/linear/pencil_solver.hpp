@@ -1,6 +1,6 @@
 // The linear systems of an implicit Runge-Kutta step: with P0, P1, P2 assembled over one graph of blocks,
 //   E(x) = [ s (P0 + x P1 + x^2 P2)_nodes , P0 elsewhere ]
-// for one real and one complex x. Blocks of multipliers (constraint gradients) are taken from P0 as they are.
+// for one real x and some complex ones. Blocks of multipliers (constraint gradients) are taken from P0 as they are.
 #pragma once
 
 #include <algorithm>
@@ -31,9 +31,12 @@ class PencilSolver {
   // y += P_power x.
   virtual void multiply(int power, std::span<const double> x, std::span<double> y) const = 0;
 
-  // Factorises E(x) and E(z) with the scale s. On `singular`, singular_row() names the unknown with the worst
-  // pivot, or is -1.
-  virtual FactorStatus factor(double s, double x, std::complex<double> z) = 0;
+  // Factorises E(x) and E(z) for each of z, at least one, with the scale s. On `singular`, singular_row() names the unknown
+  // with the worst pivot, or is -1.
+  virtual FactorStatus factor(double s, double x, std::span<const std::complex<double>> z) = 0;
+  FactorStatus factor(double s, double x, std::complex<double> z) {
+    return factor(s, x, std::span<const std::complex<double>>(&z, 1));
+  }
   // One of the two, where the other is not needed: it may be lost.
   virtual FactorStatus factor_real(double s, double x) { return factor(s, x, x); }
   virtual FactorStatus factor_complex(double s, std::complex<double> z) {
@@ -41,10 +44,10 @@ class PencilSolver {
   }
   virtual Index singular_row() const = 0;
 
-  // b := E(x)^-1 b, b := E(z)^-1 b. NaN if the last factorisation was not ok.
+  // b := E(x)^-1 b, b := E(z[which])^-1 b. NaN if the last factorisation was not ok.
   virtual void solve(std::span<double> b) const = 0;
-  virtual void solve(std::span<std::complex<double>> b) const = 0;
-  // Those of several, one after the other in B.
+  virtual void solve(std::span<std::complex<double>> b, std::size_t which = 0) const = 0;
+  // Those of several, one after the other in B; of the first z.
   virtual void solve_columns(std::span<double> B, Index columns) const { each(B, columns); }
   virtual void solve_columns(std::span<std::complex<double>> B, Index columns) const {
     each(B, columns);

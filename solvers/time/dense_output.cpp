@@ -1,20 +1,11 @@
 #include "solvers/time/dense_output.hpp"
 
-#include "libmbd/core/dual.hpp"
 #include "libmbd/core/se3.hpp"
 
 namespace mbd {
 namespace {
-
 using D = Dual<double>;
-
-Vector6<D> dual(const Vec6& value, const Vec6& rate) {
-  Vector6<D> x;
-  for (Index i = 0; i < 6; ++i) x(i) = D{value(i), rate(i)};
-  return x;
 }
-
-}  // namespace
 
 void HermiteStep::set(const State& begin, const State& end, std::span<const Vec6> Q) {
   begin_ = &begin;

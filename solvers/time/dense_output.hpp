@@ -12,6 +12,7 @@
 #include <cmath>
 #include <vector>
 
+#include "libmbd/core/dual.hpp"
 #include "libmbd/core/spectral.hpp"
 #include "solvers/time/stepper.hpp"
 
@@ -32,6 +33,13 @@ requires(n <= 4) Work
     return sum;
   };
   return begin + integral(s) + s * (end + -1.0 * (begin + integral(1.0)));
+}
+
+// What changes at a rate.
+inline Vector6<Dual<double>> dual(const Vec6& value, const Vec6& rate) {
+  Vector6<Dual<double>> x;
+  for (Index i = 0; i < 6; ++i) x(i) = Dual<double>{value(i), rate(i)};
+  return x;
 }
 
 class HermiteStep final : public DenseStep {

@@ -86,12 +86,13 @@ class StepController {
  public:
   StepController(int order, double most) : order_(order), most_(most) {}
   void start(double h);
+  void change_order(int order) { order_ = order; }
   double step() const { return h_; }  // [s] to be tried next
   void accepted(double h, double error);
   void rejected(double h, double error);
   void failed(double h);  // Newton's iterations did not converge
 
-  void archive(auto& a) { a(h_, allowed_, steady_, rising_); }
+  void archive(auto& a) { a(order_, h_, allowed_, steady_, rising_); }
 
  private:
   int order_;

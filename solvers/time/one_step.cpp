@@ -129,6 +129,12 @@ void OneStep::prepare() {
   laws_ = LawSteps(system_, origin_, settings_.end);
 }
 
+void OneStep::change_error_order(int order, double h) {
+  error_order_ = order;
+  controller_->change_order(order);
+  controller_->start(h);
+}
+
 void OneStep::archive(Archive& a) {
   const double before = origin_;
   const bool started = controller_ != nullptr;
@@ -243,7 +249,7 @@ bool OneStep::attempt_with_other_rows(double t, double h, StepReport& report) {
 void OneStep::take_step(State& state) {
   accept();
   if (choose_rows_) {
-    end_.idle = find_redundancy(system_, end_).idle;
+    end_.idle = find_redundancy(system_, end_, openness(system_, end_)).idle;
     end_.lambda = without_idle(system_, end_, end_.idle);
     forget();
     choose_rows_ = false;
@@ -352,7 +358,8 @@ StepReport OneStep::adaptive_step(State& state) {
   }
   for (;;) {
     // A law of time may ask for less than the estimate does, which knows only what it has seen.
-    const double most = laws_.end_of_step(state.t) - state.t, rest = landing.t - state.t;
+    const double most = std::min(laws_.end_of_step(state.t) - state.t, longest_from(state)),
+                 rest = landing.t - state.t;
     const double h = fitted(std::min(controller_->step(), most), rest);
     const bool last = h == rest;
     if (is_too_short(h, state.t, unusable, report)) return report;

@@ -21,6 +21,7 @@
 // in which more constraints depend on each other than elsewhere.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -69,6 +70,14 @@ class OneStep : public Stepper {
   void archive(Archive& a) override;
   // The settings that all methods have, and a method's own.
   std::string signature_of(std::string_view method, std::initializer_list<double> own) const;
+
+  // Of adaptive steps from now on, of which the next is of h [s]: their errors go with another power of h.
+  void change_error_order(int order, double h);
+
+  // Of adaptive steps from a state, whatever their errors are [s].
+  virtual double longest_from(const State&) const {
+    return std::numeric_limits<double>::infinity();
+  }
 
   bool bounded_ = false;  // a step that fails is not tried otherwise
 

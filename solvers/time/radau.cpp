@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <utility>
 
 #include "libmbd/core/se3.hpp"
 #include "libmbd/core/spectral.hpp"
 #include "libmbd/core/stop.hpp"
+#include "solvers/time/radau_stages.hpp"
 
 namespace mbd {
 namespace {
@@ -25,55 +26,29 @@ constexpr double stalled_fixed = 20.0;
 // rates are 0.3, and violations grow.
 constexpr double torn = 1e-4, locked = 1e-2;
 constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart up to pi
-// Adaptive steps: the estimate goes with h^4, the error with h^5; the constant was chosen so that errors of
-// the dynamic models are about the tolerance.
-constexpr int error_order = 4;
+// Adaptive steps: the estimate goes with h^(s + 1), errors of rows with h^(s + 2); the constants were chosen so that errors
+// of the dynamic models are about the tolerance (of more than three stages: of pendulum, heavy_top and double_pendulum).
+int error_order(std::size_t stages) { return static_cast<int>(stages) + 1; }
 constexpr double local_tolerance = 0.1, local_tolerance_of_motion = 0.03;
+double looser(const RadauTableau& t) { return t.stages == 3 ? 1.0 : t.stages == 5 ? 3.0 : 6.0; }
 constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increments
-constexpr double velocity_gain = 4.0;  // h dV/dU of a stage: about |gamma|, |mu|
+// h dV/dU of a stage: about |gamma|, |mu|.
+double velocity_gain(const RadauTableau& t) { return t.stages == 3 ? 4.0 : t.gamma; }
 
-// Of a matrix, for a single eigenvalue: across two rows of D - x I; its last component is 1.
-template <class S>
-Matrix<S, 3, 1> eigenvector(const Mat3& D, S x) {
-  const Matrix<S, 3, 1> first(D(0, 0) - x, D(0, 1), D(0, 2)), second(D(1, 0), D(1, 1) - x, D(1, 2));
-  // Not cross(), which conjugates.
-  const Matrix<S, 3, 1> v(first(1) * second(2) - first(2) * second(1),
-                          first(2) * second(0) - first(0) * second(2),
-                          first(0) * second(1) - first(1) * second(0));
-  return v / v(2);
+// The stages that a run begins with.
+std::size_t first_stages(const RadauOptions& options) {
+  if (options.stages == 0) return 3;
+  if (options.stages != 3 && options.stages != 5 && options.stages != 7)
+    throw Error(fmt::format("Radau IIA has 3, 5 or 7 stages here, not {}", options.stages));
+  return options.stages;
 }
 
-// The tableau, its inverse, and the transformation that uncouples the stages.
-struct Tableau {
-  Vec3 c, b, e;
-  Mat3 D, T, T_inv;
-  double gamma;
-  std::complex<double> mu;
-
-  Tableau() {
-    const double q = std::sqrt(6.0);
-    c << (4.0 - q) / 10.0, (4.0 + q) / 10.0, 1.0;
-    Mat3 A;
-    A << (88.0 - 7.0 * q) / 360.0, (296.0 - 169.0 * q) / 1800.0, (-2.0 + 3.0 * q) / 225.0,
-        (296.0 + 169.0 * q) / 1800.0, (88.0 + 7.0 * q) / 360.0, (-2.0 - 3.0 * q) / 225.0,
-        (16.0 - q) / 36.0, (16.0 + q) / 36.0, 1.0 / 9.0;
-    b = A.row(2).transpose();
-    D = A.inverse();
-    e << -(13.0 + 7.0 * q) / 3.0, (-13.0 + 7.0 * q) / 3.0, -1.0 / 3.0;
-    // Eigenvalues of D: roots of x^3 - 9 x^2 + 36 x - 60.
-    const double third = std::cbrt(3.0), ninth = std::cbrt(9.0);
-    gamma = 3.0 - third + ninth;
-    mu = {3.0 + 0.5 * (third - ninth), 0.5 * std::sqrt(3.0) * (third + ninth)};
-    T.col(0) = eigenvector<double>(D, gamma);
-    const Matrix<std::complex<double>, 3, 1> v = eigenvector(D, mu);
-    T.col(1) = v.real();
-    T.col(2) = v.imag();
-    T_inv = T.inverse();
-  }
-};
-const Tableau& tableau() {
-  static const Tableau t;
-  return t;
+// use(how many, as a constant).
+template <class Use>
+auto with_stages(std::size_t stages, const Use& use) {
+  if (stages == 3) return use(std::integral_constant<std::size_t, 3>());
+  if (stages == 5) return use(std::integral_constant<std::size_t, 5>());
+  return use(std::integral_constant<std::size_t, 7>());
 }
 
 }  // namespace
@@ -91,10 +66,14 @@ OneStep::Settings Radau::settings_with_newton(const RadauOptions& options) {
 
 Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
              std::unique_ptr<PencilSolver> pencil, const RadauOptions& options)
-    : OneStep(system, std::move(solver), settings_with_newton(options), error_order),
+    : OneStep(system, std::move(solver), settings_with_newton(options),
+              error_order(first_stages(options))),
+      stages_(options.stages),
+      t_(&radau_tableau(first_stages(options))),
       pencil_(std::move(pencil)),
       kept_(tangent_policy),
       dense_(system, HermiteStep::Degree::quintic),
+      dense_higher_(system),
       mixed_(system) {
   // Fixed steps have no end: what moves less than a length, or a radian, in a thousand of them is at rest.
   if (!settings_.adaptive())
@@ -103,13 +82,9 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
   solver_->analyze(system.graph());
   analyze_pencil();
   const auto n = static_cast<std::size_t>(system.nodes());
-  for (std::size_t j = 0; j < stages; ++j) {
-    q_[j].assign(n, Vec6::Zero());
-    q_old_[j].assign(n, Vec6::Zero());
-    dV_[j].assign(n, Vec6::Zero());
-    reference_[j].resize(n);
-    delta_[j].resize(system.unknowns());
-  }
+  use_stages(t_->stages);
+  if (settings_.adaptive() && stages_ == 0)
+    choice_ = std::make_unique<RadauStages>(settings_.tolerances.relative);
   Q_.assign(n, Vec6::Zero());
   carry_.assign(n, Vec6::Zero());
   V_hat_.assign(n, Mat6::Zero());
@@ -117,7 +92,22 @@ Radau::Radau(const System& system, std::unique_ptr<LinearSolver> solver,
   eV_.assign(n, Vec6::Zero());
   x_.resize(system.unknowns());
   y_.resize(system.unknowns());
-  z_.resize(static_cast<std::size_t>(system.unknowns()));
+}
+
+Radau::~Radau() = default;
+
+void Radau::use_stages(std::size_t stages) {
+  t_ = &radau_tableau(stages);
+  const auto n = static_cast<std::size_t>(system_.nodes());
+  for (std::size_t j = 0; j < stages; ++j) {
+    q_[j].resize(n, Vec6::Zero());
+    q_old_[j].resize(n, Vec6::Zero());
+    dV_[j].resize(n, Vec6::Zero());
+    reference_[j].resize(n);
+    delta_[j].resize(system_.unknowns());
+  }
+  for (std::size_t k = 0; k < t_->pairs(); ++k)
+    z_[k].resize(static_cast<std::size_t>(system_.unknowns()));
 }
 
 void Radau::analyze_pencil() {
@@ -129,10 +119,16 @@ void Radau::analyze_pencil() {
   pencil_->analyze(graph);
 }
 
-std::string Radau::signature() const { return signature_of("Radau", {mixed_.signature()}); }
+std::string Radau::signature() const {
+  return signature_of("Radau", {static_cast<double>(stages_), mixed_.signature()});
+}
 
 void Radau::archive(Archive& a) {
   OneStep::archive(a);
+  std::size_t stages = t_->stages;
+  a(stages, stages_old_, counted_);
+  if (choice_) a(*choice_);
+  use_stages(stages);
   if (!settings_.adaptive()) a(*error_norm_);
   a(kept_, carry_, history_, t_old_, h_old_, q_old_, pose_old_, V_old_, lambda_old_, mixed_, S_old_,
     stiffness_);
@@ -155,9 +151,7 @@ void Radau::begin_at(State&) {
   factored_step_ = 0.0;
 }
 
-double Radau::time_of(std::size_t stage) const {
-  return begin_.t + tableau().c(static_cast<Index>(stage)) * h_;
-}
+double Radau::time_of(std::size_t stage) const { return begin_.t + t_->c[stage] * h_; }
 
 // Stages from the polynomial of the last step, or from the rates at the start.
 void Radau::predict(bool extrapolate) {
@@ -167,55 +161,75 @@ void Radau::predict(bool extrapolate) {
     for (std::vector<double>& S : S_old_) mixed_.set(begin_, S);
     relinearize_next_ = true;
   }
-  const Vec3& c = tableau().c;
-  for (std::size_t j = 0; j < stages; ++j) {
-    State& stage = stage_[j];
+  for (std::size_t j = 0; j < t_->stages; ++j) {
     const double tau = time_of(j) - begin_.t;
     each_pack(1, eQ_.size(), [&](const PackOf& pack) {
       unpack(packed(begin_.pose, pack) * exp_se3<Pack>(Pack(tau) * packed(begin_.V, pack)), pack,
              reference_[j]);
     });
     if (known) {
-      const double since = time_of(j) - t_old_;
-      const auto w = lagrange<4>({0.0, c(0), c(1), c(2)}, since / h_old_);
-      each_pack(1, eQ_.size(), [&](const PackOf& pack) {
-        const Vector6<Pack> q = Pack(w[1]) * packed(q_old_[0], pack) +
-                                Pack(w[2]) * packed(q_old_[1], pack) +
-                                Pack(w[3]) * packed(q_old_[2], pack);
-        const Pose<Pack> H = packed(pose_old_, pack) *
-                             exp_se3<Pack>(Pack(since) * packed(V_old_, pack)) * exp_se3<Pack>(q);
-        unpack(log_se3<Pack>(relative(packed(reference_[j], pack), H)), pack, q_[j]);
+      with_stages(stages_old_, [&]<std::size_t s>(std::integral_constant<std::size_t, s>) {
+        extrapolate_of<s>(j);
       });
-      const auto v = lagrange<3>({c(0), c(1), c(2)}, since / h_old_);
-      stage.lambda = v[0] * lambda_old_[0] + v[1] * lambda_old_[1] + v[2] * lambda_old_[2];
-      resultants_[j].S.resize(mixed_.size());
-      for (std::size_t i = 0; i < mixed_.size(); ++i)
-        resultants_[j].S[i] = v[0] * S_old_[0][i] + v[1] * S_old_[1][i] + v[2] * S_old_[2][i];
     } else {
       for (std::size_t n = 1; n < eQ_.size(); ++n) q_[j][n] = 0.5 * tau * tau * begin_.Vdot[n];
-      stage.lambda = begin_.lambda;
+      stage_[j].lambda = begin_.lambda;
     }
   }
   if (!known)
-    for (KeptResultants::Iterate& resultants : resultants_) mixed_.set(begin_, resultants.S);
+    for (std::size_t j = 0; j < t_->stages; ++j) mixed_.set(begin_, resultants_[j].S);
   update_stages();
+}
+
+// Stage j from the polynomials through the s stages of the last step.
+template <std::size_t s>
+void Radau::extrapolate_of(std::size_t j) {
+  const RadauTableau& old = radau_tableau(s);
+  std::array<double, s> c;
+  std::array<double, s + 1> with_start{};
+  std::copy_n(old.c.begin(), s, c.begin());
+  std::copy_n(old.c.begin(), s, with_start.begin() + 1);
+  const double since = time_of(j) - t_old_;
+  const auto w = lagrange<s + 1>(with_start, since / h_old_);
+  const auto v = lagrange<s>(c, since / h_old_);
+  [&]<std::size_t... l>(std::index_sequence<l...>) {
+    each_pack(1, eQ_.size(), [&](const PackOf& pack) {
+      const Vector6<Pack> q = (... + (Pack(w[l + 1]) * packed(q_old_[l], pack)));
+      const Pose<Pack> H = packed(pose_old_, pack) *
+                           exp_se3<Pack>(Pack(since) * packed(V_old_, pack)) * exp_se3<Pack>(q);
+      unpack(log_se3<Pack>(relative(packed(reference_[j], pack), H)), pack, q_[j]);
+    });
+    stage_[j].lambda = (... + (v[l] * lambda_old_[l]));
+    std::vector<double>& S = resultants_[j].S;
+    S.resize(mixed_.size());
+    for (std::size_t i = 0; i < mixed_.size(); ++i) S[i] = (... + (v[l] * S_old_[l][i]));
+  }
+  (std::make_index_sequence<s>());
 }
 
 // Poses and rates of the stages from q. With Ad(exp(-q)) - I = -T(q) q~ the change of velocity is
 // T(q) (q' - q~ V_i), without the round-off of V.
-[[gnu::flatten]] void Radau::update_stages() {
-  const Mat3& D = tableau().D;
+void Radau::update_stages() {
+  with_stages(t_->stages, [&]<std::size_t s>(std::integral_constant<std::size_t, s>) {
+    update_stages_of<s>();
+  });
+}
+template <std::size_t s>
+[[gnu::flatten]] void Radau::update_stages_of() {
+  const auto& D = t_->D;
   const double rate = 1.0 / h_;
-  const auto derivative = [&](Index j, const std::array<Vector6<Pack>, stages>& x) {
-    return Vector6<Pack>(Pack(rate) *
-                         (Pack(D(j, 0)) * x[0] + Pack(D(j, 1)) * x[1] + Pack(D(j, 2)) * x[2]));
+  const auto derivative = [&](Index j, const std::array<Vector6<Pack>, s>& x) {
+    return [&]<std::size_t... l>(std::index_sequence<l...>) {
+      return Vector6<Pack>(Pack(rate) * (... + (Pack(D(j, static_cast<Index>(l))) * x[l])));
+    }
+    (std::make_index_sequence<s>());
   };
   each_pack(1, eQ_.size(), [&](const PackOf& pack) {
     const Vector6<Pack> V = packed(begin_.V, pack);
     const Vector3<Pack> v = linear(V), w = angular(V);
-    std::array<Vector6<Pack>, stages> q, dV;
-    for (std::size_t j = 0; j < stages; ++j) q[j] = packed(q_[j], pack);
-    for (std::size_t j = 0; j < stages; ++j) {
+    std::array<Vector6<Pack>, s> q, dV;
+    for (std::size_t j = 0; j < s; ++j) q[j] = packed(q_[j], pack);
+    for (std::size_t j = 0; j < s; ++j) {
       const Vector3<Pack> u = linear(q[j]), psi = angular(q[j]);
       const Vector6<Pack> qdot =
           derivative(static_cast<Index>(j), q) - six<Pack>(psi.cross(v) + u.cross(w), psi.cross(w));
@@ -224,7 +238,7 @@ void Radau::predict(bool extrapolate) {
       unpack(V + dV[j], pack, stage_[j].V);
       unpack(packed(reference_[j], pack) * exp_se3<Pack>(q[j]), pack, stage_[j].pose);
     }
-    for (std::size_t j = 0; j < stages; ++j)
+    for (std::size_t j = 0; j < s; ++j)
       unpack(derivative(static_cast<Index>(j), dV), pack, stage_[j].Vdot);
   });
 }
@@ -232,7 +246,7 @@ void Radau::predict(bool extrapolate) {
 // r and gdot of all stages. False if an element is out of its range.
 bool Radau::residuals() {
   bool in_range = true;
-  for (std::size_t j = 0; j < stages; ++j) {
+  for (std::size_t j = 0; j < t_->stages; ++j) {
     in_range &= mixed_.residual(stage_[j], resultants_[j], r_[j]);
     system_.constraints(stage_[j], g_, gdot_);
     r_[j].tail(gdot_.size()) = gdot_;
@@ -258,9 +272,11 @@ bool Radau::linearize(const State& at, std::size_t stage) {
 }
 
 bool Radau::factorize(StepReport& report) {
-  const double x = tableau().gamma / h_;
+  const double x = t_->gamma / h_;
+  std::array<std::complex<double>, most / 2> z;
+  for (std::size_t k = 0; k < t_->pairs(); ++k) z[k] = t_->mu[k] / h_;
   ++counters_.factorizations;
-  if (pencil_->factor(1.0 / (x * x), x, tableau().mu / h_) != FactorStatus::ok) {
+  if (pencil_->factor(1.0 / (x * x), x, std::span(z.data(), t_->pairs())) != FactorStatus::ok) {
     const Index row = pencil_->singular_row();
     report.failure = singular_failure(row >= 0 ? system_.name_of(row + 6) : std::string());
     report.kind = Failure::singular;
@@ -275,7 +291,7 @@ bool Radau::factorize(StepReport& report) {
 bool Radau::make_ready(StepReport& report) {
   fresh_ = false;
   if (relinearize_next_ || !linearized_) {
-    linearize(stage_[1], 1);
+    linearize(stage_[t_->stages / 2], t_->stages / 2);
     fresh_ = true;
     relinearize_next_ = false;
   }
@@ -285,52 +301,77 @@ bool Radau::make_ready(StepReport& report) {
 }
 
 // Right-hand sides of (2), from the residuals.
+template <std::size_t s>
 void Radau::set_right_sides() {
-  const Tableau& t = tableau();
-  const double x = t.gamma / h_, s = 1.0 / (x * x);
-  const std::complex<double> z = t.mu / h_;
+  const auto& T_inv = t_->T_inv;
+  const double x = t_->gamma / h_, scale = 1.0 / (x * x);
+  std::array<std::complex<double>, s / 2> z;
+  for (std::size_t k = 0; k < s / 2; ++k) z[k] = t_->mu[k] / h_;
   const Index motions = 6 * (system_.nodes() - 1);
   for (Index i = 0; i < system_.unknowns(); ++i) {
-    const double r0 = r_[0](i + 6), r1 = r_[1](i + 6), r2 = r_[2](i + 6);
+    std::array<double, s> r;
+    for (std::size_t j = 0; j < s; ++j) r[j] = r_[j](i + 6);
     const auto weighted = [&](Index row) {
-      return t.T_inv(row, 0) * r0 + t.T_inv(row, 1) * r1 + t.T_inv(row, 2) * r2;
+      return [&]<std::size_t... j>(std::index_sequence<j...>) {
+        return (... + (T_inv(row, static_cast<Index>(j)) * r[j]));
+      }
+      (std::make_index_sequence<s>());
     };
-    const std::complex<double> c(weighted(1), -weighted(2));
     const auto I = static_cast<std::size_t>(i);
-    if (i < motions) {
-      x_(i) = -s * weighted(0);
-      z_[I] = -s * c;
-    } else {
-      x_(i) = -weighted(0) / x;
-      z_[I] = -c / z;
+    const bool moves = i < motions;
+    x_(i) = moves ? -scale * weighted(0) : -weighted(0) / x;
+    for (std::size_t k = 0; k < s / 2; ++k) {
+      const auto row = static_cast<Index>(2 * k + 1);
+      const std::complex<double> c(weighted(row), -weighted(row + 1));
+      z_[k][I] = moves ? -scale * c : -c / z[k];
     }
   }
 }
 
+template <std::size_t s>
+void Radau::solve_pencils() {
+  pencil_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
+  for (std::size_t k = 0; k < s / 2; ++k) pencil_->solve(std::span(z_[k]), k);
+}
+
 // Increments of the stages from the solutions of (2); their largest, in tolerances.
+template <std::size_t s>
 Radau::Increment Radau::set_increments(double slack, double share) {
-  const Tableau& t = tableau();
-  const double x = t.gamma / h_, s = 1.0 / (x * x);
+  const auto& T = t_->T;
+  const double x = t_->gamma / h_, scale = 1.0 / (x * x);
   const Index size = system_.unknowns();
   Increment largest;
-  for (std::size_t j = 0; j < stages; ++j) {
+  for (std::size_t j = 0; j < s; ++j) {
     const auto J = static_cast<Index>(j);
     for (Index i = 0; i < size; ++i) {
-      const std::complex<double>& w = z_[static_cast<std::size_t>(i)];
-      delta_[j](i) = t.T(J, 0) * x_(i) + t.T(J, 1) * w.real() - t.T(J, 2) * w.imag();
+      double sum = T(J, 0) * x_(i);
+      for (std::size_t k = 0; k < s / 2; ++k) {
+        const std::complex<double>& w = z_[k][static_cast<std::size_t>(i)];
+        const auto column = static_cast<Index>(2 * k + 1);
+        sum = sum + T(J, column) * w.real() - T(J, column + 1) * w.imag();
+      }
+      delta_[j](i) = sum;
     }
     double exact = 0.0;
     const double one =
-        norm_({delta_[j].data(), static_cast<std::size_t>(size)}, s, slack, share, &exact);
+        norm_({delta_[j].data(), static_cast<std::size_t>(size)}, scale, slack, share, &exact);
     largest.floored = one <= largest.floored ? largest.floored : one;  // a NaN stays
     largest.exact = std::max(largest.exact, exact);
   }
   return largest;
 }
 
+Radau::Increment Radau::increments(double slack, double share) {
+  return with_stages(t_->stages, [&]<std::size_t s>(std::integral_constant<std::size_t, s>) {
+    set_right_sides<s>();
+    solve_pencils<s>();
+    return set_increments<s>(slack, share);
+  });
+}
+
 void Radau::move_stages() {
-  const double x = tableau().gamma / h_, s = 1.0 / (x * x);
-  for (std::size_t j = 0; j < stages; ++j) {
+  const double x = t_->gamma / h_, s = 1.0 / (x * x);
+  for (std::size_t j = 0; j < t_->stages; ++j) {
     each_pack(1, eQ_.size(), [&](const PackOf& pack) {
       Vector6<Pack> delta, q = packed(q_[j], pack);
       pack_into(delta, [&](int lane) { return delta_[j].data() + 6 * (pack[lane] - 1); });
@@ -345,9 +386,9 @@ void Radau::move_stages() {
 void Radau::explain_failure(StepReport& report) {
   residuals();
   std::string element;
-  for (std::size_t j = 0; j < stages && element.empty(); ++j)
+  for (std::size_t j = 0; j < t_->stages && element.empty(); ++j)
     element = system_.out_of_range(stage_[j]);
-  report.failure = newton_failure(element, r_[2]);
+  report.failure = newton_failure(element, r_[last()]);
   report.kind = element.empty() ? Failure::convergence : Failure::range;
 }
 
@@ -359,7 +400,7 @@ void Radau::note(double increment, StepReport& report) {
 
 void Radau::explain_not_finite(StepReport& report) const {
   std::size_t bad = 0;
-  while (bad < 2 && r_[bad].allFinite()) ++bad;
+  while (bad < last() && r_[bad].allFinite()) ++bad;
   report.failure =
       fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_[bad])));
 }
@@ -368,21 +409,18 @@ bool Radau::iterate(StepReport& report) {
   report.iterations = 0;
   report.contraction = 0.0;
   if (!make_ready(report)) return false;
-  const double x = tableau().gamma / h_;
+  const double x = t_->gamma / h_;
   norm_.set_floor(begin_, stiffness_ + mass_ * x * x);
-  const double share = error_norm_->velocity_share(velocity_gain / h_);
+  const double share = error_norm_->velocity_share(velocity_gain(*t_) / h_);
   const double stalled = settings_.adaptive() ? 1.0 : stalled_fixed;
   const double slack = multiplier_slack();
   double previous = 0.0, last = 0.0;  // increments, in tolerances; of the last with its floor
   for (int k = 0; k < settings_.newton.max_iterations; ++k) {
     stop::check();
     const bool in_range = residuals();
-    counters_.residuals += 3;
-    set_right_sides();
-    pencil_->solve({x_.data(), static_cast<std::size_t>(x_.size())});
-    pencil_->solve(std::span<std::complex<double>>(z_));
+    counters_.residuals += static_cast<long>(t_->stages);
     ++counters_.iterations;
-    const auto [e, exact] = set_increments(slack, share);
+    const auto [e, exact] = increments(slack, share);
     note(e, report);
     if (!std::isfinite(e)) {
       explain_not_finite(report);
@@ -426,9 +464,9 @@ bool Radau::iterate(StepReport& report) {
 
 bool Radau::solve_step(double t, double h, StepReport& report) {
   h_ = h;
-  for (std::size_t j = 0; j < stages; ++j) {
+  for (std::size_t j = 0; j < t_->stages; ++j) {
     stage_[j] = begin_;
-    system_.set_time(stage_[j], j + 1 == stages ? t : time_of(j), Side::left);
+    system_.set_time(stage_[j], j == last() ? t : time_of(j), Side::left);
     if (!usable(stage_[j], report)) return false;
   }
   error_norm_->measure(begin_, begin_);
@@ -452,10 +490,10 @@ bool Radau::solve_step(double t, double h, StepReport& report) {
   }
   if (converged && tolerant_) {
     // Where the mechanism locks, such a step stands still and says that it has converged.
-    system_.constraints(stage_[2], g_, gdot_);
+    system_.constraints(stage_[last()], g_, gdot_);
     Index row = 0;
     if (!(largest_violation(system_, g_, &row) <= torn) ||
-        !(largest_violation(system_, gdot_, &row) <= locked * fastest(system_, stage_[2]))) {
+        !(largest_violation(system_, gdot_, &row) <= locked * fastest(system_, stage_[last()]))) {
       converged = false;
       report.failure =
           fmt::format("the constraints cannot all be kept (worst: {}): the mechanism locks there",
@@ -464,12 +502,21 @@ bool Radau::solve_step(double t, double h, StepReport& report) {
   }
   if (converged)
     for (std::size_t n = 1; n < eQ_.size() && converged; ++n)
-      if (!(h_ * begin_.V[n].tail<3>().norm() + q_[2][n].tail<3>().norm() < most_turn)) {
+      if (!(h_ * begin_.V[n].tail<3>().norm() + q_[last()][n].tail<3>().norm() < most_turn)) {
         converged = false;
         report.failure = fmt::format("{} turns by more than {} rad in a step",
                                      system_.node_name(static_cast<Index>(n)), most_turn);
       }
   return converged;
+}
+
+// More than three stages might pass over whole turns.
+double Radau::longest_from(const State& state) const {
+  if (t_->stages == 3) return OneStep::longest_from(state);
+  constexpr double share = 0.85;  // the rest is for velocities that grow
+  double spin = 0.0;
+  for (const Vec6& V : state.V) spin = std::max(spin, V.tail<3>().norm());
+  return share * most_turn / spin;
 }
 
 void Radau::settle() {
@@ -488,12 +535,12 @@ void Radau::forget() {
 }
 
 double Radau::estimated_error(bool again) {
-  // Of tolerance^(4/5).
   const double factor =
       (settings_.tolerances.of == ErrorsOf::motion ? local_tolerance_of_motion : local_tolerance) *
-      std::pow(settings_.tolerances.relative, -0.2);
+      looser(*t_) *
+      std::pow(settings_.tolerances.relative, -1.0 / (static_cast<double>(t_->stages) + 2.0));
   estimate(false);
-  error_norm_->measure(begin_, stage_[2]);
+  error_norm_->measure(begin_, stage_[last()]);
   const double error = (*error_norm_)(eQ_, eV_, factor);
   // After a rejection, and at a start, the estimate may be of what is too stiff for the step.
   if (!(error > 1.0 && (again || !history_))) return error;
@@ -505,7 +552,13 @@ double Radau::estimated_error(bool again) {
 // `filtered`: from the start of the step moved by the first estimate, which is wrong where things are stiffer than
 // the step resolves: what decays within it is then taken out (IV.8.20).
 void Radau::estimate(bool filtered) {
-  const Tableau& t = tableau();
+  with_stages(t_->stages, [&]<std::size_t s>(std::integral_constant<std::size_t, s>) {
+    estimate_of(filtered, std::make_index_sequence<s>());
+  });
+}
+template <std::size_t... l>
+void Radau::estimate_of(bool filtered, std::index_sequence<l...>) {
+  const RadauTableau& t = *t_;
   const double x = t.gamma / h_, s = 1.0 / (x * x), rate = 1.0 / h_;
   const Index size = system_.unknowns(), motions = 6 * (system_.nodes() - 1);
   VecX& rhs = delta_[0];
@@ -526,8 +579,8 @@ void Radau::estimate(bool filtered) {
   second.setZero();  // what P2 is applied to
   for (Index n = 1; n < system_.nodes(); ++n) {
     const auto N = static_cast<std::size_t>(n);
-    Vec6 dQ = rate * (t.e(0) * q_[0][N] + t.e(1) * q_[1][N] + t.e(2) * q_[2][N]);
-    Vec6 dV = rate * (t.e(0) * dV_[0][N] + t.e(1) * dV_[1][N] + t.e(2) * dV_[2][N]);
+    Vec6 dQ = rate * (... + (t.e[l] * q_[l][N]));
+    Vec6 dV = rate * (... + (t.e[l] * dV_[l][N]));
     if (filtered)
       dQ += eV_[N] - V_hat_[N] * eQ_[N];  // q' there; V' is in the residual
     else
@@ -560,7 +613,7 @@ void Radau::estimate(bool filtered) {
 std::optional<RoundOff> Radau::round_off() {
   if (factored_step_ == 0.0 || !history_ || system_.multipliers() == 0) return std::nullopt;
   constexpr double eps = std::numeric_limits<double>::epsilon();
-  const double x = tableau().gamma / factored_step_;
+  const double x = t_->gamma / factored_step_;
   double fastest = 0.0;
   for (const Vec6& V : end_.V)
     fastest = std::max({fastest, V.head<3>().cwiseAbs().maxCoeff(),
@@ -593,77 +646,109 @@ void Radau::project() {
   bool renewed = tolerant_;
   const auto settle_on = [&](const VecX& violation, double enough, double open,
                              std::vector<Vec6>& increments, const auto& move_to) {
-    double last = std::numeric_limits<double>::infinity();
+    double before = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < most_passes; ++pass) {
       system_.constraints(end_, g_, gdot_);
       const double size = largest_violation(system_, violation);
-      if (pass > 0 && !(size <= last) && !(size <= open)) {
+      if (pass > 0 && !(size <= before) && !(size <= open)) {
         std::swap(increments, Q_);
         move_to(increments);
         return;
       }
-      if (size <= enough || !(size < 0.9 * last)) return;
-      if (pass >= 2 && size > slow * last && size > worth * enough && !renewed) {
+      if (size <= enough || !(size < 0.9 * before)) return;
+      if (pass >= 2 && size > slow * before && size > worth * enough && !renewed) {
         renewed = true;
-        linearize(end_, 2);
+        linearize(end_, last());
         StepReport report;
         if (!factorize(report)) return;
       }
-      last = size;
+      before = size;
       correct(violation);
       Q_ = increments;
       for (Index n = 1; n < system_.nodes(); ++n) {
         Vec6& u = increments[static_cast<std::size_t>(n)];
         const Vec6 change = x_.segment<6>(6 * (n - 1));
-        u += &increments == &q_[2] ? T_inverse_times<double>(u, change) : change;
+        u += &increments == &q_[last()] ? T_inverse_times<double>(u, change) : change;
       }
       move_to(increments);
     }
   };
-  settle_on(g_, 2.0 * round_off, torn, q_[2], [&](const std::vector<Vec6>& q) {
+  settle_on(g_, 2.0 * round_off, torn, q_[last()], [&](const std::vector<Vec6>& q) {
     for (std::size_t n = 1; n < q.size(); ++n)
-      end_.pose[n] = reference_[2][n] * exp_se3<double>(q[n]);
+      end_.pose[n] = reference_[last()][n] * exp_se3<double>(q[n]);
   });
   const double pace = fastest(system_, end_);
-  settle_on(gdot_, 4.0 * eps * pace, locked * pace, dV_[2], [&](const std::vector<Vec6>& dV) {
+  settle_on(gdot_, 4.0 * eps * pace, locked * pace, dV_[last()], [&](const std::vector<Vec6>& dV) {
     for (std::size_t n = 1; n < dV.size(); ++n) end_.V[n] = begin_.V[n] + dV[n];
   });
 }
 
 void Radau::accept() {
-  const Tableau& t = tableau();
-  end_ = stage_[2];
+  end_ = stage_[last()];
   project();
   for (std::size_t n = 1; n < eQ_.size(); ++n) {
     renormalize(end_.pose[n]);
-    const Vec6 change = dV_[2][n] + carry_[n];
+    const Vec6 change = dV_[last()][n] + carry_[n];
     end_.V[n] = begin_.V[n] + change;
     carry_[n] = change - (end_.V[n] - begin_.V[n]);
   }
   system_.follow_angles(end_);
-  std::array<Work, stages> power;
-  for (std::size_t j = 0; j < stages; ++j) {
-    power[j] = system_.power(j + 1 == stages ? end_ : stage_[j]);
-    end_.work += h_ * t.b(static_cast<Index>(j)) * power[j];
+  std::array<Work, most> power;
+  for (std::size_t j = 0; j < t_->stages; ++j) {
+    power[j] = system_.power(j == last() ? end_ : stage_[j]);
+    end_.work += h_ * t_->b[j] * power[j];
   }
   if (observer_) {
     for (std::size_t n = 1; n < Q_.size(); ++n)
       Q_[n] = log_se3<double>(relative(begin_.pose[n], end_.pose[n]));
-    dense_.set(begin_, end_, Q_);
-    dense_.set_inside({time_of(0), time_of(1)}, {&stage_[0].lambda, &stage_[1].lambda},
-                      {power[0], power[1]});
-    observer_(dense_);
+    show(power);
   }
   std::swap(q_, q_old_);
   std::swap(pose_old_, begin_.pose);
   std::swap(V_old_, begin_.V);
-  for (std::size_t j = 0; j < stages; ++j) {
+  for (std::size_t j = 0; j < t_->stages; ++j) {
     std::swap(lambda_old_[j], stage_[j].lambda);
     std::swap(S_old_[j], resultants_[j].S);
   }
   t_old_ = begin_.t;
   h_old_ = h_;
+  stages_old_ = t_->stages;
   history_ = true;
+  if (choice_) choose_stages();
+}
+
+// For the next step.
+void Radau::choose_stages() {
+  const std::array<long, 3> now = {counters_.iterations, counters_.tangents,
+                                   counters_.factorizations};
+  const double work = RadauStages::work(t_->stages, now[0] - counted_[0], now[1] - counted_[1],
+                                        now[2] - counted_[2]);
+  counted_ = now;
+  if (!choice_->accepted(h_, work)) return;
+  use_stages(choice_->stages());
+  factored_step_ = 0.0;
+  change_error_order(error_order(t_->stages), choice_->step());
+}
+
+void Radau::show(const std::array<Work, most>& power) {
+  if (t_->stages == 3) {
+    dense_.set(begin_, end_, Q_);
+    dense_.set_inside({time_of(0), time_of(1)}, {&stage_[0].lambda, &stage_[1].lambda},
+                      {power[0], power[1]});
+    observer_(dense_);
+    return;
+  }
+  CollocationStep::Inside inside;
+  inside.tableau = t_;
+  for (std::size_t j = 0; j < t_->stages; ++j) {
+    inside.q[j] = q_[j];
+    inside.dV[j] = dV_[j];
+    inside.stage[j] = j + 1 == t_->stages ? &end_ : &stage_[j];
+    inside.power[j] = power[j];
+  }
+  inside.tolerant = tolerant_;
+  dense_higher_.set(begin_, end_, inside);
+  observer_(dense_higher_);
 }
 
 }  // namespace mbd

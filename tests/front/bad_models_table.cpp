@@ -717,6 +717,13 @@ const std::vector<BadModel>& bad_models() {
       {"rho_infinity_of_radau", "pendulum", {8},
         "transient", {"rho_infinity", "generalized_alpha", "radau", "leave"},
        [](Scene& s) { s.transient->method = TimeMethod::radau; }},
+      {"stages_of_generalized_alpha", "pendulum", {8},
+        "transient", {"stages", "radau", "generalized_alpha", "leave"},
+       [](Scene& s) { s.transient->stages = StageCount::five; }},
+      {"stages_auto_in_fixed_steps", "pendulum", {8},
+        "transient", {"stages", "auto", "tolerance", "step"},
+       [](Scene& s) { s.transient->method = TimeMethod::radau; s.transient->rho_infinity.reset();
+         s.transient->stages = StageCount::automatic; }},
       {"balance_of_radau", "pendulum", {8},
         "transient", {"balance", "generalized_alpha", "radau", "leave"},
        [](Scene& s) { s.transient->method = TimeMethod::radau; s.transient->rho_infinity.reset();

@@ -67,6 +67,35 @@ TEST_F(Exported, CampbellDiagramsAreReadByH5py) {
               {"campbell.h5: cannot be written"});
 }
 
+// ---- linear.h5 ---------------------------------------------------------------------------------
+
+TEST_F(Exported, LinearisedModelsAreReadByH5py) {
+  require_python("h5py, numpy", "python3-h5py");
+  if (IsSkipped()) return;
+  const struct {
+    const char *model, *words, *says;
+  } cases[] = {
+      {"cart_pole", "--at 0.5", "0 states"},
+      {"shaft", "--rate 40 --axis 1 0 0 --without gravity", "states, "},
+      {"four_bar", "", "states, "},
+  };
+  for (const auto& [name, words, says] : cases) {
+    const fs::path model = fs::path(MBD_SOURCE_DIR) / "models" / (std::string(name) + ".xml");
+    const Output made =
+        mbd(fmt::format("linearize {} {} --hdf5 -o {}", quote(model.string()), words, name));
+    if (made.text.find("libhdf5") != std::string::npos) GTEST_SKIP() << made.text;
+    ASSERT_EQ(made.status, 0) << made.text;
+    expect_says(made.text, {"F.mtx, linear.h5"});
+    const Output read = script("read_linear.py", std::string(name) + " " + quote(model.string()));
+    EXPECT_EQ(read.status, 0) << read.text;
+    expect_says(read.text, {says});
+  }
+  // Of an older one nothing stays.
+  const std::string model = quote((fs::path(MBD_SOURCE_DIR) / "models/four_bar.xml").string());
+  ASSERT_EQ(mbd("linearize " + model + " -q -o four_bar").status, 0);
+  EXPECT_FALSE(fs::exists(file("four_bar/linear.h5")));
+}
+
 // ---- run.h5 ------------------------------------------------------------------------------------
 
 class RunFileTest : public Exported {

@@ -73,7 +73,8 @@ TEST(Restart, IsTheSameToTheLastBit) {
   const TemporaryDirectory whole, killed;
   for (const char* settings :
        {R"(step="2 ms")", R"(step="5 ms" method="radau" output="4 ms")", R"(tolerance="1e-5")",
-        R"(tolerance="1e-6" method="radau" output="6 ms")"})
+        R"(tolerance="1e-6" method="radau" output="6 ms")",
+        R"(tolerance="1e-7" method="radau" stages="auto" output="6 ms")"})
     for (const char* every : {"9rows", "1e-9 s"}) {
       SCOPED_TRACE(fmt::format("{} {}", settings, every));
       const Scene scene = read(model + fmt::format(R"(<transient duration="0.3" {}/>)", settings));

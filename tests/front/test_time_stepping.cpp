@@ -502,6 +502,10 @@ TEST_F(TransientCommand, AnotherMethodKeepsTheRows) {
   EXPECT_EQ(settings()["method"], "generalized_alpha");
   EXPECT_EQ(settings()["rho_infinity"], 0.9);
   EXPECT_EQ(settings()["output"], "steps");
+  EXPECT_EQ(run_model("pendulum.xml", "-m radau -t 1e-9 --stages 7 -q").status, 0);
+  EXPECT_EQ(settings()["stages"], "7");
+  EXPECT_EQ(run_model("pendulum.xml", "-m radau -t 1e-9 --stages auto -q").status, 0);
+  EXPECT_EQ(settings()["stages"], "auto");
   EXPECT_EQ(run_model("pendulum.xml", "--step step/2 -q").status, 0);  // a parameter of the model
   EXPECT_EQ(settings()["step"], 0.5e-3);
 }
@@ -536,6 +540,9 @@ TEST_F(TransientCommand, RefusesWhatCannotBe) {
   EXPECT_HAS(said("pendulum.xml", "--step stp"), "step");
   EXPECT_HAS(said("pendulum.xml", "--tolerance 0"), "between 1e-14 and 0.1");
   EXPECT_HAS(said("pendulum.xml", "--tolerance 1e-3 --step 0.1"), "give one of them");
+  EXPECT_HAS(said("pendulum.xml", "--stages 5"), "add --method radau");
+  EXPECT_HAS(said("pendulum.xml", "--method radau --stages 4"), "--stages");
+  EXPECT_HAS(said("pendulum.xml", "--method radau --step 0.01 --stages auto"), "--tolerance");
   EXPECT_HAS(said("pendulum.xml", "--output stepps"), "--output stepps: ");
   EXPECT_HAS(said("pendulum.xml", "--output 0.3"), "between rows");
   EXPECT_HAS(said("bend45.xml", "--method radau"), "no <transient>");

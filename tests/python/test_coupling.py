@@ -1,5 +1,8 @@
 """A model that a program drives: inputs, checkpoints, steps taken again, matrices. Against closed forms."""
 
+import pathlib
+import re
+
 import numpy as np
 import pytest
 
@@ -115,6 +118,21 @@ def test_matrices(tmp_path):
     stepper.step(100)
     moving = stepper.linearize()
     assert "A" not in moving and len(moving["notes"]) == 1
+
+
+def test_the_guide_makes_a_mat_file(tmp_path, monkeypatch):
+    scipy_io, sparse = pytest.importorskip("scipy.io"), pytest.importorskip("scipy.sparse")
+    root = pathlib.Path(__file__).parents[2]
+    said = re.search(r"```python\n(linear = mbd[^`]*)```", (root / "models/GUIDE.md").read_text()).group(1)
+    monkeypatch.chdir(tmp_path)
+    names = {"mbd": mbd, "scipy": __import__("scipy")}
+    exec(said.replace("models/", f"{root}/models/"), names)
+    read, linear = scipy_io.loadmat("linear.mat"), names["linear"]
+    for name in "EABCD":
+        assert np.array_equal(read[name], linear[name])
+    for name in "MCKG":
+        assert (read["all_" + name] != sparse.csc_matrix(names["all_nodes"]["all_" + name])).nnz == 0
+    assert read["A"].shape[0] > 100
 
 
 def test_says_what_is_wrong(tmp_path):

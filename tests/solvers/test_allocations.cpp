@@ -105,12 +105,16 @@ TEST_P(AllocationFree, Steps) {
 // Steps of Radau, fixed and adaptive, without an observer.
 TEST_P(AllocationFree, RadauSteps) {
   const Scene scene = damped_scene(GetParam());
-  for (const bool adaptive : {false, true}) {
+  for (const auto& [adaptive, stages] :
+       {std::pair{false, 3u}, {true, 3u}, {true, 5u}, {true, 7u}}) {
     const Model model = compile(scene);
     RadauOptions options;
+    options.stages = stages;
     if (adaptive) {
       options.tolerances.relative = 1e-5;
-      options.end = scene.transient->duration;
+      // Beyond that of the model, which more stages may come to: a step after the end says so in words.
+      options.end = 10.0 * scene.transient->duration;
+      options.max_step = 0.05 * scene.transient->duration;
     } else {
       options.step = scene.transient->step.value();
     }
@@ -124,10 +128,10 @@ TEST_P(AllocationFree, RadauSteps) {
       for (int k = 0; k < 60; ++k) converged = converged && stepper.step(state).converged;
     });
     EXPECT_TRUE(converged);
-    RecordProperty(adaptive ? "adaptive" : "fixed",
+    RecordProperty((adaptive ? "adaptive_" : "fixed_") + std::to_string(stages),
                    std::to_string(stepper.counters().factorizations - before.factorizations));
-    EXPECT_EQ(c.news, 0) << adaptive;
-    EXPECT_EQ(c.mallocs, 0) << adaptive;
+    EXPECT_EQ(c.news, 0) << adaptive << " " << stages;
+    EXPECT_EQ(c.mallocs, 0) << adaptive << " " << stages;
   }
 }
 
@@ -138,7 +142,8 @@ TEST_P(AllocationFree, StepsThatAreSampled) {
   const double h = scene.transient->step.value();
   GeneralizedAlpha alpha(*model.system, make_klu_solver(), {.step = h, .newton = {}});
   Radau radau(*model.system, make_klu_solver(), make_klu_pencil_solver(), {.step = h});
-  for (Stepper* const stepper : std::initializer_list<Stepper*>{&alpha, &radau}) {
+  Radau seven(*model.system, make_klu_solver(), make_klu_pencil_solver(), {.step = h, .stages = 7});
+  for (Stepper* const stepper : std::initializer_list<Stepper*>{&alpha, &radau, &seven}) {
     State state = model.initial, dense = state;
     stepper->on_substep(
         [&](const DenseStep& step) { step.at(0.5 * (step.begin() + step.end()), dense); });
@@ -149,8 +154,11 @@ TEST_P(AllocationFree, StepsThatAreSampled) {
       for (int k = 0; k < 20; ++k) converged = converged && stepper->step(state).converged;
     });
     EXPECT_TRUE(converged);
-    EXPECT_EQ(c.news, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
-    EXPECT_EQ(c.mallocs, 0) << (stepper == &alpha ? "generalized-alpha" : "radau");
+    const char* const name = stepper == &alpha   ? "generalized-alpha"
+                             : stepper == &radau ? "radau"
+                                                 : "seven stages";
+    EXPECT_EQ(c.news, 0) << name;
+    EXPECT_EQ(c.mallocs, 0) << name;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Models, AllocationFree,

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct Way {
   double step, tolerance, rho;
   int before, after;  // steps
   const char* balance = "";
+  std::optional<StageCount> stages = {};
 };
 
 class CheckpointsOfMethods : public testing::TestWithParam<Way> {
@@ -57,6 +59,7 @@ class CheckpointsOfMethods : public testing::TestWithParam<Way> {
       transient.tolerance = way.tolerance;
     if (transient.method == TimeMethod::generalized_alpha) transient.rho_infinity = way.rho;
     if (way.balance[0] != '\0') transient.balance = Balance::momentum;
+    transient.stages = way.stages;
     return scene;
   }
 };
@@ -111,7 +114,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Way{"alpha_redundant", "windows", "", 1e-3, 0.0, 0.9, 40, 40},
                     Way{"radau", "double_pendulum", "radau", 1e-2, 0.0, 0.0, 37, 60},
                     Way{"radau_adaptive", "double_pendulum", "radau", 0.0, 1e-6, 0.0, 37, 60},
-                    Way{"radau_beams", "four_bar", "radau", 0.0, 1e-4, 0.0, 30, 30}),
+                    Way{"radau_beams", "four_bar", "radau", 0.0, 1e-4, 0.0, 30, 30},
+                    // In the first trial of other stages, and before it.
+                    Way{"radau_auto", "double_pendulum", "radau", 0.0, 1e-6, 0.0, 19, 60, "",
+                        StageCount::automatic},
+                    Way{"radau_seven", "heavy_top", "radau", 0.0, 1e-8, 0.0, 20, 20, "",
+                        StageCount::seven}),
     [](const auto& of) { return std::string(of.param.name); });
 
 const std::string driven = R"(<input name="u"/>

@@ -44,21 +44,23 @@ TEST_P(RadauConstraints, HoldToRoundOff) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Models, RadauConstraints,
-    testing::Values(Held{"pendulum", {.step = 0.02}, 10.0},
-                    Held{"pendulum", {.tolerances = {.relative = 1e-5}, .end = 10.0}, 10.0},
-                    Held{"heavy_top", {.step = 1e-3}, 1.0},
-                    Held{"heavy_top", {.tolerances = {.relative = 1e-4}, .end = 1.0}, 1.0},
-                    Held{"four_bar", {.step = 9e-3}, 5.994},
-                    Held{"four_bar", {.tolerances = {.relative = 1e-4}, .end = 6.0}, 6.0},
-                    Held{"shaft", {.step = 1e-2}, 1.0},
-                    Held{"shaft", {.tolerances = {.relative = 1e-4}, .end = 1.0}, 1.0},
-                    Held{"every_joint",
-                         {.step = 1e-2,
-                          .newton = {.tolerance = 1e-11, .multiplier_tolerance = 1e-8}},
-                         2.0},
-                    Held{"every_joint", {.tolerances = {.relative = 1e-4}, .end = 2.0}, 2.0}),
+    testing::Values(
+        Held{"pendulum", {.step = 0.02}, 10.0},
+        Held{"pendulum", {.tolerances = {.relative = 1e-5}, .end = 10.0}, 10.0},
+        Held{"heavy_top", {.step = 1e-3}, 1.0},
+        Held{"every_joint", {.tolerances = {.relative = 1e-6}, .end = 2.0, .stages = 7}, 2.0},
+        Held{"heavy_top", {.tolerances = {.relative = 1e-4}, .end = 1.0}, 1.0},
+        Held{"four_bar", {.step = 9e-3}, 5.994},
+        Held{"four_bar", {.tolerances = {.relative = 1e-4}, .end = 6.0}, 6.0},
+        Held{"shaft", {.step = 1e-2}, 1.0},
+        Held{"shaft", {.tolerances = {.relative = 1e-4}, .end = 1.0}, 1.0},
+        Held{"every_joint",
+             {.step = 1e-2, .newton = {.tolerance = 1e-11, .multiplier_tolerance = 1e-8}},
+             2.0},
+        Held{"every_joint", {.tolerances = {.relative = 1e-4}, .end = 2.0}, 2.0}),
     [](const auto& held) {
-      return held.param.model + (held.param.options.step > 0.0 ? "_fixed" : "_adaptive");
+      return held.param.model + (held.param.options.step > 0.0 ? "_fixed" : "_adaptive") +
+             (held.param.options.stages == 3 ? "" : "_of_higher_order");
     });
 
 // ---- landings -----------------------------------------------------------------------------------
@@ -77,7 +79,10 @@ TEST(RadauLandings, OnJumps) {
   const double a = 0.505, b = 0.70313, v1 = 3.0 * (b - a), x1 = 1.5 * std::pow(b - a, 2),
                T = 1.0 - b;
   for (const RadauOptions& options :
-       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0}}) {
+       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0},
+        RadauOptions{.step = 0.01, .stages = 5},
+        RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0, .stages = 7},
+        RadauOptions{.tolerances = {.relative = 1e-6}, .end = 1.0, .stages = 0}}) {
     const Model model = compile(scene);
     Radau stepper(*model.system, make_klu_solver(), make_klu_pencil_solver(), options);
     State state = model.initial, at = model.initial;
@@ -145,7 +150,9 @@ TEST(RadauLandings, KeepTheOrderAcrossAJump) {
 // A kink in the rate of a drive: the acceleration jumps, and so does the driving moment.
 TEST(RadauLandings, RestartAtKinksOfDrives) {
   for (const RadauOptions& options :
-       {RadauOptions{.step = 0.07}, RadauOptions{.tolerances = {.relative = 1e-8}, .end = 2.1}}) {
+       {RadauOptions{.step = 0.07}, RadauOptions{.tolerances = {.relative = 1e-8}, .end = 2.1},
+        RadauOptions{.step = 0.07, .stages = 7},
+        RadauOptions{.tolerances = {.relative = 1e-8}, .end = 2.1, .stages = 5}}) {
     const Driven d = drive(scene_of(R"xml(
       <body name="arm" at="1 0 0" mass="2" inertia="1 1 1"/>
       <revolute name="A" between="ground arm" at="0 0 0" axis="0 0 1"/>
@@ -181,6 +188,7 @@ TEST(SteppersDenseOutput, DisturbsNoStep) {
   for (const auto& [model, duration] : {std::pair{"pendulum", 1.0}, {"four_bar", 0.9}})
     for (const MakeStepper& make :
          {radau({.step = 0.01}), radau({.tolerances = {.relative = 1e-5}, .end = duration}),
+          radau({.tolerances = {.relative = 1e-5}, .end = duration, .stages = 5}),
           generalized_alpha({.step = 0.01, .newton = {}}),
           generalized_alpha({.tolerances = {.relative = 1e-3}, .end = duration, .newton = {}})}) {
       const Driven without = drive(model_scene(model), make, duration);
@@ -233,6 +241,8 @@ TEST(SteppersDenseOutput, JoinsTheSteps) {
        {std::tuple{"pendulum", 2.0, 0.05}, {"heavy_top", 0.1, 2e-3}, {"shaft", 0.4, 1e-2}})
     for (const MakeStepper& make :
          {radau({.step = step}), radau({.tolerances = {.relative = 1e-4}, .end = duration}),
+          radau({.step = step, .stages = 7}),
+          radau({.tolerances = {.relative = 1e-8}, .end = duration, .stages = 0}),
           generalized_alpha({.step = step, .newton = {}}),
           generalized_alpha({.tolerances = {.relative = 1e-3}, .end = duration, .newton = {}})}) {
       const Seams s = seams_of(model_scene(model), make, duration);
@@ -446,6 +456,7 @@ TEST(RadauFailures, EndWhereALoadEnds) {
   const std::pair<MakeStepper, double> methods[] = {
       {radau({.step = 0.03}), 2e-5},
       {radau({.tolerances = {.relative = 1e-6}, .end = 1.0}), 2e-5},
+      {radau({.tolerances = {.relative = 1e-6}, .end = 1.0, .stages = 7}), 2e-5},
       {generalized_alpha({.step = 0.03, .newton = {}}), 1e-3},
       {generalized_alpha({.tolerances = {.relative = 1e-4}, .end = 1.0, .newton = {}}), 1e-4}};
   for (const auto& [make, tolerance] : methods) {
@@ -484,7 +495,8 @@ TEST(RadauFailures, StepsThatShrinkToNothing) {
 TEST(RadauFailures, ALockEndsTheRunWithItsResults) {
   const Model model = compile(scene_of(locking));
   for (const RadauOptions& options :
-       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 4.0}}) {
+       {RadauOptions{.step = 0.01}, RadauOptions{.tolerances = {.relative = 1e-6}, .end = 4.0},
+        RadauOptions{.tolerances = {.relative = 1e-6}, .end = 4.0, .stages = 7}}) {
     const Ended e = until_the_end(model, radau(options), 4.0);
     ASSERT_FALSE(e.last.converged);
     RecordProperty(options.step > 0.0 ? "fixed" : "adaptive", e.last.failure);
@@ -522,9 +534,12 @@ TEST(RadauFailures, StepsThatTurnTooFarAreHalved) {
   const double angle = 2.0 * std::atan2(e.state.pose[1].p.z(), e.state.pose[1].p.w());
   EXPECT_NEAR(std::remainder(angle - 150.0, 8.0 * std::atan(1.0)), 0.0, 1e-12);
   // adaptive steps shorten themselves
-  e = until_the_end(model, radau({.tolerances = {.relative = 1e-3}, .end = 1.0}), 1.0);
-  ASSERT_TRUE(e.last.converged) << e.last.failure;
-  EXPECT_LT(e.counters.steps, 200);
+  for (const std::size_t stages : {3u, 7u}) {
+    e = until_the_end(model,
+                      radau({.tolerances = {.relative = 1e-3}, .end = 1.0, .stages = stages}), 1.0);
+    ASSERT_TRUE(e.last.converged) << e.last.failure;
+    EXPECT_LT(e.counters.steps, 200);
+  }
 }
 
 TEST(RadauFailures, AFailedStepIsTriedInHalves) {

@@ -1,6 +1,7 @@
 #include "tools/mbd/overrides.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -95,6 +96,13 @@ void add_transient_options(CLI::App& command, TransientOptions& options) {
       .add_option("-m,--method", options.method,
                   "integrate by this method: generalized_alpha, radau or ida")
       ->check(CLI::IsMember(methods));
+  std::vector<std::string> stages;
+  for (const std::string_view count : schema::words(attribute("stages").choices))
+    stages.emplace_back(count);
+  command
+      .add_option("--stages", options.stages,
+                  "of radau: how many stages a step has, 3, 5 or 7 (of order 5, 9, 13), or auto")
+      ->check(CLI::IsMember(stages));
   command
       .add_option("--step", options.step,
                   "in fixed steps of H seconds, or of a number with a unit, in place of those of "
@@ -116,14 +124,16 @@ void add_transient_options(CLI::App& command, TransientOptions& options) {
 }
 
 std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
-  const auto& [method, step, tolerance, output] = options;
-  if (method.empty() && step.empty() && tolerance.empty() && output.empty()) return {};
+  const auto& [method, step, tolerance, output, stages] = options;
+  if (method.empty() && step.empty() && tolerance.empty() && output.empty() && stages.empty())
+    return {};
   if (!scene.transient)
     throw Error(fmt::format("--{}: the model has no <transient>; leave it out, or add one to {}",
                             !method.empty()      ? "method"
                             : !step.empty()      ? "step"
                             : !tolerance.empty() ? "tolerance"
-                                                 : "output",
+                            : !output.empty()    ? "output"
+                                                 : "stages",
                             scene.file));
   if (!step.empty() && !tolerance.empty())
     throw Error("--step and --tolerance: steps are fixed or follow a tolerance; give one of them");
@@ -131,12 +141,27 @@ std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
   SteppingChange change;
   if (!step.empty()) change.step = number("step", step, scene);
   if (!tolerance.empty()) change.tolerance = number("tolerance", tolerance, scene);
+  const auto place_among = [](const char* name, const std::string& word) {
+    const std::vector<std::string_view> known = schema::words(attribute(name).choices);
+    const auto at = std::find(known.begin(), known.end(), word);
+    if (at == known.end())
+      throw Error(fmt::format("--{} {}: give {}", name, word, fmt::join(known, ", ")));
+    return at - known.begin();
+  };
   if (!method.empty()) {
-    const std::vector<std::string_view> known = schema::words(attribute("method").choices);
-    change.method =
-        static_cast<TimeMethod>(std::find(known.begin(), known.end(), method) - known.begin());
+    change.method = static_cast<TimeMethod>(place_among("method", method));
     if (change.method == TimeMethod::ida && !change.tolerance && (change.step || transient.step))
       throw Error("--method ida has no fixed steps; add --tolerance");
+  }
+  if (!stages.empty()) {
+    change.stages = static_cast<StageCount>(place_among("stages", stages));
+    if (change.method.value_or(transient.method) != TimeMethod::radau)
+      throw Error("--stages belongs to radau; add --method radau");
+    if (change.stages == StageCount::automatic && !change.tolerance &&
+        (change.step || transient.step))
+      throw Error(
+          "--stages auto follows the errors of steps, and fixed steps have none; give a number, or "
+          "--tolerance");
   }
   const std::vector<std::string> notes = change_stepping(transient, change);
   if (!output.empty()) {

@@ -37,7 +37,7 @@ double option_value(std::string_view name, const std::string& text, std::string_
 // As given; empty: not given. Numbers are expressions of the model's parameters, with a unit of time (but the
 // tolerance).
 struct TransientOptions {
-  std::string method, step, tolerance, output;
+  std::string method, step, tolerance, output, stages = {};
 };
 void add_transient_options(CLI::App& command, TransientOptions& options);
 

@@ -109,6 +109,7 @@ double requested_accuracy(const std::string& text) {
 void refuse_both(const TransientOptions& given) {
   for (const auto& [name, value] :
        {std::pair<const char*, const std::string&>{"method", given.method},
+        {"stages", given.stages},
         {"step", given.step},
         {"tolerance", given.tolerance}})
     if (!value.empty())

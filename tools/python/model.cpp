@@ -348,12 +348,12 @@ void bind_model(py::module_& module) {
           "run",
           [](const ModelHandle& m, const py::object& progress, const std::string& method,
              const std::string& step, const std::string& tolerance, const std::string& output,
-             const std::vector<std::string>& without, const std::optional<double>& accuracy,
-             const std::vector<std::string>& quantities, double choose_within, bool certify,
-             bool estimate_error, bool motion, const std::optional<int>& frames,
-             const std::optional<std::string>& out) {
+             const std::string& stages, const std::vector<std::string>& without,
+             const std::optional<double>& accuracy, const std::vector<std::string>& quantities,
+             double choose_within, bool certify, bool estimate_error, bool motion,
+             const std::optional<int>& frames, const std::optional<std::string>& out) {
             return run_model(m,
-                             {{method, step, tolerance, output},
+                             {{method, step, tolerance, output, stages},
                               without,
                               accuracy,
                               quantities,
@@ -366,9 +366,9 @@ void bind_model(py::module_& module) {
                              progress);
           },
           py::arg("progress"), py::arg("method"), py::arg("step"), py::arg("tolerance"),
-          py::arg("output"), py::arg("without"), py::arg("accuracy"), py::arg("quantities"),
-          py::arg("choose_within"), py::arg("certify"), py::arg("estimate_error"),
-          py::arg("motion"), py::arg("frames"), py::arg("out"));
+          py::arg("output"), py::arg("stages"), py::arg("without"), py::arg("accuracy"),
+          py::arg("quantities"), py::arg("choose_within"), py::arg("certify"),
+          py::arg("estimate_error"), py::arg("motion"), py::arg("frames"), py::arg("out"));
 
   module.def("read_table", &read_table, py::arg("file_or_directory"));
   module.def("page_of_results", &page_of_results, py::arg("directory"), py::arg("frames"));

@@ -635,7 +635,7 @@ std::optional<bool> ends_elements(const Scene& scene, const RecordScene* record,
 }
 
 // Section forces are derivatives of the motion between nodes, of order N, and motion there of order N + 1; joints'
-// forces and accelerations are of order 3 in Radau's steps (radau.hpp), and do not go with a tolerance.
+// forces and accelerations are of the order of the stages in Radau's steps (radau.hpp), and do not go with a tolerance.
 std::optional<double> theory_of(const Scene& scene, const std::vector<Setting>& settings, Knob knob,
                                 const std::string& quantity) {
   using From = schema::Quantity::From;
@@ -647,8 +647,12 @@ std::optional<double> theory_of(const Scene& scene, const std::vector<Setting>& 
       if (from == From::acceleration || from == From::strain) return std::nullopt;
       return 1.0;
     case Knob::step:
-      if (setting.method.value_or(scene.transient->method) == TimeMethod::radau)
-        return from == From::acceleration ? 3.0 : 5.0;
+      if (setting.method.value_or(scene.transient->method) == TimeMethod::radau) {
+        // Fixed steps have three where the model leaves it to them.
+        const auto stages =
+            static_cast<double>(std::max<std::size_t>(3, radau_stages(*scene.transient)));
+        return from == From::acceleration ? stages : 2.0 * stages - 1.0;
+      }
       return 2.0;
     case Knob::elements:
       if (const std::optional<int> order =

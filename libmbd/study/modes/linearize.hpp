@@ -43,6 +43,12 @@ Linearization linearize(const Model& model, const State& state);
 // linear.json (names, units, and the matrices E, A, B, C, D by rows) and M.mtx, C.mtx, K.mtx, G.mtx (the gradient of the
 // constraints), F.mtx: (1) of linearization.hpp in the format of Matrix Market. Throws Error if a file cannot be written.
 void write_linearization(const Linearization& linear, const std::filesystem::path& directory);
+
+// The same as one file of HDF5: E, A, B, C, D as tables; inputs, outputs and states with names, units and frames; the matrices of all
+// nodes as triplets (row and column from 0, value). Throws Error as Hdf5File does.
+void write_linearization(const std::filesystem::path& file, const Linearization& linear,
+                         const Scene& scene);
+
 std::string to_text(const Linearization& linear);
 
 }  // namespace mbd

@@ -1507,7 +1507,7 @@ class Scene(Element):
           </mbd>
         """
         ...
-    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
+    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, stages: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
         """<transient>
           Integration in time, in fixed steps or in steps that follow an estimated
           error.
@@ -1539,6 +1539,10 @@ class Scene(Element):
                              motion so far, or of velocities as well (default: motion
                              where all that is recorded follows from it, else
                              velocities)
+          stages             auto, 3, 5 or 7, optional
+                             of radau: how many stages a step has, for order 5, 9 or 13,
+                             or chosen as it goes by what comes farthest for its work
+                             (default: 3)
           max_step           number > 0 [s], optional
                              longest step that a tolerance may lead to (default: a part
                              of the duration)
@@ -3991,7 +3995,7 @@ class DefaultsElement(Element):
           </mbd>
         """
         ...
-    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
+    def transient(self, *, duration: Value = None, method: Value = None, step: Value = None, tolerance: Value = None, position_tolerance: Value = None, rotation_tolerance: Value = None, velocity_tolerance: Value = None, angular_velocity_tolerance: Value = None, errors: Value = None, stages: Value = None, max_step: Value = None, output: Value = None, rho_infinity: Value = None, balance: Value = None, newton_tolerance: Value = None, inertia: Value = None, linear_solver: Value = None) -> TransientElement:
         """Integration in time, in fixed steps or in steps that follow an estimated error."""
         ...
     def modes(self, *, count: Value = None, near: Value = None, rate: Value = None, at: Value = None, axis: Value = None, through: Value = None, at_rest: Value = None, mac: Value = None) -> ModesElement:

@@ -66,15 +66,15 @@ class Model:
         """dict: what `mbd explain --json` says: what is simulated, where it is stated, what is absent and why."""
         return json.loads(self._model.explain())
 
-    def run(self, progress=False, *, out=None, method=None, step=None, tolerance=None, output=None, without=(),
-            accuracy=None, quantities=(), choose_within=600.0, motion=False, frames=None, certify=False,
+    def run(self, progress=False, *, out=None, method=None, step=None, tolerance=None, output=None,
+            stages=None, without=(), accuracy=None, quantities=(), choose_within=600.0, motion=False, frames=None, certify=False,
             estimate_error=True) -> "Results":
         """Runs the model as `mbd run` does, to the same bits, and returns Results.
 
         progress: True shows a line on stderr; or a function f(t, duration, step), called a few times a second
         out: directory for history.csv, history.svg and report.json, and for modes where the model asks for some; none:
         nothing is written
-        method, step [s], tolerance, output [s]: integrate otherwise than the model says (of a <transient>)
+        method, step [s], tolerance, output [s], stages: integrate otherwise than the model says (of a <transient>)
         without: effects to leave out, as `mbd effects` names them
         accuracy: chooses settings for this error of `quantities`, within choose_within [s] of CPU time
         motion: keeps the motion for Results.view(); frames: so many, else one with each row
@@ -97,8 +97,8 @@ class Model:
         try:
             table, raised = self._model.run(
                 show, optional_text(method, "method"), optional_text(step, "step"),
-                optional_text(tolerance, "tolerance"), optional_text(output, "output"), names_of(without),
-                None if accuracy is None else float(accuracy), names_of(quantities), float(choose_within),
+                optional_text(tolerance, "tolerance"), optional_text(output, "output"), optional_text(stages, "stages"),
+                names_of(without), None if accuracy is None else float(accuracy), names_of(quantities), float(choose_within),
                 bool(certify), bool(estimate_error), bool(motion), frames, None if out is None else os.fspath(out))
         finally:
             if line is not None:
