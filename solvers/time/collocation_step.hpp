@@ -30,7 +30,8 @@ class CollocationStep final : public DenseStep {
     std::array<std::span<const Vec6>, most> q, dV;  // by node; dV = V - V_i
     std::array<const State*, most> stage{};         // the end itself for the last
     std::array<Work, most> power{};
-    bool tolerant = false;  // a rank-tolerant step: no row is idle, though some repeat others at its end
+    bool tolerant =
+        false;  // a rank-tolerant step: no row is idle, though some repeat others at its end
   };
   // Refers to all of it until the next call. Costs nothing until at() is called.
   void set(const State& begin, const State& end, const Inside& inside);

@@ -49,13 +49,13 @@ class Model:
     def parameters(self) -> Dict[str, float]:
         """dict: values of all parameters, SI units."""
         ...
-    def run(self, progress: Any = False, *, out: Any = None, method: Any = None, step: Any = None, tolerance: Any = None, output: Any = None, without: Any = (), accuracy: Any = None, quantities: Any = (), choose_within: Any = 600.0, motion: Any = False, frames: Any = None, certify: Any = False, estimate_error: Any = True) -> Results:
+    def run(self, progress: Any = False, *, out: Any = None, method: Any = None, step: Any = None, tolerance: Any = None, output: Any = None, stages: Any = None, without: Any = (), accuracy: Any = None, quantities: Any = (), choose_within: Any = 600.0, motion: Any = False, frames: Any = None, certify: Any = False, estimate_error: Any = True) -> Results:
         """Runs the model as `mbd run` does, to the same bits, and returns Results.
 
         progress: True shows a line on stderr; or a function f(t, duration, step), called a few times a second
         out: directory for history.csv, history.svg and report.json, and for modes where the model asks for some; none:
         nothing is written
-        method, step [s], tolerance, output [s]: integrate otherwise than the model says (of a <transient>)
+        method, step [s], tolerance, output [s], stages: integrate otherwise than the model says (of a <transient>)
         without: effects to leave out, as `mbd effects` names them
         accuracy: chooses settings for this error of `quantities`, within choose_within [s] of CPU time
         motion: keeps the motion for Results.view(); frames: so many, else one with each row
