@@ -545,6 +545,14 @@ void check(const Checked& item, const PathScene&, const Scene& scene) {
                                                      ">; leave one of them out");
 }
 
+void check_stages(const Checked& item, const TransientScene& transient, const std::string& method) {
+  item.fail_if(transient.stages && transient.method != TimeMethod::radau,
+               "stages belong to method=\"radau\", not to" + method + "; leave them out");
+  item.fail_if(transient.stages == StageCount::automatic && transient.step,
+               "stages=\"auto\" follows the errors of steps, and fixed steps have none; give a "
+               "number, or a tolerance in place of step");
+}
+
 void check(const Checked& item, const TransientScene& transient, const Scene&) {
   const std::string method = " method=" + in_quotes(name_of(transient.method));
   const bool alpha = transient.method == TimeMethod::generalized_alpha;
@@ -593,11 +601,7 @@ void check(const Checked& item, const TransientScene& transient, const Scene&) {
   };
   of_alpha("rho_infinity", transient.rho_infinity.has_value());
   of_alpha("balance", transient.balance.has_value());
-  item.fail_if(transient.stages && transient.method != TimeMethod::radau,
-               "stages belong to method=\"radau\", not to" + method + "; leave them out");
-  item.fail_if(transient.stages == StageCount::automatic && transient.step,
-               "stages=\"auto\" follows the errors of steps, and fixed steps have none; give a "
-               "number, or a tolerance in place of step");
+  check_stages(item, transient, method);
   item.fail_if(transient.balance == Balance::momentum && transient.inertia != InertiaTerms::full,
                "balance=\"momentum\" balances the whole of inertia; leave out inertia, or give "
                "balance=\"acceleration\"");

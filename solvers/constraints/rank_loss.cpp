@@ -120,7 +120,8 @@ std::string rank_loss(const System& system, const State& state) {
   VecX z(B.cols());
   for (double& entry : z) entry = number(random);
   VecX u = projection(z);
-  if (!(u.norm() > 0.0)) return {};
+  constexpr double moves = 1e-8;  // less is round-off, of no direction
+  if (!(u.norm() > moves * z.norm())) return {};
   u /= u.cwiseAbs().maxCoeff();
   const double by = little * system.length_scale();
   const Eigen::MatrixXd ahead = gradient(system, moved(system, state, u, by)).transpose() * n,

@@ -21,6 +21,11 @@ constexpr double short_step = 100.0;
 constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
 
+// A law of time may ask for less than the estimate of the error does, which knows only what it has seen.
+double most_of_step(const LawSteps& laws, double t, double longest) {
+  return std::min(laws.end_of_step(t) - t, longest);
+}
+
 }  // namespace
 
 OneStep::OneStep(const System& system, std::unique_ptr<LinearSolver> solver,
@@ -357,9 +362,8 @@ StepReport OneStep::adaptive_step(State& state) {
     return report;
   }
   for (;;) {
-    // A law of time may ask for less than the estimate does, which knows only what it has seen.
-    const double most = std::min(laws_.end_of_step(state.t) - state.t, longest_from(state)),
-                 rest = landing.t - state.t;
+    const double most = most_of_step(laws_, state.t, longest_from(state));
+    const double rest = landing.t - state.t;
     const double h = fitted(std::min(controller_->step(), most), rest);
     const bool last = h == rest;
     if (is_too_short(h, state.t, unusable, report)) return report;

@@ -284,7 +284,7 @@ TEST_F(Completion, OffersCommandsAndOptions) {
   EXPECT_EQ(offers({"sch"}), (Words{"schema"}));
   EXPECT_EQ(offers({"--v"}), (Words{"--version"}));
   EXPECT_EQ(offers({"run", "--o"}), (Words{"--out", "--output"}));
-  EXPECT_EQ(offers({"run", "arm.xml", "--s"}), (Words{"--set", "--step"}));
+  EXPECT_EQ(offers({"run", "arm.xml", "--s"}), (Words{"--set", "--stages", "--step"}));
   EXPECT_EQ(offers({"nonsense", ""}), Words{});
   // every option of every command's help
   for (const std::string& command : commands()) {

@@ -235,6 +235,20 @@ TEST(RankLoss, AFlatLinkageIsRefused) {
   EXPECT_EQ(refusal([] { study_modes(linkage(0.6), {}); }), "no error");
 }
 
+// What nothing moves loses nothing: a block that two hinges hold along two axes, and an arm beside it that swings.
+TEST(RankLoss, OfWhatIsHeldThroughout) {
+  const std::string held = R"(<body name="block" at="1 1 0" mass="1" inertia="1 1 1"/>
+      <revolute name="X" between="ground block" at="1 0 0" axis="1 0 0"/>
+      <revolute name="Y" between="ground block" at="0 1 0" axis="0 1 0"/>)";
+  const Model model = compile(read(held + R"(<static/>)"));
+  EXPECT_EQ(model.redundant.size(), 4U);
+  EXPECT_EQ(rank_loss(*model.system, model.initial), "");
+  const Scene both = read(held + R"(<body name="arm" at="5 0 0" mass="1" inertia="1 1 2"/>
+      <revolute name="hinge" between="ground arm" at="5 0 0" axis="0 0 1"/>
+      <joint_spring name="k" joint="hinge" angular_stiffness="8"/>)");
+  EXPECT_NEAR(frequencies(both).front(), 2.0, 1e-9);
+}
+
 // Six wheels and a rod, of which four cranks repeat others: w^2 = k/(6 J + m).
 TEST(RankLoss, OfARodOnSixWheels) {
   const auto train = [](double angle) {
