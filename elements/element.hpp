@@ -61,6 +61,7 @@ struct ElementOutput {
 //   may_be_offset           that its nodes may sit in those of the batch at constant poses (ElementBatch::set_frames)
 //   scales_with_load        that the residual is linear in the load factor, not constant
 //   load_power(shared, data, node states with V, environment) -> power [W] of a load on its nodes
+//   each_law(shared, data, node states, environment, visit): visit(law, argument, ArgumentOf) for each nonlinear law
 //   damping_power(shared, data, node states, environment)    -> power [W] of its forces that depend on rates
 template <class E>
 concept Element = requires(const typename E::Shared& shared, const typename E::Data& data,

@@ -58,30 +58,31 @@ struct JointDamper {
 
   static double damping_power(const Shared& shared, const Data& data, const NodeState<double>* x,
                               const Environment&) {
-    const two_frames::Frames<double> frames(data.axis.ends, x);
-    const double rate = Coordinate::gradient(frames.g).dot(frames.twist(x));
+    const double rate = rate_of(data, x);
     return -data.force(shared.laws, rate).f * rate;
   }
 
-  // Calls visit(law, argument, ArgumentOf) for each law.
   template <class Visit>
   static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
                        const Environment&, const Visit& visit) {
-    const two_frames::Frames<double> frames(data.axis.ends, x);
-    const double rate = Coordinate::gradient(frames.g).dot(frames.twist(x));
     constexpr ArgumentOf of =
         std::is_same_v<Coordinate, Turning> ? ArgumentOf::angular_speed : ArgumentOf::speed;
-    data.force.each_law(shared.laws, rate, of, visit);
+    data.force.each_law(shared.laws, rate_of(data, x), of, visit);
   }
 
   // tau of (1) [N.m, N]: the damper exerts -tau on b.
   static double effort(const Shared& shared, const Data& data, const NodeState<double>* x,
                        double /*near*/) {
-    const two_frames::Frames<double> frames(data.axis.ends, x);
-    return data.force(shared.laws, Coordinate::gradient(frames.g).dot(frames.twist(x))).f;
+    return data.force(shared.laws, rate_of(data, x)).f;
   }
 
  private:
+  // xdot.
+  static double rate_of(const Data& data, const NodeState<double>* x) {
+    const two_frames::Frames<double> frames(data.axis.ends, x);
+    return Coordinate::gradient(frames.g).dot(frames.twist(x));
+  }
+
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>
   [[gnu::noinline]] static S residual(const Shared& shared, const Data& data,

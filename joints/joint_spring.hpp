@@ -55,30 +55,30 @@ struct JointSpring {
 
   static Energies energies(const Shared& shared, const Data& data, const NodeState<double>* x,
                            const Environment& env) {
-    const two_frames::Frames<double> frames(data.axis.ends, x);
-    const double y = Coordinate::value(frames.g, data.axis.near(env)) - data.rest;
+    const double y = extension(data, x, data.axis.near(env));
     return {.strain = data.force.energy(shared.laws, y)};
   }
 
-  // Calls visit(law, argument, ArgumentOf) for each law.
   template <class Visit>
   static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
                        const Environment& env, const Visit& visit) {
-    const two_frames::Frames<double> frames(data.axis.ends, x);
-    const double y = Coordinate::value(frames.g, data.axis.near(env)) - data.rest;
     constexpr ArgumentOf of =
         std::is_same_v<Coordinate, Turning> ? ArgumentOf::angle : ArgumentOf::length;
-    data.force.each_law(shared.laws, y, of, visit);
+    data.force.each_law(shared.laws, extension(data, x, data.axis.near(env)), of, visit);
   }
 
   // tau of (2) [N.m, N]: the spring exerts -tau on b.
   static double effort(const Shared& shared, const Data& data, const NodeState<double>* x,
                        double near) {
-    const two_frames::Frames<double> frames(data.axis.ends, x);
-    return data.force(shared.laws, Coordinate::value(frames.g, near) - data.rest).f;
+    return data.force(shared.laws, extension(data, x, near)).f;
   }
 
  private:
+  // y of (1).
+  static double extension(const Data& data, const NodeState<double>* x, double near) {
+    return Coordinate::value(two_frames::Frames<double>(data.axis.ends, x).g, near) - data.rest;
+  }
+
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>
   [[gnu::noinline]] static S residual(const Shared& shared, const Data& data,

@@ -85,7 +85,6 @@ struct Bushing {
     return {.strain = E};
   }
 
-  // Calls visit(law, argument, ArgumentOf) for each law.
   template <class Visit>
   static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
                        const Environment&, const Visit& visit) {

@@ -51,24 +51,27 @@ struct Damper {
 
   static double damping_power(const Shared& shared, const Data& data, const NodeState<double>* x,
                               const Environment&) {
-    const double rate = two_points::Line<double>(data.ends, x).rate(x);
+    const double rate = rate_of(data, x);
     return -data.force(shared.laws, rate).f * rate;
   }
 
-  // Calls visit(law, argument, ArgumentOf) for each law.
   template <class Visit>
   static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
                        const Environment&, const Visit& visit) {
-    const double rate = two_points::Line<double>(data.ends, x).rate(x);
-    data.force.each_law(shared.laws, rate, ArgumentOf::speed, visit);
+    data.force.each_law(shared.laws, rate_of(data, x), ArgumentOf::speed, visit);
   }
 
   // T [N], for output.
   static double tension(const Shared& shared, const Data& data, const NodeState<double>* x) {
-    return data.force(shared.laws, two_points::Line<double>(data.ends, x).rate(x)).f;
+    return data.force(shared.laws, rate_of(data, x)).f;
   }
 
  private:
+  // l'.
+  static double rate_of(const Data& data, const NodeState<double>* x) {
+    return two_points::Line<double>(data.ends, x).rate(x);
+  }
+
   // Not inlined: the same to the last bit with and without the tangent.
   template <class S>
   [[gnu::noinline]] static S residual(const Shared& shared, const Data& data,

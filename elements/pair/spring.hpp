@@ -55,7 +55,6 @@ struct Spring {
     return {.strain = data.force.energy(shared.laws, extension(data, x))};
   }
 
-  // Calls visit(law, argument, ArgumentOf) for each law.
   template <class Visit>
   static void each_law(const Shared& shared, const Data& data, const NodeState<double>* x,
                        const Environment&, const Visit& visit) {

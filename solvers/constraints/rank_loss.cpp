@@ -7,7 +7,8 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <random>
-#include <set>
+#include <string>
+#include <vector>
 
 #include "libmbd/core/se3.hpp"
 #include "solvers/constraints/redundancy.hpp"
@@ -86,23 +87,19 @@ State moved(const System& system, State state, const VecX& z, double by) {
   return state;
 }
 
-// Of which joints rows are, by how much they count in a column of `rows`.
+// "revolute 'A', revolute 'B' and 3 more": those whose rows count among all, in the order of the scene.
 std::string joints_of(const System& system, const VecX& rows) {
   constexpr double involved = 1e-3;
   constexpr std::size_t most = 6;
-  std::set<std::string> names;
-  const double size = rows.cwiseAbs().maxCoeff();
-  for (Index i = 0; i < rows.size(); ++i) {
-    if (std::abs(rows(i)) <= involved * size) continue;
-    const std::string words = row_in_words(system, i);
-    names.insert(words.substr(0, words.find(',')));
-  }
-  std::vector<std::string> shown(names.begin(), names.end());
-  const std::size_t more = shown.size() > most ? shown.size() - most : 0;
-  shown.resize(shown.size() - more);
-  std::string text = fmt::format("{}", fmt::join(shown, ", "));
-  if (more > 0) text += fmt::format(" and {} more", more);
-  return text;
+  const double least = involved * rows.cwiseAbs().maxCoeff();
+  std::vector<std::string> names;
+  for (const ConstraintInfo& info : system.constraints())
+    if (rows.segment(info.first_row, info.rows).cwiseAbs().maxCoeff() > least)
+      names.push_back(info.name);
+  const std::size_t more = names.size() > most ? names.size() - most : 0;
+  names.resize(names.size() - more);
+  const std::string text = fmt::format("{}", fmt::join(names, ", "));
+  return more > 0 ? fmt::format("{} and {} more", text, more) : text;
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ class ConstraintRows : public LinearSolver {
   Eigen::MatrixXd trash_;
 };
 
-Dependence dependence(const System& system, const State& state, double least = independent) {
+Dependence dependence(const System& system, const State& state, double least) {
   const std::vector<Index> rows = rows_in_loops(system);
   if (rows.empty()) return {};
   const ConstraintEntries entries = scaled_gradient(system, state);
@@ -347,10 +347,11 @@ Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Inde
 
 bool has_loops(const System& system) { return !rows_in_loops(system).empty(); }
 
-Redundancy find_redundancy(const System& system, const State& state, double open) {
+namespace {
+
+Redundancy redundancy(const System& system, const State& state, double least) {
   Redundancy result;
-  constexpr double moved = 100.0, most = 1e-4;  // rows of B, by what the state is off; at most
-  Dependence found = dependence(system, state, std::clamp(moved * open, independent, most));
+  Dependence found = dependence(system, state, least);
   if (found.redundant.empty()) return result;
   refuse_too_many(system, found);
   const std::vector<Group> groups = groups_of(found.null);
@@ -368,16 +369,24 @@ Redundancy find_redundancy(const System& system, const State& state, double open
   return result;
 }
 
-double openness(const System& system, const State& state) {
+}  // namespace
+
+Redundancy find_redundancy(const System& system, const State& state) {
+  return redundancy(system, state, independent);
+}
+
+Redundancy find_redundancy_nearby(const System& system, const State& state) {
+  constexpr double moved = 100.0, most = 1e-4;  // rows of B, by what the state is off; at most
   State all = state;
   all.idle.clear();
   VecX g, gdot;
   system.constraints(all, g, gdot);
-  return largest_violation(system, g);
+  return redundancy(system, state,
+                    std::clamp(moved * largest_violation(system, g), independent, most));
 }
 
 VecX minimum_norm(const System& system, const State& state) {
-  const Dependence found = dependence(system, state);
+  const Dependence found = dependence(system, state, independent);
   const bool unseen = found.redundant.size() < state.idle.size();
   if (found.redundant.empty() && !unseen) return state.lambda;
   const VecX units = multiplier_units(system);
@@ -394,7 +403,7 @@ VecX minimum_norm(const System& system, const State& state) {
 }
 
 VecX without_idle(const System& system, const State& state, const std::vector<Index>& idle) {
-  const Dependence found = dependence(system, state);
+  const Dependence found = dependence(system, state, independent);
   if (idle.empty() || found.null.cols() != std::ssize(idle)) return state.lambda;
   VecX result = state.lambda;
   for (const Group& group : groups_of(found.null)) {

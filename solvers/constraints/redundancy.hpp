@@ -50,12 +50,10 @@ struct Redundancy {
 // Of the rows at a state that satisfies them; nothing idle is left out. A system without loops has none. Throws Error
 // where more than 1000 rows repeat others of the same constraints: what is done with them is dense, and cubic in their
 // number.
-// `open`: by how much of the scene's length the state does not satisfy them, if by more than round-off; rows count as dependent that
-// are so but for that.
-Redundancy find_redundancy(const System& system, const State& state, double open = 0.0);
+Redundancy find_redundancy(const System& system, const State& state);
 
-// The largest gap of a constraint at a state, of the scene's length or in rad: idle rows too.
-double openness(const System& system, const State& state);
+// The same at a state that is off them by more than round-off, as rank-tolerant steps end: rows that are dependent but for that.
+Redundancy find_redundancy_nearby(const System& system, const State& state);
 
 // Multipliers with the same forces on all nodes, of least norm; those of `state` where rows are independent. A state
 // inside a step is off its constraints by the error of interpolation, and rows that repeat each other look

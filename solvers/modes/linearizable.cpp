@@ -86,8 +86,7 @@ std::string why_not_linear(const System& system, const State& state) {
   if (lost.empty()) return {};
   return lost +
          ": to the first order they leave more ways to move than beside it, and motions near it "
-         "are "
-         "not linear; take another configuration";
+         "are not linear; take another configuration";
 }
 
 std::string range_of_linearity(const System& system, const State& state) {

@@ -8,8 +8,7 @@
 namespace mbd {
 
 void CollocationStep::set(const State& begin, const State& end, const Inside& inside) {
-  begin_ = &begin;
-  end_ = &end;
+  set_ends(begin, end);
   inside_ = inside;
   prepared_ = false;
 }
@@ -72,7 +71,7 @@ void CollocationStep::prepare() const {
     }
   }
   std::vector<Index> idle = end_->idle;
-  if (inside_.tolerant) idle = find_redundancy(system_, *end_, openness(system_, *end_)).idle;
+  if (inside_.tolerant) idle = find_redundancy_nearby(system_, *end_).idle;
   for (std::size_t j = 0; j < s; ++j) {
     lambda_[j] = inside_.stage[j]->lambda;
     if (idle.empty()) continue;
@@ -90,12 +89,7 @@ void CollocationStep::at(double t, State& out) const {
   const std::size_t s = inside_.tableau->stages;
   const double h = end_->t - begin_->t, since = t - begin_->t, x = since / h;
   const WeightsAt w = weights_at(x);
-  out.load_factor = begin_->load_factor;
-  out.inputs = begin_->inputs;
-  out.momentum_rate = 0.0;
-  out.pose.resize(begin_->pose.size());
-  out.V.resize(begin_->pose.size());
-  out.Vdot.resize(begin_->pose.size());
+  make_room(out);
   system_.set_time(out, t, x < 1.0 ? Side::right : Side::left);
   for (std::size_t n = 1; n < begin_->pose.size(); ++n) {
     const Vec6& V0 = begin_->V[n];

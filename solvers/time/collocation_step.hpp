@@ -19,7 +19,7 @@
 
 namespace mbd {
 
-class CollocationStep final : public DenseStep {
+class CollocationStep final : public StepBetween {
  public:
   explicit CollocationStep(const System& system) : system_(system) {}
 
@@ -30,17 +30,13 @@ class CollocationStep final : public DenseStep {
     std::array<std::span<const Vec6>, most> q, dV;  // by node; dV = V - V_i
     std::array<const State*, most> stage{};         // the end itself for the last
     std::array<Work, most> power{};
-    bool tolerant =
-        false;  // a rank-tolerant step: no row is idle, though some repeat others at its end
+    // A rank-tolerant step: no row is idle, though some repeat others at its end.
+    bool tolerant = false;
   };
   // Refers to all of it until the next call. Costs nothing until at() is called.
   void set(const State& begin, const State& end, const Inside& inside);
 
-  double begin() const override { return begin_->t; }
-  double end() const override { return end_->t; }
   void at(double t, State& out) const override;
-  const State* first() const override { return begin_; }
-  const State* last() const override { return end_; }
 
  private:
   static constexpr std::size_t most = RadauTableau::most_stages + 1;
@@ -54,8 +50,6 @@ class CollocationStep final : public DenseStep {
   Work work_at(const Weights& sums) const;
 
   const System& system_;
-  const State* begin_ = nullptr;
-  const State* end_ = nullptr;
   Inside inside_;
   mutable bool prepared_ = false;
   mutable Weights node_{}, scale_{};  // 0, c_1 …, and 1/prod (node_k - node_j)

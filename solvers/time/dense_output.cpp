@@ -7,9 +7,17 @@ namespace {
 using D = Dual<double>;
 }
 
+void StepBetween::make_room(State& out) const {
+  out.load_factor = begin_->load_factor;
+  out.inputs = begin_->inputs;
+  out.momentum_rate = 0.0;
+  out.pose.resize(begin_->pose.size());
+  out.V.resize(begin_->pose.size());
+  out.Vdot.resize(begin_->pose.size());
+}
+
 void HermiteStep::set(const State& begin, const State& end, std::span<const Vec6> Q) {
-  begin_ = &begin;
-  end_ = &end;
+  set_ends(begin, end);
   Q_ = Q;
   inner_ = {};
   prepared_ = false;
@@ -56,12 +64,7 @@ void HermiteStep::at(double t, State& out) const {
   if (!prepared_) prepare();
   const double h = end_->t - begin_->t;
   const double s = (t - begin_->t) / h;
-  out.load_factor = begin_->load_factor;
-  out.inputs = begin_->inputs;
-  out.momentum_rate = 0.0;
-  out.pose.resize(c_.size());
-  out.V.resize(c_.size());
-  out.Vdot.resize(c_.size());
+  make_room(out);
   system_.set_time(out, t, s < 1.0 ? Side::right : Side::left);
   for (std::size_t n = 1; n < c_.size(); ++n) {
     const auto& c = c_[n];

@@ -42,7 +42,27 @@ inline Vector6<Dual<double>> dual(const Vec6& value, const Vec6& rate) {
   return x;
 }
 
-class HermiteStep final : public DenseStep {
+// A step between two states, to which it refers until the next call of set_ends().
+class StepBetween : public DenseStep {
+ public:
+  double begin() const override { return begin_->t; }
+  double end() const override { return end_->t; }
+  const State* first() const override { return begin_; }
+  const State* last() const override { return end_; }
+
+ protected:
+  void set_ends(const State& begin, const State& end) {
+    begin_ = &begin;
+    end_ = &end;
+  }
+  // Of a state inside what does not move, and room for what does.
+  void make_room(State& out) const;
+
+  const State* begin_ = nullptr;
+  const State* end_ = nullptr;
+};
+
+class HermiteStep final : public StepBetween {
  public:
   enum class Degree { cubic, quintic };
 
@@ -57,19 +77,13 @@ class HermiteStep final : public DenseStep {
   void set_inside(const std::array<double, 2>& times, const std::array<const VecX*, 2>& multipliers,
                   const std::array<Work, 2>& powers);
 
-  double begin() const override { return begin_->t; }
-  double end() const override { return end_->t; }
   void at(double t, State& out) const override;
-  const State* first() const override { return begin_; }
-  const State* last() const override { return end_; }
 
  private:
   void prepare() const;
 
   const System& system_;
   Degree degree_;
-  const State* begin_ = nullptr;
-  const State* end_ = nullptr;
   std::span<const Vec6> Q_;
   std::array<double, 2> times_{};
   std::array<const VecX*, 2> inner_{};

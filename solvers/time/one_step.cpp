@@ -254,7 +254,7 @@ bool OneStep::attempt_with_other_rows(double t, double h, StepReport& report) {
 void OneStep::take_step(State& state) {
   accept();
   if (choose_rows_) {
-    end_.idle = find_redundancy(system_, end_, openness(system_, end_)).idle;
+    end_.idle = find_redundancy_nearby(system_, end_).idle;
     end_.lambda = without_idle(system_, end_, end_.idle);
     forget();
     choose_rows_ = false;

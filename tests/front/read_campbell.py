@@ -8,13 +8,9 @@ import h5py
 import numpy
 import pandas
 
+from reading import expect, finish
+
 directory, model = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-faults = []
-
-
-def expect(what, holds):
-    if not holds:
-        faults.append(what)
 
 
 def same(a, b):
@@ -63,7 +59,4 @@ if responses.exists():
         for name in ("major", "minor", "lag", "re_forward", "im_forward", "re_backward", "im_backward", "besides"):
             expect(f"{name} of {place}", same(rows[name], group[name][:, column]))
 
-print(len(rates), "rates,", len(branches), "modes", *diagram["special/rate"][:])
-for fault in faults:
-    print("differs:", fault)
-sys.exit(bool(faults))
+finish(len(rates), "rates,", len(branches), "modes", *diagram["special/rate"][:])

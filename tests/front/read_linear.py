@@ -7,13 +7,9 @@ import sys
 import h5py
 import numpy
 
+from reading import expect, finish
+
 directory, model = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-faults = []
-
-
-def expect(what, holds):
-    if not holds:
-        faults.append(what)
 
 
 def market(name):
@@ -53,7 +49,4 @@ for name in ("rate", "time"):
     if name in said:
         expect(f"{name} differs", file[name][0] == said[name]["value"])
 
-print(len(said.get("states", [])), "states,", file["all_nodes/K"].attrs["rows"], "motions")
-for fault in faults:
-    print("differs:", fault)
-sys.exit(bool(faults))
+finish(len(said.get("states", [])), "states,", file["all_nodes/K"].attrs["rows"], "motions")

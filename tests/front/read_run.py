@@ -11,15 +11,10 @@ import h5py
 import numpy
 import pandas
 
+from reading import expect, finish
+
 killed = sys.argv[1] == "--killed"
 directory = pathlib.Path(sys.argv[2 if killed else 1])
-faults = []
-
-
-def expect(what, holds):
-    if not holds:
-        faults.append(what)
-
 
 # The lines that the manual and the guide have for it: `run`, `n` and `history`.
 repository = pathlib.Path(__file__).parents[2]
@@ -110,6 +105,4 @@ else:
 if len(sys.argv) > 2 and not killed:
     expect("model", run["model/text"][()] == pathlib.Path(sys.argv[2]).read_bytes())
 
-print(n, "rows,", frames, "frames")
-if faults:
-    sys.exit("differ: " + ", ".join(faults))
+finish(n, "rows,", frames, "frames")

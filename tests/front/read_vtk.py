@@ -11,13 +11,9 @@ import numpy
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
+from reading import expect, finish
+
 collection, results = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-faults = set()
-
-
-def expect(what, holds):
-    if not holds:
-        faults.add(what)
 
 
 def data(grid, name):
@@ -35,7 +31,7 @@ class Errors(vtk.vtkObject):
 
 def read(file):
     reader = vtk.vtkXMLUnstructuredGridReader() if file.suffix == ".vtu" else vtk.vtkXMLPolyDataReader()
-    reader.AddObserver("ErrorEvent", lambda *_: faults.add("VTK cannot read " + file.name))
+    reader.AddObserver("ErrorEvent", lambda *_: expect("VTK can read " + file.name, False))
     reader.SetFileName(str(file))
     reader.Update()
     return reader.GetOutput()
@@ -215,6 +211,4 @@ for number in sorted(frames):
                         compared += 1
     row += 1
 
-print(len(frames), "frames,", compared, "numbers of the history;", *sorted(kinds))
-if faults:
-    sys.exit("differ: " + ", ".join(sorted(faults)))
+finish(len(frames), "frames,", compared, "numbers of the history;", *sorted(kinds))

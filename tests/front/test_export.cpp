@@ -32,7 +32,7 @@ void expect_says(const std::string& text, const std::vector<std::string>& all) {
 class Exported : public ProgramTest {
  protected:
   Output script(const std::string& name, const std::string& words) const {
-    return here(python_ + " " + quote((scripts / name).string()) + " " + words);
+    return here(python_ + " -B " + quote((scripts / name).string()) + " " + words);
   }
   void require_python(const std::string& modules, const std::string& packages) {
     python_ = python_with(modules);

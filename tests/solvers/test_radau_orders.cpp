@@ -104,9 +104,6 @@ INSTANTIATE_TEST_SUITE_P(Three_five_seven, RadauOfStages, testing::Values(3, 5, 
 
 constexpr std::size_t higher[] = {5, 7};
 
-struct Errors {
-  std::vector<double> position, velocity, reaction;
-};
 // The pendulum by its closed equations, for 2 s.
 struct Swing {
   RigidCase c = pendulum();
@@ -117,12 +114,12 @@ struct Swing {
     reference = reference_of(c, static_cast<int>(std::lround(interval / 2.5e-4)) + 1);
   }
 };
-Errors errors_of(const Swing& swing, std::size_t stages, const std::vector<double>& h) {
+StepErrors errors_of(const Swing& swing, std::size_t stages, const std::vector<double>& h) {
   const auto& [c, reference] = swing;
   Scene scene = model_scene(c.model);
   scene.records = {body_record(c.place, {"position", "velocity"}), joint_record(c.joint)};
   const std::size_t n = reference.tension.size();
-  Errors e;
+  StepErrors e;
   for (const double step : h) {
     const Driven d = drive(scene, radau({.step = step, .stages = stages}), 2.0, c.interval);
     EXPECT_TRUE(d.last.converged) << d.last.failure;
@@ -135,23 +132,17 @@ Errors errors_of(const Swing& swing, std::size_t stages, const std::vector<doubl
   return e;
 }
 
-std::string slopes(const std::vector<double>& h, const Errors& e) {
-  return fmt::format("position {:.2f} {}, velocity {:.2f} {}, reaction {:.2f} {}",
-                     fitted_order(h, e.position), listed(e.position), fitted_order(h, e.velocity),
-                     listed(e.velocity), fitted_order(h, e.reaction), listed(e.reaction));
-}
-
 TEST(RadauOrders, AtTheEndsOfSteps) {
   const Swing swing(0.4);
   for (const std::size_t stages : higher) {
     const std::vector<double> h =
         stages == 5 ? std::vector{0.2, 0.1, 0.05} : std::vector{0.4, 0.2};  // then 1e-14
-    const Errors e = errors_of(swing, stages, h);
-    RecordProperty("stages_" + std::to_string(stages), slopes(h, e));
+    const StepErrors e = errors_of(swing, stages, h);
+    RecordProperty("stages_" + std::to_string(stages), e.in_words(h));
     const double p = stages == 5 ? 9.0 : 13.0;
-    EXPECT_NEAR(fitted_order(h, e.position), p, 0.8) << slopes(h, e);
-    EXPECT_NEAR(fitted_order(h, e.velocity), p, 0.8) << slopes(h, e);
-    EXPECT_GT(fitted_order(h, e.reaction), static_cast<double>(stages) - 0.5) << slopes(h, e);
+    EXPECT_NEAR(fitted_order(h, e.position), p, 0.8) << e.in_words(h);
+    EXPECT_NEAR(fitted_order(h, e.velocity), p, 0.8) << e.in_words(h);
+    EXPECT_GT(fitted_order(h, e.reaction), static_cast<double>(stages) - 0.5) << e.in_words(h);
   }
 }
 
@@ -160,12 +151,12 @@ TEST(RadauOrders, InsideSteps) {
   for (const std::size_t stages : higher) {
     const std::vector<double> h =
         stages == 5 ? std::vector{0.2, 0.1, 0.05} : std::vector{0.4, 0.2, 0.1};
-    const Errors e = errors_of(swing, stages, h);
-    RecordProperty("stages_" + std::to_string(stages), slopes(h, e));
+    const StepErrors e = errors_of(swing, stages, h);
+    RecordProperty("stages_" + std::to_string(stages), e.in_words(h));
     const auto s = static_cast<double>(stages);
-    EXPECT_GT(fitted_order(h, e.position), s + 1.5) << slopes(h, e);
-    EXPECT_GT(fitted_order(h, e.velocity), s + 0.5) << slopes(h, e);
-    EXPECT_GT(fitted_order(h, e.reaction), s - 0.5) << slopes(h, e);
+    EXPECT_GT(fitted_order(h, e.position), s + 1.5) << e.in_words(h);
+    EXPECT_GT(fitted_order(h, e.velocity), s + 0.5) << e.in_words(h);
+    EXPECT_GT(fitted_order(h, e.reaction), s - 0.5) << e.in_words(h);
   }
 }
 

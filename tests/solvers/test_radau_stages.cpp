@@ -16,8 +16,6 @@
 namespace mbd::test::test_radau_stages {
 namespace {
 
-std::string listed(const std::vector<double>& x) { return testing::PrintToString(x); }
-
 // ---- slider-crank -------------------------------------------------------------------------------
 
 // A crank of 1 m from the origin and a rod of 2.5 m fall, with a slider on the axis i1, from -1 rad, at rest. With
@@ -125,21 +123,18 @@ struct SliderCrank {
   }
 };
 
-struct Errors {
-  std::vector<double> position, velocity, reaction;
-};
 std::vector<double> sizes(const Columns& v) {
   std::vector<double> size(v[0]->size(), 0.0);
   for (std::size_t k = 0; k < size.size(); ++k)
     size[k] = std::hypot((*v[0])[k], (*v[1])[k], (*v[2])[k]);
   return size;
 }
-Errors errors_of_crank(double interval, std::size_t stages, const std::vector<double>& h) {
+StepErrors errors_of_crank(double interval, std::size_t stages, const std::vector<double>& h) {
   constexpr double duration = 1.6;
   const int count = static_cast<int>(std::floor(duration / interval + 1e-9));
   const SliderCrank exact(interval, count);
   const std::size_t n = exact.force.size();
-  Errors e;
+  StepErrors e;
   for (const double step : h) {
     const Driven d =
         drive(SliderCrank::scene(), radau({.step = step, .stages = stages}), duration, interval);
@@ -151,26 +146,20 @@ Errors errors_of_crank(double interval, std::size_t stages, const std::vector<do
   }
   return e;
 }
-std::string orders(const std::vector<double>& h, const Errors& e) {
-  return fmt::format("position {:.2f} {}, velocity {:.2f} {}, reaction {:.2f} {}",
-                     fitted_order(h, e.position), listed(e.position), fitted_order(h, e.velocity),
-                     listed(e.velocity), fitted_order(h, e.reaction), listed(e.reaction));
-}
-
 // Of 7 stages steps of 0.4 s leave 1e-11, and those of 0.2 s round-off: their order 13 is seen on the pendulum
 // (test_radau_orders.cpp).
 TEST(RadauStagesOrders, OfASliderCrankAtSteps) {
   for (const std::size_t stages : {5u, 7u}) {
     const std::vector<double> h = stages == 5 ? std::vector{0.2, 0.1} : std::vector{0.4, 0.2, 0.1};
-    const Errors e = errors_of_crank(h.front(), stages, h);
-    RecordProperty("stages_" + std::to_string(stages), orders(h, e));
-    EXPECT_GT(fitted_order(h, e.reaction), static_cast<double>(stages) - 0.8) << orders(h, e);
+    const StepErrors e = errors_of_crank(h.front(), stages, h);
+    RecordProperty("stages_" + std::to_string(stages), e.in_words(h));
+    EXPECT_GT(fitted_order(h, e.reaction), static_cast<double>(stages) - 0.8) << e.in_words(h);
     if (stages == 5) {
-      EXPECT_GT(fitted_order(h, e.position), 8.3) << orders(h, e);
-      EXPECT_GT(fitted_order(h, e.velocity), 8.3) << orders(h, e);
+      EXPECT_GT(fitted_order(h, e.position), 8.3) << e.in_words(h);
+      EXPECT_GT(fitted_order(h, e.velocity), 8.3) << e.in_words(h);
     } else {
-      EXPECT_LT(e.position[1], 1e-12) << orders(h, e);
-      EXPECT_LT(e.velocity[1], 5e-12) << orders(h, e);
+      EXPECT_LT(e.position[1], 1e-12) << e.in_words(h);
+      EXPECT_LT(e.velocity[1], 5e-12) << e.in_words(h);
     }
   }
 }
@@ -178,12 +167,12 @@ TEST(RadauStagesOrders, OfASliderCrankAtSteps) {
 TEST(RadauStagesOrders, OfASliderCrankInsideSteps) {
   for (const std::size_t stages : {5u, 7u}) {
     const std::vector<double> h = stages == 5 ? std::vector{0.2, 0.1, 0.05} : std::vector{0.4, 0.2};
-    const Errors e = errors_of_crank(0.0137, stages, h);
-    RecordProperty("stages_" + std::to_string(stages), orders(h, e));
+    const StepErrors e = errors_of_crank(0.0137, stages, h);
+    RecordProperty("stages_" + std::to_string(stages), e.in_words(h));
     const double s = stages == 5 ? 5.0 : 6.0;  // steps of 0.4 s are long for 7
-    EXPECT_GT(fitted_order(h, e.position), s + 1.5) << orders(h, e);
-    EXPECT_GT(fitted_order(h, e.velocity), s + 0.5) << orders(h, e);
-    EXPECT_GT(fitted_order(h, e.reaction), s - 0.7) << orders(h, e);
+    EXPECT_GT(fitted_order(h, e.position), s + 1.5) << e.in_words(h);
+    EXPECT_GT(fitted_order(h, e.velocity), s + 0.5) << e.in_words(h);
+    EXPECT_GT(fitted_order(h, e.reaction), s - 0.7) << e.in_words(h);
   }
 }
 

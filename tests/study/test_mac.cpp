@@ -251,22 +251,13 @@ TEST(MacOfModes, ReadsWhatWasWritten) {
   EXPECT_FALSE(std::filesystem::exists(directory.path() / "mac.csv"));
 }
 
-std::string why_not(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(MacOfModes, SaysWhatCannotBeCompared) {
   const TemporaryDirectory directory;
   const auto of_file = [&](const char* text) {
     std::ofstream(directory.path() / "modes.json") << text;
-    return why_not([&] { read_modes(directory.path()); });
+    return refusal([&] { read_modes(directory.path()); });
   };
-  EXPECT_SAYS(why_not([&] { read_modes(directory.path() / "none.json"); }), "cannot be read");
+  EXPECT_SAYS(refusal([&] { read_modes(directory.path() / "none.json"); }), "cannot be read");
   for (
       const char* const text :
       {"", "{", "[1]", R"({"model": "m"})",
@@ -274,7 +265,7 @@ TEST(MacOfModes, SaysWhatCannotBeCompared) {
             "frequency":1,"round_off":0,"shape":[]}]})"})
     EXPECT_SAYS(of_file(text), "is not what `mbd modes` writes");
   const Scene beam = read(cantilever("300", ""));
-  EXPECT_SAYS(why_not([&] { study_of(beam, 2, others_of(read(pair(1.0, 2.0)), 2)); }),
+  EXPECT_SAYS(refusal([&] { study_of(beam, 2, others_of(read(pair(1.0, 2.0)), 2)); }),
               "has no node of a name that");
   // Another mesh, and a longer beam: said, and compared where names are the same.
   Scene finer = beam;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <string>
 
 #include "libmbd/compile/model.hpp"
@@ -16,14 +17,19 @@ inline Scene read(const std::string& inside, const Overrides& overrides = {}) {
   return read_model_text("<mbd name=\"test\">\n" + inside + "\n</mbd>\n", "test.xml", overrides);
 }
 
-// What is said of it by the reader and by the check of the scene, or "no error".
-inline std::string message(const std::string& inside, const Overrides& overrides = {}) {
+// Why it is refused, or "no error".
+inline std::string refusal(const std::function<void()>& what) {
   try {
-    check_scene(read(inside, overrides));
+    what();
   } catch (const Error& error) {
     return error.what();
   }
   return "no error";
+}
+
+// What is said of it by the reader and by the check of the scene, or "no error".
+inline std::string message(const std::string& inside, const Overrides& overrides = {}) {
+  return refusal([&] { check_scene(read(inside, overrides)); });
 }
 
 #define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)

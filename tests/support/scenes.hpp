@@ -1,6 +1,7 @@
 // Runs scenes into tables, and measures errors and orders of accuracy.
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -110,5 +111,19 @@ inline double fitted_order(std::span<const double> h, std::span<const double> er
   }
   return (n * xy - x * y) / (n * xx - x * x);
 }
+
+// Errors of runs in steps h, and the orders that they show.
+struct StepErrors {
+  std::vector<double> position, velocity, reaction;
+
+  std::string in_words(std::span<const double> h) const {
+    const auto of = [&](const char* what, const std::vector<double>& error) {
+      return fmt::format("{} {:.2f} {}", what, fitted_order(h, error),
+                         testing::PrintToString(error));
+    };
+    return of("position", position) + ", " + of("velocity", velocity) + ", " +
+           of("reaction", reaction);
+  }
+};
 
 }  // namespace mbd::test

@@ -17,6 +17,11 @@ const schema::Attribute& attribute(std::string_view name) {
   return *schema::find_attribute(*schema::find_element("transient"), name);
 }
 
+std::vector<std::string> choices_of(std::string_view name) {
+  const auto words = schema::words(attribute(name).choices);
+  return {words.begin(), words.end()};
+}
+
 // The value of an option for the attribute of <transient> of the same name.
 double number(std::string_view name, const std::string& text, const Scene& scene) {
   const double value = option_value(name, text, attribute(name).unit, scene);
@@ -89,20 +94,14 @@ Overrides to_overrides(const std::vector<std::string>& set) {
 }
 
 void add_transient_options(CLI::App& command, TransientOptions& options) {
-  std::vector<std::string> methods;
-  for (const std::string_view method : schema::words(attribute("method").choices))
-    methods.emplace_back(method);
   command
       .add_option("-m,--method", options.method,
                   "integrate by this method: generalized_alpha, radau or ida")
-      ->check(CLI::IsMember(methods));
-  std::vector<std::string> stages;
-  for (const std::string_view count : schema::words(attribute("stages").choices))
-    stages.emplace_back(count);
+      ->check(CLI::IsMember(choices_of("method")));
   command
       .add_option("--stages", options.stages,
                   "of radau: how many stages a step has, 3, 5 or 7 (of order 5, 9, 13), or auto")
-      ->check(CLI::IsMember(stages));
+      ->check(CLI::IsMember(choices_of("stages")));
   command
       .add_option("--step", options.step,
                   "in fixed steps of H seconds, or of a number with a unit, in place of those of "
@@ -142,7 +141,7 @@ std::vector<std::string> apply(const TransientOptions& options, Scene& scene) {
   if (!step.empty()) change.step = number("step", step, scene);
   if (!tolerance.empty()) change.tolerance = number("tolerance", tolerance, scene);
   const auto place_among = [](const char* name, const std::string& word) {
-    const std::vector<std::string_view> known = schema::words(attribute(name).choices);
+    const std::vector<std::string> known = choices_of(name);
     const auto at = std::find(known.begin(), known.end(), word);
     if (at == known.end())
       throw Error(fmt::format("--{} {}: give {}", name, word, fmt::join(known, ", ")));

@@ -192,10 +192,8 @@ Linearization linearize(const Scene& scene, const ModesOptions& options) {
     linear.file = scene.file;
     linear.rotation = options.rotation;
     linear.time = options.time;
-    linear.notes.insert(linear.notes.end(), of_scene.notes().begin(), of_scene.notes().end());
-    if (const std::string range = range_of_linearity(*of_scene.model().system, of_scene.state());
-        !range.empty())
-      linear.notes.push_back(range);
+    const std::vector<std::string> notes = of_scene.notes_on_state();
+    linear.notes.insert(linear.notes.end(), notes.begin(), notes.end());
     return linear;
   } catch (const Error& error) {
     throw Error(scene.source, std::string("linearize: ") + error.what());

@@ -275,6 +275,13 @@ void MotionsOfScene::require_linear() {
   if (!why.empty()) throw Error(scene_.source, "small motions: " + why);
 }
 
+std::vector<std::string> MotionsOfScene::notes_on_state() const {
+  std::vector<std::string> all = notes_;
+  if (std::string range = range_of_linearity(*model_.system, state_); !range.empty())
+    all.push_back(std::move(range));
+  return all;
+}
+
 std::vector<NamedMode> MotionsOfScene::modes(const ModeOptions& options) {
   require_linear();
   ModesFound found = find_modes(*motions_, options);
@@ -462,9 +469,7 @@ ModesStudy study_modes(const Scene& scene, const ModesOptions& options,
     study.nodes.push_back(system.node_name(n));
     study.poses.push_back(scene_motions.state().pose[static_cast<std::size_t>(n)]);
   }
-  study.notes = scene_motions.notes();
-  if (const std::string range = range_of_linearity(system, scene_motions.state()); !range.empty())
-    study.notes.push_back(range);
+  study.notes = scene_motions.notes_on_state();
   if (const std::string note = note_on_round_off(study.modes); !note.empty())
     study.notes.push_back(note);
   const Weigh weigh = [&](const Eigen::MatrixXcd& X) { return scene_motions.mass_times(X); };

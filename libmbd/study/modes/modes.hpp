@@ -121,6 +121,8 @@ class MotionsOfScene {
   const State& state() const { return state_; }
   SmallMotions& motions() { return *motions_; }
   const std::vector<std::string>& notes() const { return notes_; }
+  // And in which range small motions about the state are linear.
+  std::vector<std::string> notes_on_state() const;
   std::pair<double, Index> largest_displacement() const;  // [m], node
 
   // A period of a mode as the motion of a run (libmbd/view/motion.hpp), frame by frame: `amplitude` times the size of the scene,

@@ -67,8 +67,8 @@ class Model:
         return json.loads(self._model.explain())
 
     def run(self, progress=False, *, out=None, method=None, step=None, tolerance=None, output=None,
-            stages=None, without=(), accuracy=None, quantities=(), choose_within=600.0, motion=False, frames=None, certify=False,
-            estimate_error=True) -> "Results":
+            stages=None, without=(), accuracy=None, quantities=(), choose_within=600.0, motion=False, frames=None,
+            certify=False, estimate_error=True) -> "Results":
         """Runs the model as `mbd run` does, to the same bits, and returns Results.
 
         progress: True shows a line on stderr; or a function f(t, duration, step), called a few times a second
