@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "tests/hard/hard_case.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_instability {
@@ -74,12 +75,12 @@ std::vector<Complex> exponents(const std::vector<double>& y, std::size_t begin, 
     for (std::size_t i = 0; i < N; ++i) A(k, static_cast<Eigen::Index>(i)) = y[at + i * lag] / size;
     b(k) = y[at + N * lag] / size;
   }
-  const Eigen::VectorXd c = A.colPivHouseholderQr().solve(b);
+  const Eigen::VectorXd c = dense::least_squares(A, b);
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(n, n);
   companion.row(n - 1) = c.transpose();
   for (int i = 0; i + 1 < n; ++i) companion(i, i + 1) = 1.0;
   std::vector<Complex> s;
-  const auto roots = companion.eigenvalues();
+  const Eigen::VectorXcd roots = dense::eigenpairs(companion).values;
   for (Eigen::Index i = 0; i < n; ++i)
     s.push_back(std::log(Complex(roots(i))) / (static_cast<double>(lag) * dt));
   std::sort(s.begin(), s.end(),

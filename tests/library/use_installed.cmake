@@ -9,7 +9,7 @@ include("${CMAKE_CURRENT_LIST_DIR}/package.cmake")
 file(REMOVE_RECURSE "${WORK}")
 run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${WORK}/prefix")
 set(only "")  # all of them
-build_examples(-DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -march=x86-64 -Wall -Wextra")
+build_examples(-DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O0 -march=x86-64 -Wall -Wextra")
 use_pkg_config()
 refuse_other_alignment()
 look_at_headers()

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <complex>
 #include <set>
@@ -19,6 +19,7 @@
 #include "solvers/linear/dense_product.hpp"
 #include "solvers/linear/dissection.hpp"
 #include "solvers/linear/elimination.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/random.hpp"
 
 namespace mbd::test::test_fronts {
@@ -135,10 +136,7 @@ void expect_solutions(PivotOrder order, const EliminationChoices& choices) {
     EXPECT_LT((A.dense.transpose() * x - b).norm(), 1e-11 * b.norm());
   }
   if constexpr (std::is_same_v<T, double>) {
-    const MatrixXd U = A.dense.partialPivLu().matrixLU();
-    int sign = A.dense.partialPivLu().permutationP().determinant() > 0 ? 1 : -1;
-    for (Eigen::Index i = 0; i < U.rows(); ++i) sign *= U(i, i) > 0.0 ? 1 : -1;
-    EXPECT_EQ(lu.determinant_sign(), sign);
+    EXPECT_EQ(lu.determinant_sign(), dense::determinant_sign(A.dense));
   }
 }
 
@@ -159,8 +157,7 @@ TEST(Fronts, CountNegativeEigenvalues) {
     BlockLu<double> lu(plan);
     PivotInertia inertia;
     ASSERT_TRUE(lu.factor(A.values.data(), nullptr, &inertia));
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> dense(A.dense, Eigen::EigenvaluesOnly);
-    EXPECT_EQ(inertia.negative, (dense.eigenvalues().array() < 0.0).count()) << shift;
+    EXPECT_EQ(inertia.negative, (dense::eigenvalues(A.dense).array() < 0.0).count()) << shift;
   }
 }
 

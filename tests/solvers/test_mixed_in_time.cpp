@@ -16,6 +16,7 @@
 #include "libmbd/core/spectral.hpp"
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/time/kept_resultants.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/increments.hpp"
 #include "tests/support/random.hpp"
@@ -128,7 +129,7 @@ TEST(KeptResultants, ResidualIsThatOfTheSaddle) {
   Worst saddle("against B^T S + B0^T (D E - S)", 1e-12);
   for (const Law& law : laws()) {
     if (law.form != Form::energy) continue;
-    const Mat6 D = random_spd(rng, 1.0, 1.0), C = D.inverse();
+    const Mat6 D = random_spd(rng, 1.0, 1.0), C = dense::inverse(D);
     const Bent b = bent(law, D, 17), c = bent(law, random_spd(rng, 3.0, 1.0), 17);
     const System& system = b.system();
     DenseSolver solver;
@@ -334,10 +335,8 @@ TEST(KeptResultants, RateIsQuadratic) {
       system.linearize(state, {}, r, solver);
       kept.keep_tangent(state, 1.0, at, solver.slots());
       x.setZero();
-      x.tail(n) = Eigen::MatrixXd(solver.matrix())
-                      .bottomRightCorner(n, n)
-                      .fullPivLu()
-                      .solve((forces - r).tail(n));
+      x.tail(n) = dense::solve(Eigen::MatrixXd(solver.matrix().bottomRightCorner(n, n)),
+                               VecX((forces - r).tail(n)));
       kept.advance(x, at);
       retract(system, state, x);
       const double e = x.cwiseAbs().maxCoeff();

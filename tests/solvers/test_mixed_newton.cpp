@@ -16,6 +16,7 @@
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/statics/equilibrium.hpp"
 #include "solvers/statics/statics.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/increments.hpp"
 #include "tests/support/random.hpp"
@@ -152,7 +153,7 @@ TEST(MixedTangent, IsThatOfTheSaddle) {
     const VecX x = random_increment(b.system(), rng), y = random_increment(b.system(), rng);
     const SpectralTable table = spectral_table(3, Rule::gauss);
     const double J = 0.35;
-    const Mat6 C = D.inverse();
+    const Mat6 C = dense::inverse(D);
     const auto weighted = [&](const Resultants& a, const Resultants& e) {
       double total = 0.0;
       for (std::size_t i = 0; i < a.size(); ++i)

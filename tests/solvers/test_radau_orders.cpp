@@ -10,6 +10,7 @@
 #include "libmbd/compile/time_stepping.hpp"
 #include "solvers/time/radau_stages.hpp"
 #include "solvers/time/radau_tableau.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/landings.hpp"
 #include "tests/support/rigid_cases.hpp"
 #include "tests/support/stepping.hpp"
@@ -25,7 +26,7 @@ class RadauOfStages : public testing::TestWithParam<std::size_t> {
  protected:
   const RadauTableau& t = radau_tableau(GetParam());
   const Index s = static_cast<Index>(GetParam());
-  const Eigen::MatrixXd D = t.D.topLeftCorner(s, s), A = D.inverse();
+  const Eigen::MatrixXd D = t.D.topLeftCorner(s, s), A = dense::inverse(D);
   double c(Index j) const { return t.c[static_cast<std::size_t>(j)]; }
   double b(Index j) const { return t.b[static_cast<std::size_t>(j)]; }
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "solvers/constraints/initial.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/landings.hpp"
 
 namespace mbd::test::test_ringing {
@@ -48,7 +49,7 @@ std::array<double, 2> tip_of_chain(int n, double end, int steps) {
         f(i) -= m * std::sin(theta(i) - theta(j)) * rate(j) * rate(j);
       }
     }
-    return VecX(M.ldlt().solve(f));
+    return dense::solve(M, f);
   };
   VecX q = VecX::Zero(N), v = VecX::Zero(N);
   const double h = end / steps;

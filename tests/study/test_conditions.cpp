@@ -6,11 +6,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "libmbd/study/modes/modes.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -72,10 +73,9 @@ struct Dense {
   // Of [x; x']: the inverse of what gives its rate, by which what is slow is known best. K as it is, or changed.
   MatXc inverse_generator(const MatXc& K_changed) const {
     const Index n = M.rows();
-    const Eigen::PartialPivLU<MatXc> lu(K_changed);
     MatXc A = MatXc::Zero(2 * n, 2 * n);
-    A.topLeftCorner(n, n) = -lu.solve(MatXc(C));
-    A.topRightCorner(n, n) = -lu.solve(MatXc(M));
+    A.topLeftCorner(n, n) = -dense::solve_columns(K_changed, MatXc(C));
+    A.topRightCorner(n, n) = -dense::solve_columns(K_changed, MatXc(M));
     A.bottomLeftCorner(n, n).setIdentity();
     return A;
   }
@@ -87,9 +87,9 @@ struct Pairs {
   VecXc values;
   MatXc vectors;
   explicit Pairs(const MatXc& inverse) {
-    const Eigen::ComplexEigenSolver<MatXc> solver(inverse);
-    values = solver.eigenvalues().cwiseInverse();
-    vectors = solver.eigenvectors();
+    dense::EigenPairs of_inverse = dense::eigenpairs(inverse);
+    values = of_inverse.values.cwiseInverse();
+    vectors = std::move(of_inverse.vectors);
   }
   Index nearest(Complex l) const {
     Index at = 0;

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -14,6 +14,7 @@
 
 #include "libmbd/language/reader.hpp"
 #include "libmbd/study/modes/modes.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/monodromy.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -138,7 +139,7 @@ struct TwoBlades {
 
 // Largest distance of a multiplier from the nearest one of a monodromy matrix, conjugates alike.
 double distance(const FloquetStudy& study, const Eigen::MatrixXd& monodromy) {
-  const Eigen::VectorXcd wanted = Eigen::EigenSolver<Eigen::MatrixXd>(monodromy).eigenvalues();
+  const Eigen::VectorXcd wanted = dense::eigenpairs(monodromy).values;
   double worst = 0.0;
   for (const Complex& mu : wanted) {
     double nearest = 1e300;
@@ -158,8 +159,7 @@ TEST(Floquet, TwoBladesOnASoftTower) {
     const FloquetStudy study = floquet(blades.scene(W), W);
     const Eigen::MatrixXd x = blades.monodromy(W);
     EXPECT_LT(distance(study, x), 2e-9) << W;
-    const double growth =
-        std::log(Eigen::EigenSolver<Eigen::MatrixXd>(x).eigenvalues().cwiseAbs().maxCoeff());
+    const double growth = std::log(dense::eigenpairs(x).values.cwiseAbs().maxCoeff());
     EXPECT_NEAR(study.growth(), growth, 1e-9) << W;
     (growth > 0.0 ? was_unstable : was_stable) = true;
   }

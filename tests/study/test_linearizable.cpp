@@ -90,9 +90,10 @@ TEST(KinksOfLaws, AreRefusedByName) {
       {mounted(R"x(component="6" moment="abs(x)")x"), "bushing 'mount'",
        "x = 0 rad the slope is -1 from below and 1 from above"},
   };
-  for (const auto& [scene, element, where] : cases) {
-    for (const auto& what : {std::function<void()>([&] { study_modes(scene, {}); }),
-                             std::function<void()>([&] { linearize(scene, {}); })}) {
+  for (const auto& one : cases) {
+    const auto& [scene, element, where] = one;
+    for (const auto& what : {std::function<void()>([&] { study_modes(one.scene, {}); }),
+                             std::function<void()>([&] { linearize(one.scene, {}); })}) {
       const std::string said = refusal(what);
       EXPECT_SAYS(said, element + std::string(" is at a kink of its law: at ") + where);
     }

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "libmbd/compile/time_stepping.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
@@ -31,7 +31,7 @@ using Complex = std::complex<double>;
 Eigen::MatrixXcd transfer(const Linearization& linear, Complex s) {
   const ReducedMotion& r = *linear.reduced;
   const Eigen::MatrixXcd system = s * r.E.cast<Complex>() - r.A.cast<Complex>();
-  return linear.C.cast<Complex>() * system.partialPivLu().solve(r.G.cast<Complex>()) +
+  return linear.C.cast<Complex>() * dense::solve_columns(system, r.G.cast<Complex>()) +
          linear.D.cast<Complex>();
 }
 
@@ -108,8 +108,7 @@ TEST(Linearize, PolesOfTheShaft) {
   scene.bodies[0].center.setZero();
   const auto poles_of = [&](const ModesOptions& options) {
     const Linearization linear = linearize(scene, options);
-    return Eigen::VectorXcd(
-        Eigen::PartialPivLU<MatX>(linear.reduced->E).solve(linear.reduced->A).eigenvalues());
+    return dense::eigenpairs(dense::solve_columns(linear.reduced->E, linear.reduced->A)).values;
   };
   const auto nearest = [](const Eigen::VectorXcd& poles, double frequency) {
     double least = 1e300;
@@ -149,17 +148,16 @@ TEST(Linearize, SmallInputsOfABentStructure) {
   const Model model = compile(scene);
   const Linearization linear = linearize(scene);
   const ReducedMotion& r = *linear.reduced;
-  const Eigen::PartialPivLU<MatX> E(r.E);
-  const Eigen::EigenSolver<MatX> modes(E.solve(r.A));
-  const Eigen::VectorXcd into =
-      modes.eigenvectors().partialPivLu().solve(E.solve(r.G).col(0).cast<Complex>());
+  const dense::EigenPairs modes = dense::eigenpairs(dense::solve_columns(r.E, r.A));
+  const VecX rates = dense::solve_columns(r.E, r.G).col(0);
+  const Eigen::VectorXcd into = dense::solve(modes.vectors, rates.cast<Complex>());
   const auto linear_change = [&](double t, double u) {
     Eigen::VectorXcd x(into.size());
     for (Index i = 0; i < x.size(); ++i) {
-      const Complex l = modes.eigenvalues()(i);
+      const Complex l = modes.values(i);
       x(i) = into(i) * (std::exp(l * t) - 1.0) / l * u;
     }
-    return VecX(linear.C * (modes.eigenvectors() * x).real() + linear.D.col(0) * u);
+    return VecX(linear.C * (modes.vectors * x).real() + linear.D.col(0) * u);
   };
   constexpr const char* names[] = {"root.angle", "root.reaction_force.3", "in.moment.2",
                                    "in.moment.1"};

@@ -10,13 +10,13 @@
 #include <functional>
 #include <numbers>
 #include <sstream>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "libmbd/core/se3.hpp"
 #include "libmbd/study/modes/modes_report.hpp"
 #include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/study/trust/transform.hpp"
 #include "libmbd/view/motion.hpp"
+#include "tests/support/dense.hpp"
 #include "tests/support/landings.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
@@ -142,7 +142,7 @@ double timoshenko_cantilever(double L, double EI, double GA, double m, double J,
     A(2, 1) = -J * w * w;
     A(2, 3) = -1.0;
     A(3, 0) = -m * w * w;
-    const Eigen::Matrix4d T = (A * L).exp();
+    const Eigen::Matrix4d T = dense::exponential(A * L);
     return T(2, 2) * T(3, 3) - T(2, 3) * T(3, 2);
   };
   double a = low, b = high, fa = determinant(a);
@@ -344,7 +344,7 @@ TEST(Modes, AreNoMoreThanThereAre) {
       A.row(4) << 200.0 / 5e-3, -200.0 / 5e-3, 0.0, 0.2 / 5e-3, -0.2 / 5e-3, 0.0;
       A.row(5) << 0.0, 0.0, -3.0 / 0.7, 0.0, 0.0, -0.1 / 0.7;
       std::vector<std::complex<double>> expected;
-      for (const std::complex<double> l : A.eigenvalues())
+      for (const std::complex<double> l : dense::eigenpairs(Eigen::MatrixXd(A)).values)
         if (l.imag() >= 0.0) expected.push_back(l);
       const std::vector<NamedMode> modes = modes_of(scene, 30);
       ASSERT_EQ(modes.size(), expected.size()) << c << " along " << axis;

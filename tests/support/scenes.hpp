@@ -1,7 +1,6 @@
 // Runs scenes into tables, and measures errors and orders of accuracy.
 #pragma once
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -118,8 +117,8 @@ struct StepErrors {
 
   std::string in_words(std::span<const double> h) const {
     const auto of = [&](const char* what, const std::vector<double>& error) {
-      return fmt::format("{} {:.2f} {}", what, fitted_order(h, error),
-                         testing::PrintToString(error));
+      return std::string(what) + ' ' + testing::PrintToString(fitted_order(h, error)) + ' ' +
+             testing::PrintToString(error);
     };
     return of("position", position) + ", " + of("velocity", velocity) + ", " +
            of("reaction", reaction);

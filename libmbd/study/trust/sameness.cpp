@@ -182,7 +182,10 @@ double Twins::floor_of(const Components& quantity, double scale) const {
         const double one = 2.0 * length_ / *t.step / scales_[q];
         of_rates = of_rates > 0.0 ? std::min(of_rates, one) : one;
       }
-  return newton.tolerance * std::max(walk, of_rates);
+  // And round-off of poses, which are known to that of their own size, however little they change: 1 rad, the scene's length.
+  constexpr double unit = 8.0 * std::numeric_limits<double>::epsilon();
+  const double size = u == "rad" ? 1.0 : u == "m" ? length_ : 0.0;
+  return newton.tolerance * std::max(walk, of_rates) + unit * walk * size / scale;
 }
 
 std::optional<double> Twins::far_noise(const Components& quantity, double scale, std::size_t place,

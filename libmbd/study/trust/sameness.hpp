@@ -5,7 +5,9 @@
 // For a quantity q (norm.hpp) over its scale, at place k,
 //   noise_q(k) = max over j <= k of |A_j - B_j| + max |A_j - C_j|,   bound_q(k) = 10 noise_q(k) + floor_q,   (1)
 // A as it is, B of the other tolerance, C those perturbed; floor_q is ten times the tolerance of the run that q is under
-// (of fixed steps the root of their number, if that is more; of velocities at least the tolerance over half a step).
+// (of fixed steps the root of their number, if that is more; of velocities at least the tolerance over half a step; of
+// displacements and rotations as many units of round-off of a pose besides, which is known to 8 eps of 1 rad and of the
+// scene's length however little it changes).
 // Runs are compared as long as the bound is below 1e-3: later, where the motion is chaotic or the run not resolved,
 // a difference says nothing.
 #pragma once
