@@ -8,9 +8,8 @@
 namespace mbd {
 namespace {
 
-constexpr int gauss_points = 20;
+constexpr int gauss_points = 20, most_halvings = 30;
 constexpr double agreement = 1e-13;
-constexpr int most_halvings = 30;
 
 struct Integral {
   double value = 0.0;
@@ -54,6 +53,28 @@ double integral_of(const Expression& f, double x) {
   }
   sum += smooth_integral(f, from, high);
   return x < 0.0 ? -sum : sum;
+}
+
+// Slopes that differ by less, over the larger, or as much as they do within 1e-12 of the argument's unit or of its size, are
+// one: those of sin(x) at pi/2 and of what goes on level from there are both round-off.
+constexpr double same_slope = 1e-9, sharpest = 1e-12;
+constexpr double reach = 1e-9;  // a kink is at x within this of it, or of its size
+
+// A kink at x that no condition tells of, as that of sqrt(x^2): the slope jumps as much in however short an interval
+// around it. Divided off its middle, where kinks are and slopes may have no value.
+std::optional<Kink> hidden_kink(const Expression& f, double x) {
+  const double seen = 1e-6, off_middle = 0.45, kept = 0.5, off = reach * std::max(1.0, std::abs(x));
+  double low = x - off, high = x + off, below = f(low).d, above = f(high).d;
+  const double jump = std::abs(above - below);
+  if (!(jump > seen * std::max(std::abs(below), std::abs(above)))) return std::nullopt;
+  for (int i = 0; i < 14; ++i) {  // to 1e-12
+    const double between = low + off_middle * (high - low), slope = f(between).d;
+    const bool first = std::abs(slope - below) > std::abs(above - slope);
+    (first ? high : low) = between;
+    (first ? above : below) = slope;
+  }
+  if (!(std::abs(above - below) > kept * jump)) return {};
+  return Kink{0.5 * (low + high), below, above};
 }
 
 }  // namespace
@@ -122,24 +143,31 @@ double Law::integral(double x) const {
 }
 
 std::optional<Kink> Law::nearest_kink(double x) const {
-  constexpr double round_off = 1e-9;
   std::optional<Kink> nearest;
-  const auto offer = [&](const Kink& kink) {
+  const auto offer = [&](const Kink& kink, double round_off) {
     const double size = std::max(std::abs(kink.below), std::abs(kink.above));
-    if (std::abs(kink.above - kink.below) <= round_off * size) return;
-    if (!nearest || std::abs(kink.at - x) < std::abs(nearest->at - x)) nearest = kink;
+    if (!std::isfinite(size) ||
+        !(std::abs(kink.above - kink.below) <= std::max(same_slope * size, round_off)))
+      if (!nearest || std::abs(kink.at - x) < std::abs(nearest->at - x)) nearest = kink;
   };
   if (const auto* const expression = std::get_if<Expression>(&law_)) {
-    for (const double at : expression->breakpoints())
-      offer({at, (*expression)(at, Side::left).d, (*expression)(at, Side::right).d});
+    for (const double at : expression->breakpoints()) {
+      const Taylor2 below = (*expression)(at, Side::left), above = (*expression)(at, Side::right);
+      const double curvature = std::max(std::abs(below.dd), std::abs(above.dd));
+      offer({at, below.d, above.d},
+            std::isfinite(curvature) ? sharpest * std::max(1.0, std::abs(at)) * curvature : 0.0);
+    }
+    if (!nearest || std::abs(nearest->at - x) > 2.0 * reach * std::max(1.0, std::abs(x)))
+      if (const std::optional<Kink> hidden = hidden_kink(*expression, x)) nearest = hidden;
     return nearest;
   }
   const Table& table = std::get<Table>(law_);
   for (std::size_t i = 1; i < table.size(); ++i) {
-    const Piece& before = table[i - 1];
-    const double s = table[i].from - before.from;
-    offer({table[i].from, before.c[1] + s * (2.0 * before.c[2] + s * 3.0 * before.c[3]),
-           table[i].c[1]});
+    const auto& c = table[i - 1].c;
+    const double s = table[i].from - table[i - 1].from, second = 2.0 * s * c[2],
+                 third = 3.0 * s * s * c[3];
+    offer({table[i].from, c[1] + (second + third), table[i].c[1]},
+          same_slope * (std::abs(c[1]) + std::abs(second) + std::abs(third)));
   }
   return nearest;
 }

@@ -12,8 +12,10 @@
 #include "elements/beam/beam_elastic_batch.hpp"
 #include "elements/component/component_batch.hpp"
 #include "libmbd/compile/time_stepping.hpp"
+#include "libmbd/core/spectral.hpp"
 #include "libmbd/results/report.hpp"
 #include "libmbd/scene/scene.hpp"
+#include "libmbd/scene/transient.hpp"
 #include "solvers/linear/block_columns.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/newton/increments.hpp"
@@ -21,6 +23,18 @@
 
 namespace mbd {
 namespace {
+
+// Over a piece of a run: steps of generalized-alpha are of order 2, those of Radau of five and seven stages a good part of a
+// period.
+const Quadrature& rule_of_pieces(const TransientScene& transient) {
+  static const Quadrature two = gauss_lobatto_rule<double>(2),
+                          three = gauss_lobatto_rule<double>(3),
+                          seven = gauss_lobatto_rule<double>(7);
+  if (transient.method == TimeMethod::generalized_alpha) return two;
+  const bool long_steps =
+      transient.method == TimeMethod::radau && transient.tolerance && radau_stages(transient) != 3;
+  return long_steps ? seven : three;
+}
 
 constexpr double unit_round_off = std::numeric_limits<double>::epsilon();
 constexpr double small_method_error = 0.01, much_method_error = 0.1;  // errors of a method
@@ -241,7 +255,7 @@ void Audit::piece(const DenseStep& step) {
   };
   // Where nothing jumped, the end of the piece before is the beginning of this one.
   const double begin = step.begin(), end = step.end();
-  const bool simpson = scene_.transient->method != TimeMethod::generalized_alpha;
+  const Quadrature& rule = rule_of_pieces(*scene_.transient);
   bool same = std::abs(outside_at_ - begin) <= 1e-12 * std::abs(begin);
   for (const Breakpoint& b : system_.breakpoints())
     same = same && !(std::abs(b.t - begin) <= 1e-9 * (end - begin));
@@ -249,25 +263,24 @@ void Audit::piece(const DenseStep& step) {
     std::swap(outside_begin_, outside_end_);
   else
     at(begin, step.first(), outside_begin_);
-  if (simpson) at(0.5 * (begin + end), nullptr, outside_middle_);
   at(end, step.last(), outside_end_);
   outside_at_ = end;
   const double h = end - begin;
-  for (std::size_t k = 0; k < kept_.size(); ++k) {
-    const auto integral = [&](const auto& of) {
-      auto sum = of(outside_begin_[k]);
-      sum += of(outside_end_[k]);
-      if (!simpson) return decltype(sum)(0.5 * h * sum);
-      sum += 4.0 * of(outside_middle_[k]);
-      return decltype(sum)(h / 6.0 * sum);
-    };
-    const Vec6 impulse = integral([](const Outside& o) { return Vec6(o.rate); });
-    kept_[k].linear.impulse += impulse.head<3>();
-    kept_[k].angular.impulse += impulse.tail<3>();
-    largest_outside_ = std::max(largest_outside_, outside_end_[k].forces);
-    kept_[k].linear.passed += integral([](const Outside& o) { return o.forces; });
-    kept_[k].angular.passed += integral([](const Outside& o) { return o.moments; });
+  const auto add = [&](const std::vector<Outside>& all, double weight) {
+    for (std::size_t k = 0; k < kept_.size(); ++k) {
+      kept_[k].linear.impulse += weight * all[k].rate.head<3>();
+      kept_[k].angular.impulse += weight * all[k].rate.tail<3>();
+      kept_[k].linear.passed += weight * all[k].forces;
+      kept_[k].angular.passed += weight * all[k].moments;
+    }
+  };
+  add(outside_begin_, 0.5 * h * rule.weights.front());
+  for (std::size_t i = 1; i + 1 < rule.points.size(); ++i) {
+    at(begin + 0.5 * h * (1.0 + rule.points[i]), nullptr, outside_middle_);
+    add(outside_middle_, 0.5 * h * rule.weights[i]);
   }
+  add(outside_end_, 0.5 * h * rule.weights.back());
+  for (const Outside& one : outside_end_) largest_outside_ = std::max(largest_outside_, one.forces);
 }
 
 void Audit::sample_momenta(const State& state) {

@@ -7,7 +7,8 @@
 // Where rank is lost some n of the span breaks (1): what B leaves free to the first order is not what the constraints leave
 // free, and motions near the state are not linear (Mueller, "Higher derivatives of the kinematic mapping and some
 // applications", Mechanism and Machine Theory 76, 2014). u is a random motion, dB a central difference along it.
-// Not seen: ranks that are lost to a higher order.
+// Not seen: ranks that are lost to a higher order, or by what is 1e5 times smaller than the scene; links 1e6 times shorter
+// than the scene are taken for such a loss.
 #pragma once
 
 #include <string>

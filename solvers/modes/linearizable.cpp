@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
+#include "solvers/constraints/free_motions.hpp"
 #include "solvers/constraints/rank_loss.hpp"
 
 namespace mbd {
@@ -56,6 +58,60 @@ struct Sizes {
   }
 };
 
+bool is_at(const NearKink& near, const Sizes& sizes) {
+  return std::abs(near.x - near.kink.at) <= round_off * sizes.of(near);
+}
+bool alike(const NearKink& a, const NearKink& b) { return a.element == b.element && a.of == b.of; }
+
+// Whether a motion that constraints leave free changes the argument of a law to the first order; else its kink is none of
+// the motion: a guy across a rail, what a joint or a drive holds. All laws with kinks at one state, and the place of this one.
+class Moves {
+ public:
+  Moves(const System& system, const State& state)
+      : system_(system), state_(state), u_(random_free_motion(system, state)) {}
+
+  bool operator()(const std::vector<NearKink>& all, std::size_t k) const {
+    constexpr double none = 1e-9;  // of the motion
+    const ArgumentOf of = all[k].of;
+    const double L = system_.length_scale(),
+                 unit = of == ArgumentOf::length || of == ArgumentOf::speed ? L : 1.0;
+    if (u_.size() == 0) return false;
+    // Without the third order of the motion.
+    const std::optional<double> far = rate(all, k, step), near = rate(all, k, 0.5 * step);
+    if (!far || !near) return true;  // not known
+    return std::abs((4.0 * *near - *far) / 3.0) > none * unit;
+  }
+
+ private:
+  static constexpr double step = 1e-4;  // rad, and of the scene's length
+
+  // Of the argument, along u, by a central difference.
+  std::optional<double> rate(const std::vector<NearKink>& all, std::size_t k, double by) const {
+    const std::optional<double> ahead = argument(all, k, by), behind = argument(all, k, -by);
+    if (!ahead || !behind) return std::nullopt;
+    return (*ahead - *behind) / (2.0 * by);
+  }
+  std::optional<double> argument(const std::vector<NearKink>& all, std::size_t k, double by) const {
+    const double L = system_.length_scale();
+    const bool speed = all[k].of == ArgumentOf::speed || all[k].of == ArgumentOf::angular_speed;
+    State state = state_;
+    if (!speed) state = moved(system_, std::move(state), u_, by * L);
+    for (std::size_t n = 1; speed && n < state.V.size(); ++n) {
+      Vec6 V = by * u_.segment<6>(6 * static_cast<Index>(n - 1));
+      V.head<3>() *= L;
+      state.V[n] += V;
+    }
+    const std::vector<NearKink> there = system_.near_kinks(state);
+    if (!std::ranges::equal(all, there, alike)) return std::nullopt;
+    return there[k].x;
+  }
+
+  const System& system_;
+  const State& state_;
+  VecX
+      u_;  // over displacements in units of the scene's length, and rotations; empty: nothing is free
+};
+
 }  // namespace
 
 std::string kink_at(const System& system, std::span<const State> states) {
@@ -64,11 +120,17 @@ std::string kink_at(const System& system, std::span<const State> states) {
   for (const State& state : states) {
     const Sizes sizes(system, state);
     const std::vector<NearKink> here = system.near_kinks(state);
-    for (std::size_t k = 0; k < here.size(); ++k)
-      if (std::abs(here[k].x - here[k].kink.at) > round_off * sizes.of(here[k])) stays[k] = 0;
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (std::ranges::none_of(here, [&](const NearKink& near) {
+            return alike(near, all[k]) && is_at(near, sizes);
+          }))
+        stays[k] = 0;
   }
+  std::optional<Moves> moves;
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (stays[k] == 0) continue;
+    if (!moves) moves.emplace(system, states.front());
+    if (!(*moves)(all, k)) continue;
     const NearKink& near = all[k];
     const auto [variable, unit] = words_of(near.of);
     return fmt::format(

@@ -26,6 +26,8 @@ constexpr double stalled_fixed = 20.0;
 // rates are 0.3, and violations grow.
 constexpr double torn = 1e-4, locked = 1e-2;
 constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart up to pi
+constexpr double most_relative_turn =
+    3.0;  // of two nodes: angles of joints are followed from step to step
 // Adaptive steps: the estimate goes with h^(s + 1), errors of rows with h^(s + 2); the constants were chosen so that errors
 // of the dynamic models are about the tolerance (of more than three stages: of pendulum, heavy_top and double_pendulum).
 int error_order(std::size_t stages) { return static_cast<int>(stages) + 1; }
@@ -34,6 +36,17 @@ double looser(const RadauTableau& t) { return t.stages == 3 ? 1.0 : t.stages == 
 constexpr double newton_share = 0.01;  // of the tolerance, for Newton's increments
 // h dV/dU of a stage: about |gamma|, |mu|.
 double velocity_gain(const RadauTableau& t) { return t.stages == 3 ? 4.0 : t.gamma; }
+
+// No two nodes, the ground among them, turn faster against each other [rad/s]: of the box that has all angular velocities.
+double relative_spin(const State& state) {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  for (std::size_t n = 1; n < state.V.size(); ++n) {
+    const Vec3 w = state.pose[n].R() * state.V[n].tail<3>();
+    low = low.cwiseMin(w);
+    high = high.cwiseMax(w);
+  }
+  return (high - low).norm();
+}
 
 // The stages that a run begins with.
 std::size_t first_stages(const RadauOptions& options) {
@@ -500,23 +513,39 @@ bool Radau::solve_step(double t, double h, StepReport& report) {
                       system_.name_of(6 * system_.nodes() + row));
     }
   }
-  if (converged)
-    for (std::size_t n = 1; n < eQ_.size() && converged; ++n)
-      if (!(h_ * begin_.V[n].tail<3>().norm() + q_[last()][n].tail<3>().norm() < most_turn)) {
-        converged = false;
-        report.failure = fmt::format("{} turns by more than {} rad in a step",
-                                     system_.node_name(static_cast<Index>(n)), most_turn);
-      }
+  if (converged) {
+    report.failure = turns_too_far();
+    converged = report.failure.empty();
+  }
   return converged;
 }
 
-// More than three stages might pass over whole turns.
+std::string Radau::turns_too_far() const {
+  double more_turn = 0.0;  // [rad] of what velocities at its begin do not tell
+  for (std::size_t n = 1; n < eQ_.size(); ++n) {
+    const double more = q_[last()][n].tail<3>().norm();
+    more_turn = std::max(more_turn, more);
+    if (!(h_ * begin_.V[n].tail<3>().norm() + more < most_turn))
+      return fmt::format("{} turns by more than {} rad in a step",
+                         system_.node_name(static_cast<Index>(n)), most_turn);
+  }
+  if (!begin_.angles.empty() &&
+      !(h_ * relative_spin(begin_) + 2.0 * more_turn < most_relative_turn))
+    return fmt::format("bodies turn against each other by more than {} rad in a step",
+                       most_relative_turn);
+  return {};
+}
+
+// So that steps do not fail for turns: more than three stages might pass over whole ones.
 double Radau::longest_from(const State& state) const {
-  if (t_->stages == 3) return OneStep::longest_from(state);
   constexpr double share = 0.85;  // the rest is for velocities that grow
+  double longest = OneStep::longest_from(state);
+  if (!state.angles.empty())
+    longest = std::min(longest, share * most_relative_turn / relative_spin(state));
+  if (t_->stages == 3) return longest;
   double spin = 0.0;
   for (const Vec6& V : state.V) spin = std::max(spin, V.tail<3>().norm());
-  return share * most_turn / spin;
+  return std::min(longest, share * most_turn / spin);
 }
 
 void Radau::settle() {

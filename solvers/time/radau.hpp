@@ -106,6 +106,7 @@ class Radau final : public OneStep {
   std::size_t last() const { return t_->stages - 1; }
   void use_stages(std::size_t stages);
   void choose_stages();
+  std::string turns_too_far() const;  // what in this step, if anything
   void predict(bool extrapolate);
   template <std::size_t s>
   void extrapolate_of(std::size_t j);

@@ -139,6 +139,81 @@ TEST(KinksOfLaws, OfTables) {
   EXPECT_EQ(refusal([&] { study_modes(with_table("smooth"), {}); }), "no error");
 }
 
+// Where slopes are level on both sides they are round-off. Mutation seen: slopes beside the larger of them alone.
+TEST(KinksOfLaws, LevelOnesAreNone) {
+  const std::string spline = R"(angular_stiffness="50"/>
+      <joint_spring name="t" joint="hinge"><table of="moment" interpolation="smooth">)";
+  const std::string end = "</table></joint_spring><static";
+  for (const std::string& law :
+       {std::string(R"x(angular_stiffness="50" moment="x > 0.1 ? 5 : 5*sin(pi/2*x/0.1)"/>
+                        <load at="arm" moment="0 0 10"/><static)x"),
+        std::string(R"x(angular_stiffness="50" moment="x > 0 ? 0 : 100*(cos(pi*(x+1))+1)")x"),
+        spline + "-2 4 -1 1 0 0 1 1 2 4" + end,
+        spline + "-0.3 0.7 -0.1 0.1 0 0 0.1 0.1 0.3 0.7" + end}) {
+    const Scene scene = hinged(law);
+    EXPECT_NEAR(frequencies(scene).front(), 5.0, 1e-9) << law;
+    EXPECT_EQ(notes(scene), "") << law;
+  }
+}
+
+// A kink of what no motion changes to the first order is none: components that a rail holds, a rope and a damper across it
+// (y^2/4, of order y^3 in the force), what is fixed, what a drive holds. Mutation seen: none of them asked for.
+TEST(KinksOfLaws, OfWhatNothingMovesAreNone) {
+  const char* const rail = R"(<joint_spring name="k" joint="rail" stiffness="300"/>)";
+  for (const std::string& more :
+       {std::string(R"(<bushing name="mount" between="ground cart" at="0 0 0" stiffness="300 10 10"
+                                angular_stiffness="5 5 5">
+                         <law component="2" force="x &lt; 0 ? 30*x : 40*x"/></bushing>)"),
+        std::string(rail) + R"(<spring name="rope" between="ground cart" at_a="0 2 0" length="2"
+                                       force="x > 0 ? 1e5*x : 0"/>)",
+        std::string(rail) + R"(<spring name="rope" between="ground cart" at_a="0 2 0"
+                                       damping_force="v &lt; 0 ? 2*v : 20*v"/>)",
+        std::string(rail) + R"(<body name="post" at="0 3 0" mass="1" inertia="1 1 1"/>
+                               <fixed name="foot" between="ground post" at="0 3 0"/>
+                               <spring name="prop" between="ground post" at_a="0 2 0" length="1"
+                                       force="x > 0 ? 1e5*x : 0"/>)",
+        std::string(rail) + R"x(<body name="other" mass="1" inertia="1 1 1"/>
+                               <revolute name="H" between="ground other" axis="0 0 1"/>
+                               <drive joint="H" angle="0"/>
+                               <joint_spring name="held" joint="H" moment="5*abs(x)"/>)x"}) {
+    SCOPED_TRACE(more);
+    std::vector<double> found;
+    EXPECT_EQ(refusal([&] { found = frequencies(sliding(more)); }), "no error");
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NEAR(found.front(), 10.0, 1e-8);
+  }
+  // Along the rail it is one.
+  EXPECT_SAYS(refusal([&] {
+                frequencies(sliding(std::string(rail) +
+                                    R"(<spring name="rope" between="ground cart" at_a="-2 0 0"
+                                               length="2" force="x > 0 ? 1e5*x : 0"/>)"));
+              }),
+              "spring 'rope' is at a kink of its law");
+}
+
+// Mutations seen: intervals not divided; infinite slopes compared by their ratio.
+TEST(KinksOfLaws, ThatNoConditionTellsOf) {
+  const auto at_half = [](const std::string& moment, double load) {
+    return hinged(fmt::format(R"(angular_stiffness="50" moment="{}"/>
+                                 <load at="arm" moment="0 0 {}"/><static)",
+                              moment, load));
+  };
+  const auto said = [&](const std::string& moment) {
+    return refusal([&] { study_modes(at_half(moment, 25.0), {}); });
+  };
+  for (const char* const law : {"20*sqrt((x-0.5)^2)", "20*pow((x-0.5)^2, 0.5)"})
+    EXPECT_SAYS(said(law),
+                "at a kink of its law: at x = 0.5 rad the slope is -20 from below and 20");
+  EXPECT_SAYS(said("(x-0.5)*20*atan2(0, x-0.5)/pi"), "the slope is 20 from below and 0 from above");
+  EXPECT_SAYS(said("0.5 > x ? 0 : 200*(x-0.5)^0.5"),
+              "the slope is 0 from below and inf from above");
+  // Beside it the slope counts; what is steep, or of high curvature, has none.
+  EXPECT_NEAR(frequencies(at_half("20*sqrt((x-0.5)^2)", 30.0)).front(), std::sqrt(35.0),
+              1e-8);  // x = 0.571
+  for (const char* const law : {"20*(sin(pi*x)-1)", "1e-3*tanh(1e5*(x-0.5))", "exp(40*(x-0.5))-1"})
+    EXPECT_EQ(said(law), "no error") << law;
+}
+
 // At rest a slider touches its stop; an arm that turns takes it off: w^2 = k/m - W^2.
 TEST(KinksOfLaws, AreLeftByTurning) {
   const Scene scene = read(R"x(

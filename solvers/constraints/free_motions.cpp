@@ -1,0 +1,79 @@
+#include "solvers/constraints/free_motions.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "libmbd/core/se3.hpp"
+#include "solvers/constraints/redundancy.hpp"
+
+namespace mbd {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+}  // namespace
+
+Sparse unit_gradient(const System& system, const State& state) {
+  const ConstraintEntries entries = scaled_gradient(system, state);
+  Sparse B(system.multipliers(), 6 * (system.nodes() - 1));
+  B.setFromTriplets(entries.begin(), entries.end());
+  return B;
+}
+
+FreeMotions::FreeMotions(const Sparse& B, const std::vector<Index>& rows) : motions_(B.cols()) {
+  std::vector<int> place(static_cast<std::size_t>(B.rows()), -1);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    place[static_cast<std::size_t>(rows[i])] = static_cast<int>(motions_) + static_cast<int>(i);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < motions_; ++i) entries.emplace_back(i, i, 1.0);
+  for (int k = 0; k < B.outerSize(); ++k)
+    for (Sparse::InnerIterator it(B, k); it; ++it) {
+      const int row = place[static_cast<std::size_t>(it.row())],
+                column = static_cast<int>(it.col());
+      if (row < 0) continue;
+      entries.emplace_back(row, column, it.value());
+      entries.emplace_back(column, row, it.value());
+    }
+  const Index size = motions_ + static_cast<Index>(rows.size());
+  Sparse all(size, size);
+  all.setFromTriplets(entries.begin(), entries.end());
+  lu_.compute(all);
+}
+
+Eigen::MatrixXd FreeMotions::operator()(const Eigen::MatrixXd& motions) const {
+  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(lu_.rows(), motions.cols());
+  b.topRows(motions_) = motions;
+  return lu_.solve(b).topRows(motions_);
+}
+
+VecX FreeMotions::random() const {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  VecX z(motions_);
+  for (double& entry : z) entry = number(random);
+  VecX u = (*this)(z);
+  constexpr double moves = 1e-8;  // less is round-off, of no direction
+  if (!(u.norm() > moves * z.norm())) return {};
+  u /= u.cwiseAbs().maxCoeff();
+  return u;
+}
+
+VecX random_free_motion(const System& system, const State& state) {
+  const std::vector<Index> idle = find_redundancy(system, state).idle;
+  std::vector<Index> rows;
+  for (Index row = 0; row < system.multipliers(); ++row)
+    if (!std::binary_search(idle.begin(), idle.end(), row)) rows.push_back(row);
+  return FreeMotions(unit_gradient(system, state), rows).random();
+}
+
+State moved(const System& system, State state, const VecX& z, double by) {
+  const double L = system.length_scale();
+  for (std::size_t n = 1; n < state.pose.size(); ++n) {
+    Vec6 u = by * z.segment<6>(6 * static_cast<Index>(n - 1));
+    u.tail<3>() /= L;
+    state.pose[n] = state.pose[n] * exp_se3<double>(u);
+  }
+  return state;
+}
+
+}  // namespace mbd
