@@ -63,7 +63,8 @@ VecX random_free_motion(const System& system, const State& state) {
   std::vector<Index> rows;
   for (Index row = 0; row < system.multipliers(); ++row)
     if (!std::binary_search(idle.begin(), idle.end(), row)) rows.push_back(row);
-  return FreeMotions(unit_gradient(system, state), rows).random();
+  const FreeMotions free(unit_gradient(system, state), rows);
+  return free.ok() ? free.random() : VecX::Ones(6 * (system.nodes() - 1));
 }
 
 State moved(const System& system, State state, const VecX& z, double by) {

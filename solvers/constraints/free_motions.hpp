@@ -31,7 +31,8 @@ class FreeMotions {
   Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu_;
 };
 
-// FreeMotions::random() of all constraints at a state that satisfies them. Throws Error as find_redundancy() does.
+// FreeMotions::random() of all constraints at a state that satisfies them; where they nearly depend on each other, any motion.
+// Throws Error as find_redundancy() does.
 VecX random_free_motion(const System& system, const State& state);
 
 // The state after the motion `by` times z.
