@@ -1,7 +1,9 @@
 #include "solvers/constraints/free_motions.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <random>
+#include <utility>
 
 #include "libmbd/core/se3.hpp"
 #include "solvers/constraints/redundancy.hpp"
@@ -20,7 +22,9 @@ Sparse unit_gradient(const System& system, const State& state) {
   return B;
 }
 
-FreeMotions::FreeMotions(const Sparse& B, const std::vector<Index>& rows) : motions_(B.cols()) {
+FreeMotions::FreeMotions(const Sparse& B, std::vector<Index> rows, const std::vector<Index>& idle)
+    : motions_(B.cols()) {
+  std::erase_if(rows, [&](Index row) { return std::ranges::binary_search(idle, row); });
   std::vector<int> place(static_cast<std::size_t>(B.rows()), -1);
   for (std::size_t i = 0; i < rows.size(); ++i)
     place[static_cast<std::size_t>(rows[i])] = static_cast<int>(motions_) + static_cast<int>(i);
@@ -59,11 +63,10 @@ VecX FreeMotions::random() const {
 }
 
 VecX random_free_motion(const System& system, const State& state) {
-  const std::vector<Index> idle = find_redundancy(system, state).idle;
-  std::vector<Index> rows;
-  for (Index row = 0; row < system.multipliers(); ++row)
-    if (!std::binary_search(idle.begin(), idle.end(), row)) rows.push_back(row);
-  const FreeMotions free(unit_gradient(system, state), rows);
+  std::vector<Index> rows(static_cast<std::size_t>(system.multipliers()));
+  std::iota(rows.begin(), rows.end(), 0);
+  const FreeMotions free(unit_gradient(system, state), std::move(rows),
+                         find_redundancy(system, state).idle);
   return free.ok() ? free.random() : VecX::Ones(6 * (system.nodes() - 1));
 }
 

@@ -15,10 +15,11 @@ namespace mbd {
 // All rows of B at a state, idle ones too.
 Eigen::SparseMatrix<double> unit_gradient(const System& system, const State& state);
 
-// Onto what rows of B leave free, if they are independent: by [1 B^T; B 0].
+// Onto what rows of B but those that are idle (rising) leave free, if they are independent: by [1 B^T; B 0].
 class FreeMotions {
  public:
-  FreeMotions(const Eigen::SparseMatrix<double>& B, const std::vector<Index>& rows);
+  FreeMotions(const Eigen::SparseMatrix<double>& B, std::vector<Index> rows,
+              const std::vector<Index>& idle);
   bool ok() const { return lu_.info() == Eigen::Success; }  // else they are not
 
   // The nearest free ones, column by column.

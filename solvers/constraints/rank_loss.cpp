@@ -21,14 +21,6 @@ constexpr double little = 1e-4;  // rad, and of the scene's length: of the diffe
 constexpr double of_size = 0.1;
 constexpr double none = 1e-5;  // of n^T dB[u]: what errors of n and of the difference leave of (1)
 
-// Those rows that may depend on others elsewhere, and are independent.
-std::vector<Index> independent_rows(const System& system, const std::vector<Index>& idle) {
-  std::vector<Index> rows;
-  for (const Index row : rows_in_loops(system))
-    if (!std::binary_search(idle.begin(), idle.end(), row)) rows.push_back(row);
-  return rows;
-}
-
 // "revolute 'A', revolute 'B' and 3 more": those whose rows count among all, in the order of the scene.
 std::string joints_of(const System& system, const VecX& rows) {
   constexpr double involved = 1e-3;
@@ -50,7 +42,7 @@ std::string rank_loss(const System& system, const State& state) {
   const Redundancy redundancy = find_redundancy(system, state);
   if (redundancy.idle.empty()) return {};
   const Sparse B = unit_gradient(system, state);
-  const FreeMotions projection(B, independent_rows(system, redundancy.idle));
+  const FreeMotions projection(B, rows_in_loops(system), redundancy.idle);
   if (!projection.ok()) return "constraints depend on each other to nearly the first order";
   Eigen::MatrixXd n = redundancy.null;
   n.colwise().normalize();

@@ -89,7 +89,7 @@ void CollocationStep::at(double t, State& out) const {
   const std::size_t s = inside_.tableau->stages;
   const double h = end_->t - begin_->t, since = t - begin_->t, x = since / h;
   const WeightsAt w = weights_at(x);
-  make_room(out);
+  make_room(*begin_, out);
   system_.set_time(out, t, x < 1.0 ? Side::right : Side::left);
   for (std::size_t n = 1; n < begin_->pose.size(); ++n) {
     const Vec6& V0 = begin_->V[n];

@@ -7,13 +7,13 @@ namespace {
 using D = Dual<double>;
 }
 
-void StepBetween::make_room(State& out) const {
-  out.load_factor = begin_->load_factor;
-  out.inputs = begin_->inputs;
+void make_room(const State& begin, State& out) {
+  out.load_factor = begin.load_factor;
+  out.inputs = begin.inputs;
   out.momentum_rate = 0.0;
-  out.pose.resize(begin_->pose.size());
-  out.V.resize(begin_->pose.size());
-  out.Vdot.resize(begin_->pose.size());
+  out.pose.resize(begin.pose.size());
+  out.V.resize(begin.pose.size());
+  out.Vdot.resize(begin.pose.size());
 }
 
 void HermiteStep::set(const State& begin, const State& end, std::span<const Vec6> Q) {
@@ -64,7 +64,7 @@ void HermiteStep::at(double t, State& out) const {
   if (!prepared_) prepare();
   const double h = end_->t - begin_->t;
   const double s = (t - begin_->t) / h;
-  make_room(out);
+  make_room(*begin_, out);
   system_.set_time(out, t, s < 1.0 ? Side::right : Side::left);
   for (std::size_t n = 1; n < c_.size(); ++n) {
     const auto& c = c_[n];

@@ -42,6 +42,9 @@ inline Vector6<Dual<double>> dual(const Vec6& value, const Vec6& rate) {
   return x;
 }
 
+// Of a state inside a step from `begin` what does not move, and room for what does.
+void make_room(const State& begin, State& out);
+
 // A step between two states, to which it refers until the next call of set_ends().
 class StepBetween : public DenseStep {
  public:
@@ -55,9 +58,6 @@ class StepBetween : public DenseStep {
     begin_ = &begin;
     end_ = &end;
   }
-  // Of a state inside what does not move, and room for what does.
-  void make_room(State& out) const;
-
   const State* begin_ = nullptr;
   const State* end_ = nullptr;
 };

@@ -185,12 +185,7 @@ class Ida::Integrator final : public DenseStep {
     IDAGetCurrentTime(memory_.get(), &now);
     IDAGetLastStep(memory_.get(), &h);
     const double inside = std::clamp(t, now - h, now);  // but for round-off it is
-    out.load_factor = begin_->load_factor;
-    out.inputs = begin_->inputs;
-    out.momentum_rate = 0.0;
-    out.pose.resize(begin_->pose.size());
-    out.V.resize(begin_->V.size());
-    out.Vdot.resize(begin_->Vdot.size());
+    make_room(*begin_, out);
     out.pose[0] = begin_->pose[0];
     out.V[0] = begin_->V[0];
     out.Vdot[0] = begin_->Vdot[0];

@@ -26,8 +26,8 @@ constexpr double stalled_fixed = 20.0;
 // rates are 0.3, and violations grow.
 constexpr double torn = 1e-4, locked = 1e-2;
 constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart up to pi
-constexpr double most_relative_turn =
-    3.0;  // of two nodes: angles of joints are followed from step to step
+// [rad] of two nodes: angles of joints are followed from step to step.
+constexpr double most_relative_turn = 3.0;
 // Adaptive steps: the estimate goes with h^(s + 1), errors of rows with h^(s + 2); the constants were chosen so that errors
 // of the dynamic models are about the tolerance (of more than three stages: of pendulum, heavy_top and double_pendulum).
 int error_order(std::size_t stages) { return static_cast<int>(stages) + 1; }

@@ -18,6 +18,8 @@ constexpr double comparable_bound = 1e-3;  // bounds above say nothing
 constexpr double relative_perturbation = 1e-12;
 constexpr std::uint64_t perturbation_seed = 20240607, perturbations = 3;
 constexpr std::size_t most_places = 20;
+constexpr double pose_unit =
+    8.0 * std::numeric_limits<double>::epsilon();  // to which poses are known, of their size
 constexpr double zero_beside = 1e-6;  // of others of its unit: what is smaller is measured by those
 
 // The same run with another tolerance: a tenth where that is a choice, a hundred times where it is near round-off.
@@ -183,15 +185,13 @@ double Twins::floor_of(const Components& quantity, double scale) const {
         of_rates = of_rates > 0.0 ? std::min(of_rates, one) : one;
       }
   // And round-off of poses, which are known to that of their own size, however little they change: 1 rad, the scene's length.
-  constexpr double unit = 8.0 * std::numeric_limits<double>::epsilon();
   const double size = u == "rad" ? 1.0 : u == "m" ? length_ : 0.0;
-  return newton.tolerance * std::max(walk, of_rates) + unit * walk * size / scale;
+  return newton.tolerance * std::max(walk, of_rates) + pose_unit * walk * size / scale;
 }
 
 std::optional<double> Twins::far_noise(const Components& quantity, double scale, std::size_t place,
                                        const FarNoise& far) const {
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  const double unit = 8.0 * eps * far.distance;  // the floor of Newton's iterations [m]
+  const double unit = pose_unit * far.distance;  // the floor of Newton's iterations [m]
   const std::string& u = quantity.unit;
   if (is_under_multipliers(u) || u == "N.s" || u == "N.m.s") return std::nullopt;
   const double length = u.starts_with("rad") ? far.lever : far.lever / far.length;
@@ -238,8 +238,7 @@ Sameness Twins::compare(const Findings& other, const FarNoise& far,
       if (far.distance > 0.0) {
         const std::optional<double> noise = far_noise(mine, scales_[q], k, far);
         if (!noise) break;
-        constexpr double eps = std::numeric_limits<double>::epsilon();
-        bound += *noise + noise_safety * 8.0 * eps * far.distance / far.lever * growth_[q][k];
+        bound += *noise + noise_safety * pose_unit * far.distance / far.lever * growth_[q][k];
       }
       if (!(bound <= std::max(comparable_bound, 2.0 * floor))) {
         until = std::min(until, k);
