@@ -1,6 +1,7 @@
 #include "solvers/constraints/free_motions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -15,14 +16,43 @@ using Sparse = Eigen::SparseMatrix<double>;
 
 }  // namespace
 
-Sparse unit_gradient(const System& system, const State& state) {
-  const ConstraintEntries entries = scaled_gradient(system, state);
-  Sparse B(system.multipliers(), 6 * (system.nodes() - 1));
+UnitMotions::UnitMotions(const System& system, const State& state)
+    : system_(system), length_(tied_lengths(system, state)) {
+  row_.setOnes(system.multipliers());
+  VecX squares = VecX::Zero(row_.size());
+  const Sparse B = gradient(state);
+  for (int k = 0; k < B.outerSize(); ++k)
+    for (Sparse::InnerIterator it(B, k); it; ++it) squares(it.row()) += it.value() * it.value();
+  for (Index i = 0; i < row_.size(); ++i)
+    if (squares(i) > 0.0) row_(i) = std::sqrt(squares(i));
+}
+
+Sparse UnitMotions::gradient(const State& state) const {
+  ConstraintEntries entries = scaled_gradient(system_, state, length_);
+  for (auto& e : entries)
+    e = {e.row(), e.col(),
+         e.value() * length_[static_cast<std::size_t>(e.col() / 6 + 1)] / row_(e.row())};
+  Sparse B(system_.multipliers(), 6 * (system_.nodes() - 1));
   B.setFromTriplets(entries.begin(), entries.end());
   return B;
 }
 
-FreeMotions::FreeMotions(const Sparse& B, std::vector<Index> rows, const std::vector<Index>& idle)
+Sparse UnitMotions::of_unit_rows(const Sparse& n) const { return row_.asDiagonal() * n; }
+
+Vec6 UnitMotions::of_node(const VecX& z, std::size_t node) const {
+  Vec6 u = z.segment<6>(6 * static_cast<Index>(node - 1));
+  u.head<3>() *= length_[node];
+  return u;
+}
+
+State UnitMotions::moved(State state, const VecX& z, double by) const {
+  for (std::size_t n = 1; n < state.pose.size(); ++n)
+    state.pose[n] = state.pose[n] * exp_se3<double>(by * of_node(z, n));
+  return state;
+}
+
+OntoFreeMotions::OntoFreeMotions(const Sparse& B, std::vector<Index> rows,
+                                 const std::vector<Index>& idle)
     : motions_(B.cols()) {
   std::erase_if(rows, [&](Index row) { return std::ranges::binary_search(idle, row); });
   std::vector<int> place(static_cast<std::size_t>(B.rows()), -1);
@@ -44,13 +74,13 @@ FreeMotions::FreeMotions(const Sparse& B, std::vector<Index> rows, const std::ve
   lu_.compute(all);
 }
 
-Eigen::MatrixXd FreeMotions::operator()(const Eigen::MatrixXd& motions) const {
+Eigen::MatrixXd OntoFreeMotions::operator()(const Eigen::MatrixXd& motions) const {
   Eigen::MatrixXd b = Eigen::MatrixXd::Zero(lu_.rows(), motions.cols());
   b.topRows(motions_) = motions;
   return lu_.solve(b).topRows(motions_);
 }
 
-VecX FreeMotions::random() const {
+VecX OntoFreeMotions::random() const {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   VecX z(motions_);
@@ -62,22 +92,12 @@ VecX FreeMotions::random() const {
   return u;
 }
 
-VecX random_free_motion(const System& system, const State& state) {
+VecX random_free_motion(const System& system, const State& state, const UnitMotions& units) {
   std::vector<Index> rows(static_cast<std::size_t>(system.multipliers()));
   std::iota(rows.begin(), rows.end(), 0);
-  const FreeMotions free(unit_gradient(system, state), std::move(rows),
-                         find_redundancy(system, state).idle);
+  const OntoFreeMotions free(units.gradient(state), std::move(rows),
+                             find_redundancy(system, state).idle);
   return free.ok() ? free.random() : VecX::Ones(6 * (system.nodes() - 1));
-}
-
-State moved(const System& system, State state, const VecX& z, double by) {
-  const double L = system.length_scale();
-  for (std::size_t n = 1; n < state.pose.size(); ++n) {
-    Vec6 u = by * z.segment<6>(6 * static_cast<Index>(n - 1));
-    u.tail<3>() /= L;
-    state.pose[n] = state.pose[n] * exp_se3<double>(u);
-  }
-  return state;
 }
 
 }  // namespace mbd

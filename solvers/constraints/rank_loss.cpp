@@ -14,9 +14,7 @@
 namespace mbd {
 namespace {
 
-using Sparse = Eigen::SparseMatrix<double>;
-
-constexpr double little = 1e-4;  // rad, and of the scene's length: of the difference
+constexpr double little = 1e-4;  // rad, and of a mechanism's size: of the difference
 // What n^T dB[u] is where it is of the size of n, B and u: motions of a door on two hinges change nothing.
 constexpr double of_size = 0.1;
 constexpr double none = 1e-5;  // of n^T dB[u]: what errors of n and of the difference leave of (1)
@@ -41,18 +39,18 @@ std::string joints_of(const System& system, const VecX& rows) {
 std::string rank_loss(const System& system, const State& state) {
   const Redundancy redundancy = find_redundancy(system, state);
   if (redundancy.idle.empty()) return {};
-  const Sparse B = unit_gradient(system, state);
-  const FreeMotions projection(B, rows_in_loops(system), redundancy.idle);
+  const UnitMotions units(system, state);
+  const OntoFreeMotions projection(units.gradient(state), rows_in_loops(system), redundancy.idle);
   if (!projection.ok()) return "constraints depend on each other to nearly the first order";
-  Eigen::MatrixXd n = redundancy.null;
+  Eigen::MatrixXd n = units.of_unit_rows(redundancy.null);
   n.colwise().normalize();
   const VecX u = projection.random();
   if (u.size() == 0) return {};
-  const double by = little * system.length_scale();
-  const Eigen::MatrixXd ahead = unit_gradient(system, moved(system, state, u, by)).transpose() * n,
-                        behind =
-                            unit_gradient(system, moved(system, state, u, -by)).transpose() * n;
-  const Eigen::MatrixXd change = (0.5 / little) * (ahead - behind), free = projection(change);
+  const auto at = [&](double by) {
+    return Eigen::MatrixXd(units.gradient(units.moved(state, u, by)).transpose() * n);
+  };
+  const Eigen::MatrixXd change = (0.5 / little) * (at(little) - at(-little)),
+                        free = projection(change);
   const double size = std::max(of_size, change.colwise().norm().maxCoeff());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(free.transpose() * free);
   const Index most = n.cols() - 1;

@@ -275,18 +275,71 @@ std::vector<Index> rows_in_loops(const System& system) {
   return rows;
 }
 
-ConstraintEntries scaled_gradient(const System& system, const State& state) {
-  ConstraintEntries entries;
+namespace {
+
+// tied_lengths(), by the blocks of B.
+std::vector<double> lengths_of(const System& system, const State& state,
+                               const std::vector<GradientBlock>& blocks) {
+  constexpr double none = 1e-9;  // of the scene: round-off of places
   const double L = system.length_scale();
-  for (const GradientBlock& block : constraint_gradients(system, state)) {
+  DisjointSets tied(static_cast<int>(system.nodes()));
+  std::vector<int> first(system.constraints().size(), 0);  // node of a constraint; 0: none yet
+  for (const GradientBlock& block : blocks) {
+    int& other = first[static_cast<std::size_t>(block.constraint)];
+    if (other == 0) other = block.node;
+    tied.join(other, block.node);
+  }
+  std::vector<double> size(static_cast<std::size_t>(system.nodes()), 0.0);  // by root
+  const auto of_part = [&](int node) -> double& {
+    return size[static_cast<std::size_t>(tied.root(node))];
+  };
+  for (int n = 1; n < static_cast<int>(system.nodes()); ++n) {
+    const Vec3& here = state.pose[static_cast<std::size_t>(n)].r;
+    const Vec3& there = state.pose[static_cast<std::size_t>(tied.root(n))].r;
+    of_part(n) = std::max(of_part(n), (here - there).norm());
+  }
+  for (const GradientBlock& block : blocks)
+    for (Index i = 0; i < block.B.rows(); ++i)
+      if (const double moves = block.B.row(i).head<3>().norm();
+          moves > 0.0 && system.constraints()[static_cast<std::size_t>(block.constraint)]
+                             .is_position[static_cast<std::size_t>(i)])
+        of_part(block.node) =
+            std::max(of_part(block.node), block.B.row(i).tail<3>().norm() / moves);
+  std::vector<double> lengths(size.size(), L);
+  for (int n = 1; n < static_cast<int>(system.nodes()); ++n)
+    if (const double own = of_part(n); own > none * L) lengths[static_cast<std::size_t>(n)] = own;
+  return lengths;
+}
+
+ConstraintEntries scaled(const System& system, const std::vector<GradientBlock>& blocks,
+                         const std::vector<double>& lengths) {
+  ConstraintEntries entries;
+  for (const GradientBlock& block : blocks) {
     const ConstraintInfo& info = system.constraints()[static_cast<std::size_t>(block.constraint)];
+    const double length = lengths[static_cast<std::size_t>(block.node)];
     for (Index i = 0; i < info.rows; ++i)
       for (int j = 0; j < 6; ++j)
         if (block.B(i, j) != 0.0)
           entries.emplace_back(static_cast<int>(info.first_row + i), 6 * (block.node - 1) + j,
-                               (j < 3 ? 1.0 : 1.0 / L) * block.B(i, j));
+                               (j < 3 ? 1.0 : 1.0 / length) * block.B(i, j));
   }
   return entries;
+}
+
+}  // namespace
+
+std::vector<double> tied_lengths(const System& system, const State& state) {
+  return lengths_of(system, state, constraint_gradients(system, state));
+}
+
+ConstraintEntries scaled_gradient(const System& system, const State& state) {
+  const std::vector<GradientBlock> blocks = constraint_gradients(system, state);
+  return scaled(system, blocks, lengths_of(system, state, blocks));
+}
+
+ConstraintEntries scaled_gradient(const System& system, const State& state,
+                                  const std::vector<double>& lengths) {
+  return scaled(system, constraint_gradients(system, state), lengths);
 }
 
 Dependence find_dependent(const ConstraintEntries& entries, Index all_rows, Index columns,

@@ -11,8 +11,8 @@
 // lambda less its part in the span of the n_i (minimum_norm). They are zero along what the joints could do against
 // each other, and the same whichever rows are idle.
 //
-// Small motions of the nodes (body frames) are measured as displacements and rotations times L; rows of B are
-// scaled to length one, so that ranks are free of units. A row depends on others when it is nearer than 1e-8 to
+// Small motions of the nodes (body frames) are measured as displacements and rotations times the size of what constraints tie
+// together (tied_lengths); rows of B are scaled to length one, so that ranks are free of units, and of what else a scene holds. A row depends on others when it is nearer than 1e-8 to
 // their span: far above round-off, and far below what two drawn axes differ by. Rows are taken one by one
 // by a sparse QR of B^T without exchange of columns (row_echelon.hpp), joints first, then drives and motions, each in
 // the order of the scene: so the later of two joints is named, and a drive before the joint it drives; idle rows are
@@ -87,9 +87,15 @@ struct GradientBlock {
 };
 std::vector<GradientBlock> constraint_gradients(const System& system, const State& state);
 
-// Rows of B at a state, idle ones too, over motions of the nodes but the ground in one unit: displacements and rotations times the
-// scene's length.
+// [m] By node: the size of what constraints tie together with it, by their lever arms and the distances of nodes; the scene's
+// where there is none. The ground ties nothing: of mechanisms beside each other each has its own.
+std::vector<double> tied_lengths(const System& system, const State& state);
+
+// Rows of B at a state, idle ones too, over motions of the nodes but the ground in one unit: displacements, and rotations times
+// `lengths` [m] by node; by default tied_lengths() of the state.
 ConstraintEntries scaled_gradient(const System& system, const State& state);
+ConstraintEntries scaled_gradient(const System& system, const State& state,
+                                  const std::vector<double>& lengths);
 
 // Rows of constraints that may depend on each other: of those in parts of the graph of nodes and constraints that
 // have a loop. The ground takes part in every loop through it, and joins nothing.

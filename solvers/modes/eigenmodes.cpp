@@ -202,13 +202,17 @@ class OpenModes {
     most_ = B_.cwiseAbs() * weight_;
   }
 
+  // By what the mode itself does in a row, so that a part that is small beside the scene is seen; less than round-off of the
+  // largest motion tells nothing.
   bool operator()(const Mode& mode) const {
-    constexpr double open = 1e-4;  // of what the rows could be
-    const double size = mode.shape.cwiseAbs().cwiseQuotient(weight_).maxCoeff();
+    constexpr double open = 1e-4, round_off = 1e-10;
+    const VecX moves = mode.shape.cwiseAbs();
+    const VecX could = B_.cwiseAbs() * moves;
+    const double size = moves.cwiseQuotient(weight_).maxCoeff();
     const VecX opening =
         (B_ * VecX(mode.shape.real())).cwiseAbs2() + (B_ * VecX(mode.shape.imag())).cwiseAbs2();
     for (Index row = 0; row < opening.size(); ++row)
-      if (std::sqrt(opening(row)) > open * size * most_(row)) return true;
+      if (std::sqrt(opening(row)) > open * could(row) + round_off * size * most_(row)) return true;
     return false;
   }
 

@@ -68,7 +68,10 @@ bool alike(const NearKink& a, const NearKink& b) { return a.element == b.element
 class Moves {
  public:
   Moves(const System& system, const State& state)
-      : system_(system), state_(state), u_(random_free_motion(system, state)) {}
+      : system_(system),
+        state_(state),
+        units_(system, state),
+        u_(random_free_motion(system, state, units_)) {}
 
   bool operator()(const std::vector<NearKink>& all, std::size_t k) const {
     constexpr double none = 1e-9;  // of the motion
@@ -83,7 +86,7 @@ class Moves {
   }
 
  private:
-  static constexpr double step = 1e-4;  // rad, and of the scene's length
+  static constexpr double step = 1e-4;  // of u
 
   // Of the argument, along u, by a central difference.
   std::optional<double> rate(const std::vector<NearKink>& all, std::size_t k, double by) const {
@@ -92,15 +95,11 @@ class Moves {
     return (*ahead - *behind) / (2.0 * by);
   }
   std::optional<double> argument(const std::vector<NearKink>& all, std::size_t k, double by) const {
-    const double L = system_.length_scale();
     const bool speed = all[k].of == ArgumentOf::speed || all[k].of == ArgumentOf::angular_speed;
     State state = state_;
-    if (!speed) state = moved(system_, std::move(state), u_, by * L);
-    for (std::size_t n = 1; speed && n < state.V.size(); ++n) {
-      Vec6 V = by * u_.segment<6>(6 * static_cast<Index>(n - 1));
-      V.head<3>() *= L;
-      state.V[n] += V;
-    }
+    if (!speed) state = units_.moved(std::move(state), u_, by);
+    for (std::size_t n = 1; speed && n < state.V.size(); ++n)
+      state.V[n] += by * units_.of_node(u_, n);
     const std::vector<NearKink> there = system_.near_kinks(state);
     if (!std::ranges::equal(all, there, alike)) return std::nullopt;
     return there[k].x;
@@ -108,8 +107,8 @@ class Moves {
 
   const System& system_;
   const State& state_;
-  VecX
-      u_;  // over displacements in units of the scene's length, and rotations; empty: nothing is free
+  UnitMotions units_;
+  VecX u_;  // empty: nothing is free
 };
 
 }  // namespace
