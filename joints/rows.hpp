@@ -9,8 +9,8 @@
 #include <numbers>
 #include <string>
 
+#include "elements/metrics.hpp"
 #include "libmbd/core/dual.hpp"
-#include "libmbd/core/metrics.hpp"
 #include "libmbd/core/se3.hpp"
 
 namespace mbd::joint {

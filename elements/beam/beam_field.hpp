@@ -23,8 +23,8 @@
 #include <span>
 #include <type_traits>
 
+#include "elements/metrics.hpp"
 #include "libmbd/core/error.hpp"
-#include "libmbd/core/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
 
 namespace mbd::beam {

@@ -19,7 +19,7 @@
 #include <span>
 #include <type_traits>
 
-#include "libmbd/core/metrics.hpp"
+#include "elements/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
 
 namespace mbd::beam {

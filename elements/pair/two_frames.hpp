@@ -10,7 +10,7 @@
 #pragma once
 
 #include "elements/element.hpp"
-#include "libmbd/core/metrics.hpp"
+#include "elements/metrics.hpp"
 
 namespace mbd::two_frames {
 

@@ -60,15 +60,16 @@ double integral_of(const Expression& f, double x) {
 constexpr double same_slope = 1e-9, sharpest = 1e-12;
 constexpr double reach = 1e-9;  // a kink is at x within this of it, or of its size
 
-// A kink at x that no condition tells of, as that of sqrt(x^2): the slope jumps as much in however short an interval
-// around it. Divided off its middle, where kinks are and slopes may have no value.
-std::optional<Kink> hidden_kink(const Expression& f, double x) {
+}  // namespace
+
+// Divided off its middle, where kinks are and slopes may have no value.
+std::optional<Kink> hidden_kink(const std::function<double(double)>& slope_at, double x) {
   const double seen = 1e-6, off_middle = 0.45, kept = 0.5, off = reach * std::max(1.0, std::abs(x));
-  double low = x - off, high = x + off, below = f(low).d, above = f(high).d;
+  double low = x - off, high = x + off, below = slope_at(low), above = slope_at(high);
   const double jump = std::abs(above - below);
   if (!(jump > seen * std::max(std::abs(below), std::abs(above)))) return std::nullopt;
   for (int i = 0; i < 14; ++i) {  // to 1e-12
-    const double between = low + off_middle * (high - low), slope = f(between).d;
+    const double between = low + off_middle * (high - low), slope = slope_at(between);
     const bool first = std::abs(slope - below) > std::abs(above - slope);
     (first ? high : low) = between;
     (first ? above : below) = slope;
@@ -76,8 +77,6 @@ std::optional<Kink> hidden_kink(const Expression& f, double x) {
   if (!(std::abs(above - below) > kept * jump)) return {};
   return Kink{0.5 * (low + high), below, above};
 }
-
-}  // namespace
 
 Law Law::smooth(std::span<const Knot> knots) {
   Table table;
@@ -158,7 +157,8 @@ std::optional<Kink> Law::nearest_kink(double x) const {
             std::isfinite(curvature) ? sharpest * std::max(1.0, std::abs(at)) * curvature : 0.0);
     }
     if (!nearest || std::abs(nearest->at - x) > 2.0 * reach * std::max(1.0, std::abs(x)))
-      if (const std::optional<Kink> hidden = hidden_kink(*expression, x)) nearest = hidden;
+      if (const auto hidden = hidden_kink([&](double at) { return (*expression)(at).d; }, x))
+        nearest = hidden;
     return nearest;
   }
   const Table& table = std::get<Table>(law_);

@@ -14,6 +14,7 @@
 // leave equilibria and steps without a solution.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <variant>
@@ -34,6 +35,9 @@ struct Kink {
   double at = 0.0;                  // [m, rad, m/s, rad/s]
   double below = 0.0, above = 0.0;  // df/dx
 };
+
+// A kink at x, to 1e-9 of it, where only slopes are known: they jump as much in however short an interval around it.
+std::optional<Kink> hidden_kink(const std::function<double(double)>& slope, double x);
 
 // Immutable; evaluation is const, thread safe and allocates nothing.
 class Law {

@@ -133,8 +133,7 @@ void System::signals_at(double t, Side side, std::span<const InputValue> inputs,
   for (const Feedback& f : feedback_) {
     signals[f.signal] = {0.0, 0.0, 0.0};
     if (motion == nullptr) continue;
-    readings.clear();
-    for (const std::size_t s : f.sensors) readings.push_back(sensors_[s]->value(*motion));
+    read(f, *motion, readings);
     const Taylor2 law = (*f.law)(t, side, inputs, readings);
     signals[f.signal] = {law.v, law.d, law.dd};
   }
@@ -180,10 +179,14 @@ void System::connect_feedback() {
   }
 }
 
-double System::value_of(const Feedback& f, const State& state,
-                        std::vector<double>& readings) const {
+void System::read(const Feedback& f, const State& state, std::vector<double>& readings) const {
   readings.clear();
   for (const std::size_t s : f.sensors) readings.push_back(sensors_[s]->value(state));
+}
+
+double System::value_of(const Feedback& f, const State& state,
+                        std::vector<double>& readings) const {
+  read(f, state, readings);
   return (*f.law)(state.t, state.side, state.inputs, readings).v;
 }
 
@@ -225,7 +228,7 @@ void System::each_feedback_block(const State& state, const F& look) const {
   std::vector<double> readings;
   std::vector<Vec6> by_motion, by_velocity, of_motion, of_velocity;
   for (const Feedback& f : feedback_) {
-    value_of(f, state, readings);
+    read(f, state, readings);
     of_motion.assign(f.looks_at.size(), Vec6::Zero());
     of_velocity = of_motion;
     for (std::size_t s = 0; s < f.sensors.size(); ++s) {
@@ -461,6 +464,16 @@ std::vector<NearKink> System::near_kinks(const State& given) const {
   std::vector<NearKink> all;
   for (const auto& batch : batches_) batch->near_kinks(state, all);
   return all;
+}
+
+void System::each_law_of_sensors(const State& state,
+                                 const std::function<void(const std::string&, const Expression&,
+                                                          std::span<const double>)>& look) const {
+  std::vector<double> readings;
+  for (const Feedback& f : feedback_) {
+    read(f, state, readings);
+    look(signal_names_[f.signal], *f.law, readings);
+  }
 }
 
 void System::constraints(const State& state, VecX& g, VecX& gdot) const {

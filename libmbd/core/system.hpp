@@ -157,6 +157,10 @@ class System {
   void load_rate(const State& state, VecX& r) const;
   std::string out_of_range(const State& state) const;
   std::vector<NearKink> near_kinks(const State& state) const;
+  // Each law of sensors, by the name of what acts, and what they read at a state.
+  void each_law_of_sensors(const State& state,
+                           const std::function<void(const std::string&, const Expression&,
+                                                    std::span<const double>)>& look) const;
   // All of size multipliers().
   void constraints(const State& state, VecX& g, VecX& gdot) const;
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const;
@@ -189,6 +193,7 @@ class System {
     std::size_t first_slot = 0;
   };
   void connect_feedback();
+  void read(const Feedback& f, const State& state, std::vector<double>& readings) const;
   double value_of(const Feedback& f, const State& state, std::vector<double>& readings) const;
   // Calls look(K, C, node of the column, number of the slot), K = dr/dU and C = dr/dV; `state` is fed back.
   template <class F>

@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,10 +15,11 @@
 namespace mbd {
 namespace {
 
-constexpr double little = 1e-4;  // rad, and of a mechanism's size: of the difference
+using Sparse = Eigen::SparseMatrix<double>;
+
 // What n^T dB[u] is where it is of the size of n, B and u: motions of a door on two hinges change nothing.
 constexpr double of_size = 0.1;
-constexpr double none = 1e-5;  // of n^T dB[u]: what errors of n and of the difference leave of (1)
+constexpr double none = 1e-9;  // of n^T dB[u]: what errors of n and of the difference leave of (1)
 
 // "revolute 'A', revolute 'B' and 3 more": those whose rows count among all, in the order of the scene.
 std::string joints_of(const System& system, const VecX& rows) {
@@ -34,6 +36,27 @@ std::string joints_of(const System& system, const VecX& rows) {
   return more > 0 ? fmt::format("{} and {} more", text, more) : text;
 }
 
+// dB[u], by unit motions and rows. Central differences, without the third order of the motion, over a step that is short beside
+// the links: beside a plate these may be rods of any length.
+Sparse change_along(const UnitMotions& units, const State& state, const VecX& u) {
+  constexpr double longest = 1e-3, shortest = 1e-8;  // rad, and of a mechanism's size
+  constexpr double smooth = 1e-4;                    // share of the third order
+  const auto difference = [&](double by) {
+    return Sparse((0.5 / by) * (units.gradient(units.moved(state, u, by)) -
+                                units.gradient(units.moved(state, u, -by))));
+  };
+  Sparse best;
+  double least = std::numeric_limits<double>::infinity();
+  for (double by = longest; by >= 0.99 * shortest && least > smooth; by *= 0.1) {
+    const Sparse far = difference(by), near = difference(0.5 * by);
+    const double share = (far - near).norm() / std::max(of_size, near.norm());
+    if (!(share < least)) continue;
+    least = share;
+    best = (4.0 * near - far) / 3.0;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::string rank_loss(const System& system, const State& state) {
@@ -46,12 +69,10 @@ std::string rank_loss(const System& system, const State& state) {
   n.colwise().normalize();
   const VecX u = projection.random();
   if (u.size() == 0) return {};
-  const auto at = [&](double by) {
-    return Eigen::MatrixXd(units.gradient(units.moved(state, u, by)).transpose() * n);
-  };
-  const Eigen::MatrixXd change = (0.5 / little) * (at(little) - at(-little)),
-                        free = projection(change);
-  const double size = std::max(of_size, change.colwise().norm().maxCoeff());
+  const Sparse dB = change_along(units, state, u);
+  const Eigen::MatrixXd free = projection(dB.transpose() * n),
+                        sums = Sparse(dB.cwiseAbs()).transpose() * n.cwiseAbs();
+  const double size = std::max(of_size, sums.colwise().norm().maxCoeff());  // of what cancels
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(free.transpose() * free);
   const Index most = n.cols() - 1;
   if (!(squares.eigenvalues()(most) > none * none * size * size)) return {};

@@ -7,8 +7,10 @@
 // Where rank is lost some n of the span breaks (1): what B leaves free to the first order is not what the constraints leave
 // free, and motions near the state are not linear (Mueller, "Higher derivatives of the kinematic mapping and some
 // applications", Mechanism and Machine Theory 76, 2014). u is a random motion, dB a central difference along it.
-// Not seen: ranks that are lost to a higher order, or by what is 1e5 times smaller than the scene; links 1e6 times shorter
-// than the scene are taken for such a loss.
+// What is compared is n^T dB[u], without what B^T answers, with the sum |n|^T |dB[u]| that it is left of: 1e-11 of it was
+// seen of linkages that keep their rank, plates on rods a millionth of their length among them, 0.1 of those that lose it. Of a
+// small linkage inside a larger one it is less by their ratio.
+// Not seen: ranks that are lost to a higher order, or by what is 1e8 times smaller than the linkage that it is a part of.
 #pragma once
 
 #include <string>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -32,6 +33,15 @@ Words words_of(ArgumentOf of) {
       break;
   }
   return {'v', "rad/s"};
+}
+
+std::string slopes_in_words(const Kink& kink, bool cancels = false) {
+  return fmt::format(" is {:.6g} from below and {:.6g} from above, ", kink.below, kink.above) +
+         (cancels
+              ? "and kinks of other laws make up for it, which small motions do not see: they "
+                "take one slope of each; give them as one law, their sum"
+              : "so motions near this state are not linear; make the law smooth there, or take a "
+                "state that is on one side of it");
 }
 
 // What arguments of each kind are round-off of, by the size and the motion of the scene.
@@ -63,26 +73,29 @@ bool is_at(const NearKink& near, const Sizes& sizes) {
 }
 bool alike(const NearKink& a, const NearKink& b) { return a.element == b.element && a.of == b.of; }
 
-// Whether a motion that constraints leave free changes the argument of a law to the first order; else its kink is none of
-// the motion: a guy across a rail, what a joint or a drive holds. All laws with kinks at one state, and the place of this one.
-class Moves {
+// What a motion that constraints leave free changes the argument of a law by, to the first order; if it is nothing, its kink is
+// none of the motion: a guy across a rail, what a joint or a drive holds. All laws with kinks at one state, and the place of this
+// one.
+class Changes {
  public:
-  Moves(const System& system, const State& state)
+  Changes(const System& system, const State& state)
       : system_(system),
         state_(state),
         units_(system, state),
         u_(random_free_motion(system, state, units_)) {}
 
-  bool operator()(const std::vector<NearKink>& all, std::size_t k) const {
+  // What the motion changes the argument of law k by; 0 of round-off, nothing if it is not known.
+  std::optional<double> operator()(const std::vector<NearKink>& all, std::size_t k) const {
     constexpr double none = 1e-9;  // of the motion
     const ArgumentOf of = all[k].of;
     const double L = system_.length_scale(),
                  unit = of == ArgumentOf::length || of == ArgumentOf::speed ? L : 1.0;
-    if (u_.size() == 0) return false;
+    if (u_.size() == 0) return 0.0;
     // Without the third order of the motion.
     const std::optional<double> far = rate(all, k, step), near = rate(all, k, 0.5 * step);
-    if (!far || !near) return true;  // not known
-    return std::abs((4.0 * *near - *far) / 3.0) > none * unit;
+    if (!far || !near) return std::nullopt;
+    const double change = (4.0 * *near - *far) / 3.0;
+    return std::abs(change) > none * unit ? change : 0.0;
   }
 
  private:
@@ -111,6 +124,92 @@ class Moves {
   VecX u_;  // empty: nothing is free
 };
 
+// What the sensors of all laws of sensors read, in the order of these.
+std::vector<double> readings_at(const System& system, const State& state) {
+  std::vector<double> all;
+  system.each_law_of_sensors(
+      state, [&](const std::string&, const Expression&, std::span<const double> readings) {
+        all.insert(all.end(), readings.begin(), readings.end());
+      });
+  return all;
+}
+
+// What free motions and their velocities change readings by, to the first order; empty if nothing is free.
+std::vector<double> changes_of_readings(const System& system, const State& state) {
+  constexpr double step = 1e-4;  // of a motion
+  const UnitMotions units(system, state);
+  const VecX u = random_free_motion(system, state, units);
+  if (u.size() == 0) return {};
+  const auto at = [&](double by) {
+    State there = units.moved(state, u, by);
+    for (std::size_t n = 1; n < there.V.size(); ++n) there.V[n] += by * units.of_node(u, n);
+    return readings_at(system, there);
+  };
+  const std::vector<double> ahead = at(step), behind = at(-step), near_ahead = at(0.5 * step),
+                            near_behind = at(-0.5 * step);
+  std::vector<double> changes;
+  for (std::size_t i = 0; i < ahead.size(); ++i)  // without the third order
+    changes.push_back((8.0 * (near_ahead[i] - near_behind[i]) - (ahead[i] - behind[i])) /
+                      (6.0 * step));
+  return changes;
+}
+
+struct KinkOfSensor {
+  std::string law, sensor;
+  double reading = 0.0;
+  Kink kink;
+};
+
+// Laws of sensors at a kink of one of their readings, which free motions change. (No condition tells of it: those are refused
+// where laws are read.)
+std::vector<KinkOfSensor> sensors_at_kinks(const System& system, const State& state) {
+  constexpr double none = 1e-9;  // of what changes most
+  std::vector<KinkOfSensor> found;
+  std::vector<double> changes;
+  double most = 0.0;
+  std::size_t first = 0;  // of a law's readings
+  system.each_law_of_sensors(
+      state, [&](const std::string& name, const Expression& law, std::span<const double> readings) {
+        for (std::size_t i = 0; i < readings.size(); ++i) {
+          std::vector<double> there(readings.begin(), readings.end());
+          const std::optional<Kink> kink = hidden_kink(
+              [&](double at) {
+                there[i] = at;
+                return law.derivative(i, state.t, state.side, state.inputs, there);
+              },
+              readings[i]);
+          if (!kink) continue;
+          if (changes.empty()) {
+            changes = changes_of_readings(system, state);
+            for (const double one : changes) most = std::max(most, std::abs(one));
+          }
+          if (!changes.empty() && std::abs(changes[first + i]) > none * most)
+            found.push_back({name, law.sensors()[i], readings[i], *kink});
+        }
+        first += readings.size();
+      });
+  return found;
+}
+
+// As kink_at(), of laws of sensors.
+std::string sensor_at_kink(const System& system, std::span<const State> states) {
+  std::vector<KinkOfSensor> stay = sensors_at_kinks(system, states.front());
+  for (const State& state : states.subspan(1)) {
+    if (stay.empty()) break;
+    const std::vector<KinkOfSensor> here = sensors_at_kinks(system, state);
+    std::erase_if(stay, [&](const KinkOfSensor& one) {
+      return std::ranges::none_of(here, [&](const KinkOfSensor& other) {
+        return one.law == other.law && one.sensor == other.sensor;
+      });
+    });
+  }
+  if (stay.empty()) return {};
+  const KinkOfSensor& one = stay.front();
+  return fmt::format("{} is at a kink of its law: at {} = {:.6g} (SI) the slope", one.law,
+                     one.sensor, one.reading) +
+         slopes_in_words(one.kink);
+}
+
 }  // namespace
 
 std::string kink_at(const System& system, std::span<const State> states) {
@@ -125,20 +224,33 @@ std::string kink_at(const System& system, std::span<const State> states) {
           }))
         stays[k] = 0;
   }
-  std::optional<Moves> moves;
+  std::optional<Changes> changes;
+  std::optional<std::size_t> first;  // that the motion changes
+  // By how much slopes along the motion, u^T K u and u^T C u, differ between its two sides: in all, and if nothing cancelled.
+  double jump[2] = {0.0, 0.0}, most[2] = {0.0, 0.0};
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (stays[k] == 0) continue;
-    if (!moves) moves.emplace(system, states.front());
-    if (!(*moves)(all, k)) continue;
-    const NearKink& near = all[k];
-    const auto [variable, unit] = words_of(near.of);
-    return fmt::format(
-        "{} is at a kink of its law: at {} = {:.6g} {} the slope is {:.6g} from below and {:.6g} "
-        "from above, so motions near this state are not linear; make the law smooth there, or take "
-        "a state that is on one side of it",
-        near.element, variable, near.kink.at, unit, near.kink.below, near.kink.above);
+    if (!changes) changes.emplace(system, states.front());
+    const std::optional<double> change = (*changes)(all, k);
+    if (change == 0.0) continue;
+    if (!first) first = k;
+    const bool is_rate = all[k].of == ArgumentOf::speed || all[k].of == ArgumentOf::angular_speed;
+    const double x = change.value_or(std::numeric_limits<double>::infinity()),
+                 one = (all[k].kink.above - all[k].kink.below) * x * std::abs(x);
+    jump[is_rate] += one;
+    most[is_rate] += std::abs(one);
   }
-  return {};
+  if (first) {
+    constexpr double same = 1e-6;
+    // What one rope lets go another takes up: linear, but of each law one slope would be taken.
+    const bool cancels = std::abs(jump[0]) <= same * most[0] && std::abs(jump[1]) <= same * most[1];
+    const NearKink& near = all[*first];
+    const auto [variable, unit] = words_of(near.of);
+    return fmt::format("{} is at a kink of its law: at {} = {:.6g} {} the slope", near.element,
+                       variable, near.kink.at, unit) +
+           slopes_in_words(near.kink, cancels);
+  }
+  return sensor_at_kink(system, states);
 }
 
 std::string why_not_linear(const System& system, const State& state) {
@@ -153,11 +265,13 @@ std::string why_not_linear(const System& system, const State& state) {
 std::string range_of_linearity(const System& system, const State& state) {
   const Sizes sizes(system, state);
   const std::vector<NearKink> all = system.near_kinks(state);
+  // What is at its kink and did not forbid to linearise is none of the motion.
   const auto share = [&](const NearKink& near) {
-    return std::abs(near.x - near.kink.at) / sizes.of(near);
+    return is_at(near, sizes) ? std::numeric_limits<double>::infinity()
+                              : std::abs(near.x - near.kink.at) / sizes.of(near);
   };
   const auto nearest = std::ranges::min_element(all, {}, share);
-  if (nearest == all.end()) return {};
+  if (nearest == all.end() || is_at(*nearest, sizes)) return {};
   const auto [variable, unit] = words_of(nearest->of);
   return fmt::format(
       "linear while {} stays on this side of its kink at {} = {:.6g} {}, which is {:.3g} {} away",

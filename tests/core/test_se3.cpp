@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "elements/metrics.hpp"
 #include "libmbd/core/dual.hpp"
-#include "libmbd/core/metrics.hpp"
 #include "tests/support/random.hpp"
 
 namespace {

@@ -2,7 +2,7 @@
 
 #include "elements/beam/beam_classical.hpp"
 #include "elements/beam/beam_elastic_batch.hpp"
-#include "libmbd/core/metrics.hpp"
+#include "elements/metrics.hpp"
 
 namespace mbd::laws {
 Pose<D1> seeded(const Pose<double>& H, const Vec6& U) {

@@ -10,7 +10,7 @@
 #include "elements/beam/beam_classical.hpp"
 #include "elements/beam/beam_motion.hpp"
 #include "elements/beam/beam_place.hpp"
-#include "libmbd/core/metrics.hpp"
+#include "elements/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
 #include "tests/support/random.hpp"
 

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "libmbd/core/metrics.hpp"
+#include "elements/metrics.hpp"
 #include "tests/hard/hard_case.hpp"
 #include "tests/hard/whirl.hpp"
 #include "tests/support/random.hpp"

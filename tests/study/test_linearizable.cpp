@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/study/modes/campbell.hpp"
@@ -214,6 +215,66 @@ TEST(KinksOfLaws, ThatNoConditionTellsOf) {
     EXPECT_EQ(said(law), "no error") << law;
 }
 
+// What one rope lets go another takes up: that is linear, but each law has one slope in small motions (300 N/m twice), and is
+// refused with what to do. Mutation seen: not refused (w^2 = 200 for 100).
+TEST(KinksOfLaws, ThatMakeUpForEachOther) {
+  const auto ropes = [](const char* right) {
+    const char* const rope = R"(<spring name="{}" between="ground cart" at_a="{} 0 0" length="2"
+                                        force="x > 0 ? {}*x : 0"/>)";
+    return sliding(fmt::format(fmt::runtime(rope), "left", "-2", "300") +
+                   fmt::format(fmt::runtime(rope), "right", "2", right));
+  };
+  EXPECT_SAYS(refusal([&] { study_modes(ropes("300"), {}); }), "give them as one law");
+  EXPECT_SAYS(refusal([&] { study_modes(ropes("301"), {}); }), "are not linear");
+  EXPECT_NEAR(
+      frequencies(sliding(R"(<joint_spring name="k" joint="rail" stiffness="300"/>)")).front(),
+      10.0, 1e-9);
+}
+
+// Kinks of laws of sensors: conditions are refused when they are read, these by their slopes. Moments of 50 N.m/rad and a law
+// over 2 kg.m2; what no motion changes is none. Mutation seen: the changes of readings not asked for.
+TEST(KinksOfLaws, OfSensors) {
+  const auto with = [](const char* moment) {
+    return read(fmt::format(R"(<body name="arm" mass="1" inertia="1 1 2"/>
+        <revolute name="hinge" between="ground arm" axis="0 0 1"/>
+        <joint_spring name="k" joint="hinge" angular_stiffness="50"/>
+        <joint_torque name="T" joint="hinge" moment="{}"/>)",
+                            moment));
+  };
+  const struct {
+    const char *moment, *where;
+  } kinks[] = {
+      {"-20*sqrt(hinge.angle^2)", "is 20 from below and -20 from above"},
+      {"-20*sqrt(hinge.rate^2)", "at hinge.rate = 0 (SI) the slope is 20 from below"},
+      {"-14*hinge.angle*atan2(0, hinge.angle)/pi", "is -14 from below and 0 from above"},
+      {"-3*hinge.rate - 20*pow((hinge.angle + hinge.rate)^2, 0.5)", "is at a kink of its law"},
+  };
+  for (const auto& [moment, where] : kinks) {
+    const Scene scene = with(moment);
+    for (const auto& what : {std::function<void()>([&] { study_modes(scene, {}); }),
+                             std::function<void()>([&] { linearize(scene, {}); })}) {
+      const std::string said = refusal(what);
+      EXPECT_SAYS(said, "joint_torque \"T\"");
+      EXPECT_SAYS(said, where);
+    }
+  }
+  const struct {
+    const char* moment;
+    double stiffness;
+  } smooth[] = {{"-14*hinge.angle", 64.0},
+                {"-14*hinge.angle^3", 50.0},
+                {"-14*sqrt((hinge.angle - 0.1)^2)", 36.0},
+                {"-14*sqrt(arm.displacement.1^2)", 50.0},
+                {"-14*(sqrt(hinge.angle^2 + 1e-12) - 1e-6)", 50.0}};
+  for (const auto& [moment, stiffness] : smooth) {
+    const Scene scene = with(moment);
+    std::vector<double> found;
+    EXPECT_EQ(refusal([&] { found = frequencies(scene); }), "no error") << moment;
+    ASSERT_EQ(found.size(), 1U) << moment;
+    EXPECT_NEAR(found.front(), std::sqrt(stiffness / 2.0), 1e-8) << moment;
+  }
+}
+
 // At rest a slider touches its stop; an arm that turns takes it off: w^2 = k/m - W^2.
 TEST(KinksOfLaws, AreLeftByTurning) {
   const Scene scene = read(R"x(
@@ -249,20 +310,39 @@ TEST(KinksOfLaws, OfPeriodicMotions) {
 
 std::string at(double x, double y) { return fmt::format("{:.17g} {:.17g} 0", x, y); }
 
-// Cranks AB and DC with a coupler BC, A at the origin, and a spring on the first.
+// Cranks AB and DC with a coupler BC, A at the origin, and a spring on the first; of any size, on any body.
+struct Linkage {
+  Vec3 B, C, D;
+  double size = 1.0;
+  Vec3 origin = Vec3::Zero();
+  std::string base = "ground", prefix = "";
+  std::string damping = "";  // attribute of the spring
+
+  std::string text() const {
+    const auto place = [&](const Vec3& r) {
+      const Vec3 there = origin + size * r;
+      return at(there(0), there(1));
+    };
+    const auto inertia = [&](double J) {
+      return fmt::format("{0:.17g} {0:.17g} {0:.17g}", J * size * size);
+    };
+    return fmt::format(
+        R"(<body name="{0}a" at="{1}" mass="1" inertia="{2}"/>
+           <body name="{0}b" at="{3}" mass="2" inertia="{4}"/>
+           <body name="{0}c" at="{5}" mass="1" inertia="{2}"/>
+           <revolute name="{0}A" between="{6} {0}a" at="{7}" axis="0 0 1"/>
+           <revolute name="{0}B" between="{0}a {0}b" at="{8}" axis="0 0 1"/>
+           <revolute name="{0}C" between="{0}b {0}c" at="{9}" axis="0 0 1"/>
+           <revolute name="{0}D" between="{0}c {6}" at="{10}" axis="0 0 1"/>
+           <joint_spring name="{0}k" joint="{0}A" angular_stiffness="{11:.17g}" {12}/>)",
+        prefix, place(0.5 * B), inertia(0.1), place(0.5 * (B + C)), inertia(0.4),
+        place(0.5 * (C + D)), base, place(Vec3::Zero()), place(B), place(C), place(D),
+        100.0 * size * size, damping);
+  }
+};
+
 Scene linkage(const Vec3& B, const Vec3& C, const Vec3& D) {
-  const auto in_words = [](const Vec3& r) { return at(r(0), r(1)); };
-  return read(fmt::format(
-      R"(<body name="a" at="{}" mass="1" inertia="0.1 0.1 0.1"/>
-         <body name="b" at="{}" mass="2" inertia="0.4 0.4 0.4"/>
-         <body name="c" at="{}" mass="1" inertia="0.1 0.1 0.1"/>
-         <revolute name="A" between="ground a" at="0 0 0" axis="0 0 1"/>
-         <revolute name="B" between="a b" at="{}" axis="0 0 1"/>
-         <revolute name="C" between="b c" at="{}" axis="0 0 1"/>
-         <revolute name="D" between="c ground" at="{}" axis="0 0 1"/>
-         <joint_spring name="k" joint="A" angular_stiffness="100"/>)",
-      in_words(0.5 * B), in_words(0.5 * (B + C)), in_words(0.5 * (C + D)), in_words(B), in_words(C),
-      in_words(D)));
+  return read(Linkage{.B = B, .C = C, .D = D}.text());
 }
 
 // Cranks of 1 m between pins 4 m apart, with a coupler of 2 m flat between them or, longer, bent.
@@ -272,10 +352,11 @@ Scene trapezium(double height) {
 }
 
 // Cranks of 1 m and a coupler of 2 m.
-Scene parallelogram(double angle) {
+Linkage parallel_cranks(double angle) {
   const Vec3 crank(std::cos(angle), std::sin(angle), 0.0), base(2.0, 0.0, 0.0);
-  return linkage(crank, base + crank, base);
+  return {.B = crank, .C = base + crank, .D = base};
 }
+Scene parallelogram(double angle) { return read(parallel_cranks(angle).text()); }
 
 // w^2 = k/J, J of both cranks about their pins and of the coupler's mass at their end. Flat it has two motions to the first
 // order; they are not to the second. Mutation seen: n^T dB[u] compared without what B^T answers (all are refused).
@@ -297,6 +378,81 @@ TEST(RankLoss, AFlatLinkageIsRefused) {
   }
   EXPECT_SAYS(refusal([] { study_modes(trapezium(0.0), {}); }), "lose rank");
   EXPECT_EQ(refusal([] { study_modes(trapezium(0.6), {}); }), "no error");
+}
+
+// A linkage and an arm far away, or a linkage that is small, each as if it were alone: no modes are invented, damped or not, and a
+// flat linkage is refused. Mutations seen: openings of constraints by the size of the scene; ranks by lengths of the scene (the smallest is refused).
+TEST(RankLoss, BesideWhatIsFarAway) {
+  const double alone = 100.0 / (2.0 * (0.1 + 0.25) + 2.0);  // w^2
+  const auto beside = [](double angle, double size, double far, const char* damping) {
+    Linkage small = parallel_cranks(angle);
+    small.size = size;
+    small.damping = damping;
+    return read(small.text() +
+                fmt::format(R"(<body name="far" at="{0} 0 0" mass="1" inertia="1 1 1"/>
+                               <revolute name="F" between="ground far" at="{0} 0 0" axis="0 0 1"/>
+                               <joint_spring name="kf" joint="F" angular_stiffness="7"/>)",
+                            far));
+  };
+  for (const auto& [size, far] :
+       {std::pair{1.0, 10.0}, {1.0, 3e5}, {1.0, 1e7}, {1e-3, 1.0}, {1e-6, 1.0}, {1e-9, 1.0}}) {
+    SCOPED_TRACE(fmt::format("{} beside {}", size, far));
+    EXPECT_SAYS(refusal([&] { study_modes(beside(0.0, size, far, ""), {}); }), "lose rank");
+    const std::vector<double> found = frequencies(beside(0.7, size, far, ""));
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_NEAR(found[0], std::sqrt(7.0), 1e-7);
+    EXPECT_NEAR(found[1], std::sqrt(alone), 1e-7 + 1e-15 / size);  // round-off of places
+  }
+  // c = 10 J: a decay of 5/s.
+  const std::vector<double> damped = frequencies(beside(0.7, 1.0, 1e6, R"(angular_damping="27")"));
+  ASSERT_EQ(damped.size(), 2U);
+  EXPECT_NEAR(damped[0], std::sqrt(7.0), 1e-7);
+  EXPECT_NEAR(damped[1], std::sqrt(alone - 25.0), 1e-6);
+}
+
+// A small linkage on the coupler of a large one: as of displacements u of the large crank's end and v of the small one's beside it,
+// 2 T = 6.7 u'^2 + 2.7 v'^2 + 6 cos(0.2) u' v', 2 V = 100 (u^2 + v^2), whatever its size. Mutation seen: as above.
+TEST(RankLoss, OfALinkageInsideALargerOne) {
+  const double c = 3.0 * std::cos(0.2), trace = 9.4, det = 6.7 * 2.7 - c * c,
+               root = std::sqrt(0.25 * trace * trace - det);
+  for (const double size : {1e-2, 1e-4, 1e-6}) {
+    SCOPED_TRACE(size);
+    const auto both = [&](double angle) {
+      const Linkage large = parallel_cranks(0.9);
+      Linkage small = parallel_cranks(angle);
+      small.size = size;
+      small.origin = large.B;
+      small.base = "b";
+      small.prefix = "small_";
+      return read(large.text() + small.text());
+    };
+    const std::vector<double> found = frequencies(both(0.7));
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_NEAR(found[0], std::sqrt(100.0 / (0.5 * trace + root)), 1e-6);
+    EXPECT_NEAR(found[1], std::sqrt(100.0 / (0.5 * trace - root)), 1e-6);
+    EXPECT_SAYS(refusal([&] { study_modes(both(0.0), {}); }), "lose rank");
+  }
+}
+
+// Rods that repeat each other, a millionth of the plate that hangs on them: w^2 = k/m along the ground, whatever their length.
+// Mutation seen: n^T dB[u] beside its own size, not that of what cancels in it.
+TEST(RankLoss, OfAPlateOnShortRods) {
+  for (const double rod : {1.0, 1e-3, 1e-6}) {
+    std::string rods;
+    for (const double x : {-0.5, 0.0, 0.5})
+      rods += fmt::format(R"(<distance name="d{0:.0f}" between="ground plate" at_a="{1} {2} 0"
+                                       at_b="{1} 0 0"/>)",
+                          2.0 * (x + 1.0), x, rod);
+    const Scene scene = read(R"(<body name="plate" mass="2" inertia="1 1 1"/>
+        <planar name="P" between="ground plate" at="0 0 0" axis="0 0 1"/>
+        <bushing name="k" between="ground plate" at="0 0 0" stiffness="200 0 0"
+                 angular_stiffness="0 0 0"/>)" +
+                             rods);
+    std::vector<double> found;
+    EXPECT_EQ(refusal([&] { found = frequencies(scene); }), "no error") << rod;
+    ASSERT_EQ(found.size(), 1U) << rod;
+    EXPECT_NEAR(found.front(), 10.0, 1e-6) << rod;
+  }
 }
 
 // What nothing moves loses nothing: a block that two hinges hold along two axes, and an arm beside it that swings.

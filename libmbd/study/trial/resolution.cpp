@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libmbd/core/metrics.hpp"
+#include "elements/metrics.hpp"
 #include "libmbd/core/spectral.hpp"
 #include "libmbd/scene/places.hpp"
 
