@@ -310,7 +310,7 @@ bool Signal::has_sensors() const {
 //   (5)  m_k = max(|f^(k)|, |f^(k−1)|/τ, …), sampled,
 // because the limits alone may both be rounding errors, as those of ṙ at t = 6 for
 // r = t<6 ? 1-cos(pi*t/6) : 2, namely 1e-16 and 0.
-std::vector<Jump> Signal::jumps() const {
+std::vector<double> Signal::breakpoints() const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   double begin = -infinity, end = infinity;
   std::span<const double> all;
@@ -324,7 +324,17 @@ std::vector<Jump> Signal::jumps() const {
   std::vector<double> times;
   std::copy_if(all.begin(), all.end(), std::back_inserter(times),
                [&](double t) { return begin < t && t < end; });
+  return times;
+}
 
+std::vector<Jump> Signal::jumps() const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double begin = -infinity, end = infinity;
+  if (const auto* law = std::get_if<std::shared_ptr<const RateLaw>>(&law_)) {
+    begin = (*law)->begin();
+    end = (*law)->end();
+  }
+  const std::vector<double> times = breakpoints();
   using Values = std::array<double, 3>;
   const auto values = [&](double t, Side side) -> Values {
     const SignalValue s = (*this)(t, side);

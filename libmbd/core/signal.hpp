@@ -72,6 +72,10 @@ class Signal {
   // expression depends on inputs: the value may jump there, by how much (`size`) is not known.
   std::vector<Jump> jumps() const;
 
+  // Where the expression switches, in ascending time, inside the interval for a rate law: jumps(), and times at which it may be
+  // that higher derivatives jump.
+  std::vector<double> breakpoints() const;
+
   // A jump of f or of its first derivative between t_begin and t_end at which the expression does not switch:
   // asin(sin(t)), sqrt((t-1)^2), atan2. Found where an interval, halved to 1e-9 of the whole, keeps a change of
   // the derivative by more than 1e-4 of its largest value (smaller ones, and narrower pulses than 1/200 of a

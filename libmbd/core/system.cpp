@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace mbd {
 
@@ -70,9 +71,11 @@ void System::finish(bool with_rates, double length_scale) {
     const int accelerates = signal_uses_[i] == SignalUse::drive ? 2 : 0;
     for (const Jump& jump : signals_[i].jumps())
       breakpoints_.push_back({jump.t, jump.derivative <= accelerates});
+    for (const double t : signals_[i].breakpoints()) breakpoints_.push_back({t, false, true});
   }
+  // Of equals, the restart is kept, or else what is not smooth.
   std::sort(breakpoints_.begin(), breakpoints_.end(), [](const Breakpoint& a, const Breakpoint& b) {
-    return a.t != b.t ? a.t < b.t : a.restart > b.restart;  // of equals, the restart is kept
+    return std::tuple(a.t, !a.restart, a.smooth) < std::tuple(b.t, !b.restart, b.smooth);
   });
   breakpoints_.erase(
       std::unique(breakpoints_.begin(), breakpoints_.end(),

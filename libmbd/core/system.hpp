@@ -27,10 +27,11 @@ struct ConstraintInfo {
 // A drive moves something: its second derivative is an acceleration. A load is a force.
 enum class SignalUse { drive, load };
 
-// A time at which a signal or its first two derivatives jump.
+// A time at which a signal or one of its derivatives jumps.
 struct Breakpoint {
   double t = 0.0;        // [s]
   bool restart = false;  // accelerations and multipliers jump: an integrator starts afresh
+  bool smooth = false;   // none of its first two derivatives jumps: of steps that fit an error
 };
 
 // A number of the motion that laws of loads and controllers know.

@@ -16,7 +16,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double tiny = 1e-4;     // |l| that is not well seen, of the shift
+constexpr double tiny = 1e-4;  // |l| that is not well seen, of the shift
+constexpr double good_residual = 1e-6;
 constexpr double unseen = 1e-14;  // share of what cancels in K that is round-off
 // Of what cancels: twice the most that was seen on cantilevers of 139 to 4000 elements (as little as a sixtieth of it is lost).
 constexpr double share_lost = 1e-16;
@@ -125,7 +126,8 @@ class ShiftInvert final : public WeightedOperator {
 ModesFound modes_at(const MotionPencil& motions, Complex shift, double omega, int count) {
   ModesFound result;
   const ShiftInvert T(motions, shift, omega);
-  const Index each = T.first_order() ? 2 : 1;  // of T: conjugates, or their doubles
+  // Of T: conjugates, and their doubles.
+  const Index each = T.is_doubled() ? 4 : T.first_order() ? 2 : 1;
   const EigenPairs pairs =
       largest_eigenpairs(T, each * count + (T.first_order() ? 2 : 1), result.work);
   result.failure = pairs.failure;
@@ -202,21 +204,28 @@ class OpenModes {
     most_ = B_.cwiseAbs() * weight_;
   }
 
-  // By what the mode itself does in a row, so that a part that is small beside the scene is seen; less than round-off of the
-  // largest motion tells nothing.
   bool operator()(const Mode& mode) const {
-    constexpr double open = 1e-4, round_off = 1e-10;
-    const VecX moves = mode.shape.cwiseAbs();
-    const VecX could = B_.cwiseAbs() * moves;
-    const double size = moves.cwiseQuotient(weight_).maxCoeff();
-    const VecX opening =
-        (B_ * VecX(mode.shape.real())).cwiseAbs2() + (B_ * VecX(mode.shape.imag())).cwiseAbs2();
-    for (Index row = 0; row < opening.size(); ++row)
-      if (std::sqrt(opening(row)) > open * could(row) + round_off * size * most_(row)) return true;
-    return false;
+    constexpr double open = 1e-4;
+    return opens(mode, VecX::Zero(most_.size()), open);
+  }
+  // By what the mode itself does in a row, so that a part that is small beside the scene counts. What is in a row may be
+  // round-off of what moves elsewhere: a doubt, not a verdict.
+  bool perhaps(const Mode& mode) const {
+    constexpr double closed = 1e-9, round_off = 1e-10;
+    return opens(mode, closed * (B_.cwiseAbs() * VecX(mode.shape.cwiseAbs())), round_off);
   }
 
  private:
+  // By more than `most` and `share` of what the largest motion may do in a row.
+  bool opens(const Mode& mode, const VecX& most, double share) const {
+    const double size = mode.shape.cwiseAbs().cwiseQuotient(weight_).maxCoeff();
+    const VecX opening =
+        (B_ * VecX(mode.shape.real())).cwiseAbs2() + (B_ * VecX(mode.shape.imag())).cwiseAbs2();
+    for (Index row = 0; row < opening.size(); ++row)
+      if (std::sqrt(opening(row)) > most(row) + share * size * most_(row)) return true;
+    return false;
+  }
+
   VecX weight_, most_;
   Eigen::SparseMatrix<double> B_;
 };
@@ -283,6 +292,7 @@ struct ModeSearch {
             : fastest > 0.0        ? 1e-3 * fastest
                                    : 1.0;
     result = options.near > 0.0 ? near_frequency() : slowest();
+    leave_true_ones(result);
     if (!(options.near > 0.0) && options.free_motions == FreeMotions::looked_for)
       add_far_faster(result);
     if (result.modes.size() > static_cast<std::size_t>(wanted))
@@ -304,6 +314,38 @@ struct ModeSearch {
     std::erase_if(found.modes, opens);
     sort(found.modes);
     return found;
+  }
+
+  // Of infinite eigenvalues of (1) round-off makes finite ones. What opens a constraint a little, or solves (1) badly, is looked
+  // for again about its own eigenvalue, where a mode is found to its last digits and nothing else is near.
+  void leave_true_ones(ModesFound& found) {
+    std::vector<Mode> kept;
+    for (Mode& mode : found.modes) {
+      const bool is_doubtful = !mode.rigid && std::abs(mode.eigenvalue) > 0.0 &&
+                               (mode.residual > good_residual || opens.perhaps(mode));
+      if (!is_doubtful || found_again(mode)) kept.push_back(std::move(mode));
+    }
+    found.modes = std::move(kept);
+  }
+
+  bool found_again(Mode& mode) {
+    constexpr double beside = 1e-3, same = 1e-2;  // of the eigenvalue
+    constexpr int several = 3;                    // that may be equal
+    const double size = std::abs(mode.eigenvalue);
+    ModesFound near = find_modes_near(motions, mode.eigenvalue * (1.0 + beside), size, several);
+    work += near.work;
+    const Mode* best = nullptr;
+    double most = -1.0;
+    for (const Mode& other : near.modes) {
+      if (std::abs(other.eigenvalue - mode.eigenvalue) > same * size ||
+          other.residual > good_residual || opens.perhaps(other))
+        continue;
+      const double overlap =
+          std::abs(other.shape.dot(mode.shape)) / (other.shape.norm() * mode.shape.norm());
+      if (overlap > most) most = overlap, best = &other;
+    }
+    if (best != nullptr) mode = *best;
+    return best != nullptr;
   }
 
   ModesFound near_frequency() {
@@ -345,6 +387,8 @@ struct ModeSearch {
     const auto wanted_size = static_cast<std::size_t>(wanted);
     const Index most =
         2 * (motions.motions() - motions.system().multipliers() + std::ssize(motions.state().idle));
+    const double slow = omega, bound = most_rate();
+    double shift = slow;
     while (found.failure.empty() && found.modes.size() < wanted_size) {
       Index pairs = 0;  // of a shape and its rate, halves of them
       double fastest_found = 0.0;
@@ -352,16 +396,29 @@ struct ModeSearch {
         pairs += mode.rigid || mode.eigenvalue.imag() > 0.0 ? 2 : 1;
         fastest_found = std::max(fastest_found, std::abs(mode.eigenvalue));
       }
-      if (pairs >= most || !(fastest_found > 0.0)) return;
-      ModesFound more = at(far * fastest_found, wanted);
-      if (!more.failure.empty()) return;
+      shift = far * std::max(shift, fastest_found);
+      if (pairs >= most || found.modes.empty() || shift > far * bound) break;
+      omega = shift;  // the scale of their rates
+      ModesFound more = at(shift, wanted);
+      if (!more.failure.empty()) break;
       const auto is_known = [&](const Mode& mode) {
-        return !(std::abs(mode.eigenvalue) > other * fastest_found);
+        return !(std::abs(mode.eigenvalue) > other * fastest_found) ||
+               is_rigid(motions, sizes, mode, shift);
       };
       std::erase_if(more.modes, is_known);
-      if (more.modes.empty()) return;
+      leave_true_ones(more);
       std::move(more.modes.begin(), more.modes.end(), std::back_inserter(found.modes));
     }
+    omega = slow;
+  }
+
+  // [rad/s] That no motion is faster than, but for a small factor: by each motion alone.
+  double most_rate() const {
+    const VecX M = motions.mass_matrix().diagonal(), K = sizes.diagonal();
+    double square = 0.0;
+    for (Index i = 0; i < M.size(); ++i)
+      if (M(i) > 0.0) square = std::max(square, K(i) / M(i));
+    return std::sqrt(square);
   }
 
   // [rad/s] About, by what the inverse iteration x <- K^-1 M x shrinks: with another scale of rates eigenvectors of (3) are

@@ -460,7 +460,8 @@ StepReport Ida::one_step(State& state) {
   StepReport report;
   parted_ = false;
   const double last = std::min(options_.end, stop_);
-  Landing landing = landing_of(system_, state, last, slack_);
+  Landing landing =
+      landing_of(system_, state, last, slack_, std::numeric_limits<double>::infinity());
   if (last_usable_ < landing.t) {
     if (!(last_usable_ - state.t > slack_)) {
       report.failure = fmt::format("from t = {:.9g} s: {}", state.t, unusable_);

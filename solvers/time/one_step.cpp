@@ -272,7 +272,8 @@ StepReport OneStep::fixed_step(State& state) {
   const double end = origin_ + static_cast<double>(count_ + 1) * settings_.step;
   double reached = state.t;
   while (reached < end - slack_) {
-    const Landing landing = landing_of(system_, state, end, slack_);
+    const Landing landing =
+        landing_of(system_, state, end, slack_, std::numeric_limits<double>::infinity());
     reached = landing.t;
     const double whole = landing.t - state.t;
     for (bool last = false; !last;) {  // in one step, or in pieces
@@ -351,7 +352,7 @@ void OneStep::record_error(double error) {
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const double end = std::min(settings_.end, stop_);
-  Landing landing = landing_of(system_, state, end, slack_);
+  Landing landing = landing_of(system_, state, end, slack_, controller_->step());
   std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false, contradicted = false;
   const double creeping = 100.0 * short_step * slack_;  // of longer ones none asks why

@@ -82,8 +82,9 @@ StepReport Stepper::first_restart(const System& system, State& state, double sla
   return report;
 }
 
-Landing Stepper::landing_of(const System& system, const State& state, double end, double slack) {
-  Landing landing = next_landing(system.breakpoints(), state.t, end, slack);
+Landing Stepper::landing_of(const System& system, const State& state, double end, double slack,
+                            double apart) {
+  Landing landing = next_landing(system.breakpoints(), state.t, end, slack, apart);
   if (system.controllers().empty()) return landing;
   const double instant = system.next_instant(state, slack);
   if (instant > landing.t + slack) return landing;
@@ -313,17 +314,25 @@ void Stepper::record_size(double h, bool cut) {
   sizes_.most = std::max(sizes_.most, h);
 }
 
-Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack) {
+Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack,
+                     double apart) {
   auto first = std::upper_bound(breakpoints.begin(), breakpoints.end(), t + slack,
                                 [](double at, const Breakpoint& b) { return at < b.t; });
+  const auto counts = [&](auto b) {
+    return !b->smooth || ((b == breakpoints.begin() || b->t - std::prev(b)->t > apart) &&
+                          (std::next(b) == breakpoints.end() || std::next(b)->t - b->t > apart));
+  };
+  while (first != breakpoints.end() && !counts(first)) ++first;
   Landing landing{.t = end, .restart_at = end};
   if (first == breakpoints.end() || first->t > end + slack) return landing;
   auto last = first;
   for (; last != breakpoints.end() && last->t <= std::min(first->t, end) + slack; ++last)
-    landing.restart = landing.restart || last->restart;
+    if (counts(last)) {
+      landing.restart = landing.restart || last->restart;
+      landing.breakpoint = landing.breakpoint || !last->smooth;
+      landing.restart_at = last->t;
+    }
   landing.t = first->t;
-  landing.breakpoint = true;
-  landing.restart_at = std::prev(last)->t;
   return landing;
 }
 

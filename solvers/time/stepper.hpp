@@ -115,7 +115,8 @@ class Stepper {
   // they give acts.
   StepReport first_restart(const System& system, State& state, double slack);
   // Where a step that would end at `end` has to stop: next_landing(), or an instant of a controller.
-  static Landing landing_of(const System& system, const State& state, double end, double slack);
+  static Landing landing_of(const System& system, const State& state, double end, double slack,
+                            double apart);
   // Of step(), after it.
   void watch(const State& state) { watched_ = state.t; }
   // At the end of a step that landed on breakpoints, of which the last is at t. False: `report` says why.
@@ -156,7 +157,10 @@ struct Landing {
   double restart_at = 0.0;  // the last of the breakpoints that are one but for `slack`
 };
 // `slack` is the round-off of times: breakpoints closer than that to the start have been passed.
-Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack);
+// Smooth ones count where no other breakpoint is nearer to them than `apart`, the step that is wanted: not the points of a
+// table that steps go over. Infinity: none do.
+Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double end, double slack,
+                     double apart);
 
 // `t`, or a breakpoint that is there but for `slack`.
 double start_time(std::span<const Breakpoint> breakpoints, double t, double slack);

@@ -293,7 +293,7 @@ TEST(StepController, FollowsASlowChange) {
 
 TEST(NextLanding, IsTheEndOrABreakpointBeforeIt) {
   const std::vector<Breakpoint> b = {{1.0, false}, {2.0, true}, {3.0, false}};
-  const auto at = [&b](double t, double end) { return next_landing(b, t, end, 1e-9); };
+  const auto at = [&b](double t, double end) { return next_landing(b, t, end, 1e-9, 0.1); };
   Landing l = at(0.0, 0.5);
   EXPECT_EQ(l.t, 0.5);
   EXPECT_FALSE(l.restart);
@@ -312,7 +312,7 @@ TEST(NextLanding, IsTheEndOrABreakpointBeforeIt) {
 
 TEST(NextLanding, KnowsRoundOff) {
   const std::vector<Breakpoint> b = {{1.0, true}};
-  const auto at = [&b](double t, double end) { return next_landing(b, t, end, 1e-9); };
+  const auto at = [&b](double t, double end) { return next_landing(b, t, end, 1e-9, 0.1); };
   EXPECT_EQ(at(1.0 - 1e-10, 2.0).t, 2.0);  // has been passed
   EXPECT_FALSE(at(1.0 - 1e-10, 2.0).restart);
   EXPECT_EQ(at(1.0 - 1e-8, 2.0).t, 1.0);
@@ -326,12 +326,31 @@ TEST(NextLanding, KnowsRoundOff) {
 TEST(NextLanding, JoinsBreakpoints) {
   const std::vector<Breakpoint> b = {
       {1.0, false}, {1.0 + 4e-10, true}, {1.0 + 8e-10, false}, {2.0, true}};
-  const Landing l = next_landing(b, 0.0, 5.0, 1e-9);
+  const Landing l = next_landing(b, 0.0, 5.0, 1e-9, 0.1);
   EXPECT_EQ(l.t, 1.0);
   EXPECT_TRUE(l.restart);
   EXPECT_EQ(l.restart_at, 1.0 + 8e-10);
-  EXPECT_EQ(next_landing(b, l.restart_at, 5.0, 1e-9).t, 2.0);
-  EXPECT_EQ(next_landing({}, 0.0, 5.0, 1e-9).t, 5.0);
+  EXPECT_EQ(next_landing(b, l.restart_at, 5.0, 1e-9, 0.1).t, 2.0);
+  EXPECT_EQ(next_landing({}, 0.0, 5.0, 1e-9, 0.1).t, 5.0);
+}
+
+// Where only higher derivatives jump steps land if they go past nothing else there: not on each point of a table.
+// Mutation seen: on none.
+TEST(NextLanding, OnSmoothOnesThatAreApart) {
+  const std::vector<Breakpoint> b = {{1.0, false, true},
+                                     {2.0, false, true},
+                                     {2.01, false, true},
+                                     {2.02, true},
+                                     {3.0, false, true}};
+  const auto at = [&b](double t, double apart) { return next_landing(b, t, 5.0, 1e-9, apart); };
+  EXPECT_EQ(at(0.0, 0.1).t, 1.0);
+  EXPECT_FALSE(at(0.0, 0.1).restart);
+  EXPECT_EQ(at(1.0, 0.1).t, 2.02);
+  EXPECT_TRUE(at(1.0, 0.1).restart);
+  EXPECT_EQ(at(1.0, 1e-3).t, 2.0);
+  EXPECT_EQ(at(2.02, 0.1).t, 3.0);
+  EXPECT_EQ(at(2.02, 2.0).t, 5.0);
+  EXPECT_EQ(at(0.0, std::numeric_limits<double>::infinity()).t, 2.02);
 }
 
 }  // namespace

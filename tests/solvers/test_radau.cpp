@@ -171,6 +171,31 @@ TEST(RadauLandings, RestartAtKinksOfDrives) {
   }
 }
 
+// Where only the second derivative of a drive's rate jumps, b (t - t0)^2 from t0 on, steps land as well: rows inside a step that
+// went over it had another polynomial. A disk of 1 kg.m2 follows on a spring of 25 N.m/rad: against the driven one it lags by
+// 2 b (sin w u - w u)/w^3, u = t - t0. Errors of its rate over all rows, of 4.8 rad/s. Mutation seen: it does not land (7.6e-7).
+TEST(RadauLandings, OnKinksOfTheRateOfAnAcceleration) {
+  const Driven d = drive(scene_of(R"xml(
+      <body name="c" mass="1" inertia="1 1 1"/>
+      <revolute name="hub" between="ground c" axis="1 0 0"/>
+      <body name="m" at="1 0 0" mass="1" inertia="1 1 1"/>
+      <revolute name="lag" between="c m" at="1 0 0" axis="1 0 0"/>
+      <joint_spring name="k" joint="lag" angular_stiffness="25"/>
+      <drive joint="hub" rate="t&lt;0.537 ? 0 : 30*(t-0.537)^2"/>
+      <record name="p" joint="lag" quantities="angle rate"/>
+      <transient duration="2" step="0.01"/>)xml"),
+                         radau({.tolerances = {.relative = 1e-9}, .end = 2.0}), 2.0, 0.01);
+  ASSERT_TRUE(d.last.converged) << d.last.failure;
+  EXPECT_EQ(d.counters.restarts, 0);
+  double error = 0.0;
+  for (std::size_t i = 0; i < d.table.rows(); ++i) {
+    const double u = std::max(d.table["t"][i] - 0.537, 0.0), w = 5.0;
+    error =
+        std::max(error, std::abs(d.table["p.rate"][i] - 60.0 * (std::cos(w * u) - 1.0) / (w * w)));
+  }
+  EXPECT_LT(error, 5e-9);
+}
+
 // ---- dense output -------------------------------------------------------------------------------
 
 bool same(const State& a, const State& b) {
