@@ -80,8 +80,8 @@ Eigen::MatrixXd OntoFreeMotions::operator()(const Eigen::MatrixXd& motions) cons
   return lu_.solve(b).topRows(motions_);
 }
 
-VecX OntoFreeMotions::random() const {
-  std::mt19937 random(5);
+VecX OntoFreeMotions::random(unsigned seed) const {
+  std::mt19937 random(seed);
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   VecX z(motions_);
   for (double& entry : z) entry = number(random);
@@ -92,12 +92,13 @@ VecX OntoFreeMotions::random() const {
   return u;
 }
 
-VecX random_free_motion(const System& system, const State& state, const UnitMotions& units) {
+VecX random_free_motion(const System& system, const State& state, const UnitMotions& units,
+                        unsigned seed) {
   std::vector<Index> rows(static_cast<std::size_t>(system.multipliers()));
   std::iota(rows.begin(), rows.end(), 0);
   const OntoFreeMotions free(units.gradient(state), std::move(rows),
                              find_redundancy(system, state).idle);
-  return free.ok() ? free.random() : VecX::Ones(6 * (system.nodes() - 1));
+  return free.ok() ? free.random(seed) : VecX::Ones(6 * (system.nodes() - 1));
 }
 
 }  // namespace mbd

@@ -42,8 +42,8 @@ class OntoFreeMotions {
 
   // The nearest free ones, column by column.
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& motions) const;
-  // The same at each call, the largest entry 1; empty if nothing is free.
-  VecX random() const;
+  // The same for each seed, the largest entry 1; empty if nothing is free.
+  VecX random(unsigned seed) const;
 
  private:
   Index motions_;
@@ -52,6 +52,7 @@ class OntoFreeMotions {
 
 // OntoFreeMotions::random() of all constraints at the state of `units`, which satisfies them; where they nearly depend on each
 // other, any motion. Throws Error as find_redundancy() does.
-VecX random_free_motion(const System& system, const State& state, const UnitMotions& units);
+VecX random_free_motion(const System& system, const State& state, const UnitMotions& units,
+                        unsigned seed);
 
 }  // namespace mbd

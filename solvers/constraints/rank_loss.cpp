@@ -67,7 +67,7 @@ std::string rank_loss(const System& system, const State& state) {
   if (!projection.ok()) return "constraints depend on each other to nearly the first order";
   Eigen::MatrixXd n = units.of_unit_rows(redundancy.null);
   n.colwise().normalize();
-  const VecX u = projection.random();
+  const VecX u = projection.random(5);
   if (u.size() == 0) return {};
   const Sparse dB = change_along(units, state, u);
   const Eigen::MatrixXd free = projection(dB.transpose() * n),

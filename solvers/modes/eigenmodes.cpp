@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -452,11 +453,16 @@ struct ModeSearch {
   // With a shift, from the one given, of the size of the slowest motion that is answered.
   ModesFound about_slowest(double& shift) {
     ModesFound found;
+    // Of all passes: from far away shapes of a manifold eigenvalue 0, each of a place and its velocity, are one another's.
+    std::vector<Mode> rigid;
     constexpr int passes = 12;
     for (int pass = 0; pass < passes; ++pass) {
       found = at(shift, wanted + 6);
       if (!found.failure.empty()) return found;
-      for (Mode& mode : found.modes) mode.rigid = is_rigid(motions, sizes, mode, shift);
+      for (Mode& mode : found.modes) {
+        mode.rigid = is_rigid(motions, sizes, mode, shift);
+        if (mode.rigid) rigid.push_back(mode);
+      }
       double slowest = std::numeric_limits<double>::infinity();
       for (const Mode& mode : found.modes)
         if (!mode.rigid && std::abs(mode.eigenvalue) > tiny * shift)
@@ -469,6 +475,8 @@ struct ModeSearch {
       if (slowest > 0.2 * shift && slowest < 5.0 * shift) break;
       omega = shift = 0.5 * slowest;
     }
+    std::erase_if(found.modes, [](const Mode& mode) { return mode.rigid; });
+    std::move(rigid.begin(), rigid.end(), std::back_inserter(found.modes));
     return found;
   }
 

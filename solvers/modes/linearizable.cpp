@@ -1,11 +1,14 @@
 #include "solvers/modes/linearizable.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "solvers/constraints/free_motions.hpp"
@@ -82,7 +85,7 @@ class Changes {
       : system_(system),
         state_(state),
         units_(system, state),
-        u_(random_free_motion(system, state, units_)) {}
+        u_(random_free_motion(system, state, units_, 5)) {}
 
   // What the motion changes the argument of law k by; 0 of round-off, nothing if it is not known.
   std::optional<double> operator()(const std::vector<NearKink>& all, std::size_t k) const {
@@ -134,59 +137,132 @@ std::vector<double> readings_at(const System& system, const State& state) {
   return all;
 }
 
-// What free motions and their velocities change readings by, to the first order; empty if nothing is free.
-std::vector<double> changes_of_readings(const System& system, const State& state) {
-  constexpr double step = 1e-4;  // of a motion
+// What readings change by along motions that constraints leave free, at other velocities: two such, and both; empty if nothing
+// is free.
+std::vector<std::vector<double>> changes_of_readings(const System& system, const State& state) {
+  constexpr double step = 1e-4, none = 1e-9;  // of a motion; of what changes most
   const UnitMotions units(system, state);
-  const VecX u = random_free_motion(system, state, units);
+  const VecX u = random_free_motion(system, state, units, 5),
+             w = random_free_motion(system, state, units, 6);
   if (u.size() == 0) return {};
-  const auto at = [&](double by) {
-    State there = units.moved(state, u, by);
-    for (std::size_t n = 1; n < there.V.size(); ++n) there.V[n] += by * units.of_node(u, n);
-    return readings_at(system, there);
+  const auto along = [&](const VecX& motion, const VecX& speed) {
+    const auto at = [&](double by) {
+      State there = units.moved(state, motion, by);
+      for (std::size_t n = 1; n < there.V.size(); ++n) there.V[n] += by * units.of_node(speed, n);
+      return readings_at(system, there);
+    };
+    const std::vector<double> ahead = at(step), behind = at(-step), near_ahead = at(0.5 * step),
+                              near_behind = at(-0.5 * step);
+    std::vector<double> changes;
+    double most = 0.0;
+    for (std::size_t i = 0; i < ahead.size(); ++i) {  // without the third order
+      changes.push_back((8.0 * (near_ahead[i] - near_behind[i]) - (ahead[i] - behind[i])) /
+                        (6.0 * step));
+      most = std::max(most, std::abs(changes.back()));
+    }
+    for (double& one : changes)
+      if (!(std::abs(one) > none * most)) one = 0.0;
+    return changes;
   };
-  const std::vector<double> ahead = at(step), behind = at(-step), near_ahead = at(0.5 * step),
-                            near_behind = at(-0.5 * step);
-  std::vector<double> changes;
-  for (std::size_t i = 0; i < ahead.size(); ++i)  // without the third order
-    changes.push_back((8.0 * (near_ahead[i] - near_behind[i]) - (ahead[i] - behind[i])) /
-                      (6.0 * step));
-  return changes;
+  std::vector<std::vector<double>> all{along(u, w), along(w, -u)};
+  all.push_back(all[0]);
+  for (std::size_t i = 0; i < all[2].size(); ++i) all[2][i] += all[1][i];
+  return all;
+}
+
+// A law along y + h c of its readings.
+class LawAlong {
+ public:
+  LawAlong(const Expression& law, const State& state, std::span<const double> y,
+           std::span<const double> c)
+      : law_(law), state_(state), y_(y), c_(c), there_(y.size()) {}
+
+  double value(double h) {
+    move(h);
+    return law_(state_.t, state_.side, state_.inputs, there_).v;
+  }
+  double slope(double h) {
+    return slopes(h, [](double one) { return one; });
+  }
+  // If nothing cancelled.
+  double size(double h) {
+    return slopes(h, [](double one) { return std::abs(one); });
+  }
+
+ private:
+  void move(double h) {
+    for (std::size_t i = 0; i < y_.size(); ++i) there_[i] = y_[i] + h * c_[i];
+  }
+  template <class Of>
+  double slopes(double h, const Of& of) {
+    move(h);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < y_.size(); ++i)
+      if (c_[i] != 0.0)
+        sum += of(c_[i] * law_.derivative(i, state_.t, state_.side, state_.inputs, there_));
+    return sum;
+  }
+
+  const Expression& law_;
+  const State& state_;
+  std::span<const double> y_, c_;
+  std::vector<double> there_;
+};
+
+// Why a law of sensors has no tangent at its readings y, in words; empty if it has one. `changes`: changes_of_readings(), of
+// this law. (No condition tells of it: those are refused where laws are read.)
+std::string why_no_tangent(const Expression& law, const State& state, std::span<const double> y,
+                           const std::array<std::span<const double>, 3>& changes) {
+  constexpr double beside = 1e-9, nearer = 1e-12, same = 1e-6, kept = 0.5, cancelled = 1e-9;
+  double rest = 0.0, rest_nearer = 0.0,
+         most = 0.0;  // of slopes along two motions, less that along both
+  for (std::size_t d = 0; d < changes.size(); ++d) {
+    LawAlong path(law, state, y, changes[d]);
+    if (const auto jump = hidden_kink([&](double h) { return path.value(h); }, 0.0))
+      return fmt::format("it jumps from {:.6g} to {:.6g}, and has no slope", jump->below,
+                         jump->above);
+    const double size = std::max(path.size(-beside), path.size(beside));
+    if (auto kink = hidden_kink([&](double h) { return path.slope(h); }, 0.0);
+        kink && !(std::abs(kink->above - kink->below) <= cancelled * size)) {
+      if (y.size() > 1) return "along motions the slope" + slopes_in_words(*kink);
+      const double c = changes[d][0];
+      if (c < 0.0) std::swap(kink->below, kink->above);
+      return "the slope" + slopes_in_words({0.0, kink->below / c + 0.0, kink->above / c + 0.0});
+    }
+    const double sign = d < 2 ? 1.0 : -1.0;
+    rest += sign * path.slope(beside);
+    rest_nearer += sign * path.slope(nearer);
+    most = std::max(most, size);
+  }
+  // Of smooth laws what is left is as small as the distance.
+  if (!(std::abs(rest) > same * most && std::abs(rest_nearer) > kept * std::abs(rest))) return {};
+  return "slopes along two motions do not add up to that along both, so motions near this state "
+         "are "
+         "not linear; make the law smooth there, or take another state";
 }
 
 struct KinkOfSensor {
-  std::string law, sensor;
-  double reading = 0.0;
-  Kink kink;
+  std::string law, why;
 };
 
-// Laws of sensors at a kink of one of their readings, which free motions change. (No condition tells of it: those are refused
-// where laws are read.)
 std::vector<KinkOfSensor> sensors_at_kinks(const System& system, const State& state) {
-  constexpr double none = 1e-9;  // of what changes most
   std::vector<KinkOfSensor> found;
-  std::vector<double> changes;
-  double most = 0.0;
+  std::vector<std::vector<double>> changes;
   std::size_t first = 0;  // of a law's readings
   system.each_law_of_sensors(
-      state, [&](const std::string& name, const Expression& law, std::span<const double> readings) {
-        for (std::size_t i = 0; i < readings.size(); ++i) {
-          std::vector<double> there(readings.begin(), readings.end());
-          const std::optional<Kink> kink = hidden_kink(
-              [&](double at) {
-                there[i] = at;
-                return law.derivative(i, state.t, state.side, state.inputs, there);
-              },
-              readings[i]);
-          if (!kink) continue;
-          if (changes.empty()) {
-            changes = changes_of_readings(system, state);
-            for (const double one : changes) most = std::max(most, std::abs(one));
-          }
-          if (!changes.empty() && std::abs(changes[first + i]) > none * most)
-            found.push_back({name, law.sensors()[i], readings[i], *kink});
-        }
-        first += readings.size();
+      state, [&](const std::string& name, const Expression& law, std::span<const double> y) {
+        if (changes.empty()) changes = changes_of_readings(system, state);
+        if (changes.empty()) return;
+        const auto own = [&](std::size_t d) {
+          return std::span<const double>(changes[d]).subspan(first, y.size());
+        };
+        std::string why = why_no_tangent(law, state, y, {own(0), own(1), own(2)});
+        first += y.size();
+        if (why.empty()) return;
+        std::vector<std::string> places;
+        for (std::size_t i = 0; i < y.size(); ++i)
+          places.push_back(fmt::format("{} = {:.6g}", law.sensors()[i], y[i]));
+        found.push_back({name, fmt::format("at {} (SI) {}", fmt::join(places, ", "), why)});
       });
   return found;
 }
@@ -198,16 +274,12 @@ std::string sensor_at_kink(const System& system, std::span<const State> states) 
     if (stay.empty()) break;
     const std::vector<KinkOfSensor> here = sensors_at_kinks(system, state);
     std::erase_if(stay, [&](const KinkOfSensor& one) {
-      return std::ranges::none_of(here, [&](const KinkOfSensor& other) {
-        return one.law == other.law && one.sensor == other.sensor;
-      });
+      return std::ranges::none_of(here,
+                                  [&](const KinkOfSensor& other) { return one.law == other.law; });
     });
   }
   if (stay.empty()) return {};
-  const KinkOfSensor& one = stay.front();
-  return fmt::format("{} is at a kink of its law: at {} = {:.6g} (SI) the slope", one.law,
-                     one.sensor, one.reading) +
-         slopes_in_words(one.kink);
+  return fmt::format("{} is at a kink of its law: {}", stay.front().law, stay.front().why);
 }
 
 }  // namespace

@@ -16,6 +16,32 @@ namespace {
 constexpr double independent = 1e-10;  // of the largest pivot: rank of B
 constexpr double massless = 1e-13;     // reciprocal condition of N^T M N
 
+// Refuses a law at a kink, or a jump, of an input.
+void check_kink(const System& system, const State& state, std::size_t input, std::size_t signal) {
+  State at = state;
+  at.inputs[input].since = state.t;
+  const double here = state.inputs[input].at(state.t).v;
+  std::vector<SignalValue> with;
+  const auto values = [&](double f, double rate) {
+    at.inputs[input].f = f;
+    at.inputs[input].fdot = rate;
+    system.signals_at(state.t, Side::right, at.inputs, with, &state);
+    return with[signal];
+  };
+  const auto slope = [&](double f) { return values(f, 1.0).fdot - values(f, 0.0).fdot; };
+  const auto refuse = [&](const char* what, const Kink& kink) {
+    throw Error(fmt::format(
+        "{} is at a {} of its law: at the input {} = {:.6g} (SI) it is {:.6g} from below and "
+        "{:.6g} from above, so its answer is not linear; make the law smooth there, or take "
+        "another value of the input",
+        system.signal_name(static_cast<Index>(signal)), what, system.inputs()[input].name, here,
+        kink.below, kink.above));
+  };
+  if (const auto jump = hidden_kink([&](double f) { return values(f, 0.0).f; }, here))
+    refuse("jump", *jump);
+  if (const auto kink = hidden_kink(slope, here)) refuse("kink of the slope", *kink);
+}
+
 // -dr/dw of one input: by a difference over much, which is exact where forces go linearly with laws, or over little.
 VecX force_of(const System& system, const State& state, std::size_t input) {
   // How laws go with the input, exactly: their rates as it has one, and has none.
@@ -35,6 +61,8 @@ VecX force_of(const System& system, const State& state, std::size_t input) {
     if (rate[k] != 0.0) size = std::max(size, std::abs(with[k].f));
   }
   VecX force = VecX::Zero(system.rows());
+  for (std::size_t k = 0; k < with.size(); ++k)
+    if (system.signals()[k].has_inputs()) check_kink(system, state, input, k);
   if (most == 0.0) return force;
   VecX ahead, behind;
   const auto difference = [&](double share) {

@@ -57,6 +57,56 @@ Scene mounted(const std::string& law) {
               law + "/></bushing>");
 }
 
+std::string at(double x, double y) { return fmt::format("{:.17g} {:.17g} 0", x, y); }
+
+// Cranks AB and DC with a coupler BC, A at the origin, and a spring on the first; of any size, on any body.
+struct Linkage {
+  Vec3 B, C, D;
+  double size = 1.0;
+  Vec3 origin = Vec3::Zero();
+  std::string base = "ground", prefix = "";
+  std::string damping = "";  // attribute of the spring
+
+  std::string text() const {
+    const auto place = [&](const Vec3& r) {
+      const Vec3 there = origin + size * r;
+      return at(there(0), there(1));
+    };
+    const auto inertia = [&](double J) {
+      return fmt::format("{0:.17g} {0:.17g} {0:.17g}", J * size * size);
+    };
+    return fmt::format(
+        R"(<body name="{0}a" at="{1}" mass="1" inertia="{2}"/>
+           <body name="{0}b" at="{3}" mass="2" inertia="{4}"/>
+           <body name="{0}c" at="{5}" mass="1" inertia="{2}"/>
+           <revolute name="{0}A" between="{6} {0}a" at="{7}" axis="0 0 1"/>
+           <revolute name="{0}B" between="{0}a {0}b" at="{8}" axis="0 0 1"/>
+           <revolute name="{0}C" between="{0}b {0}c" at="{9}" axis="0 0 1"/>
+           <revolute name="{0}D" between="{0}c {6}" at="{10}" axis="0 0 1"/>
+           <joint_spring name="{0}k" joint="{0}A" angular_stiffness="{11:.17g}" {12}/>)",
+        prefix, place(0.5 * B), inertia(0.1), place(0.5 * (B + C)), inertia(0.4),
+        place(0.5 * (C + D)), base, place(Vec3::Zero()), place(B), place(C), place(D),
+        100.0 * size * size, damping);
+  }
+};
+
+Scene linkage(const Vec3& B, const Vec3& C, const Vec3& D) {
+  return read(Linkage{.B = B, .C = C, .D = D}.text());
+}
+
+// Cranks of 1 m between pins 4 m apart, with a coupler of 2 m flat between them or, longer, bent.
+Scene trapezium(double height) {
+  const double reach = std::sqrt(1.0 - height * height);
+  return linkage({reach, height, 0.0}, {4.0 - reach, height, 0.0}, {4.0, 0.0, 0.0});
+}
+
+// Cranks of 1 m and a coupler of 2 m.
+Linkage parallel_cranks(double angle) {
+  const Vec3 crank(std::cos(angle), std::sin(angle), 0.0), base(2.0, 0.0, 0.0);
+  return {.B = crank, .C = base + crank, .D = base};
+}
+Scene parallelogram(double angle) { return read(parallel_cranks(angle).text()); }
+
 // --- laws ---
 
 // Mutations seen: both slopes taken from the right; dampers looked at at their lengths.
@@ -232,7 +282,8 @@ TEST(KinksOfLaws, ThatMakeUpForEachOther) {
 }
 
 // Kinks of laws of sensors: conditions are refused when they are read, these by their slopes. Moments of 50 N.m/rad and a law
-// over 2 kg.m2; what no motion changes is none. Mutation seen: the changes of readings not asked for.
+// over 2 kg.m2; what no motion changes is none. Mutations seen: the changes of readings not asked for; slopes along one motion only; slopes
+// that are small beside nothing.
 TEST(KinksOfLaws, OfSensors) {
   const auto with = [](const char* moment) {
     return read(fmt::format(R"(<body name="arm" mass="1" inertia="1 1 2"/>
@@ -247,7 +298,13 @@ TEST(KinksOfLaws, OfSensors) {
       {"-20*sqrt(hinge.angle^2)", "is 20 from below and -20 from above"},
       {"-20*sqrt(hinge.rate^2)", "at hinge.rate = 0 (SI) the slope is 20 from below"},
       {"-14*hinge.angle*atan2(0, hinge.angle)/pi", "is -14 from below and 0 from above"},
-      {"-3*hinge.rate - 20*pow((hinge.angle + hinge.rate)^2, 0.5)", "is at a kink of its law"},
+      {"-3*hinge.rate - 20*pow((hinge.angle + hinge.rate)^2, 0.5)", "along motions the slope is"},
+      // Of each reading alone these are smooth; along any line the last but one is straight.
+      {"-20*(sqrt((hinge.angle+hinge.rate)^2) - sqrt((hinge.angle-hinge.rate)^2))",
+       "along motions the slope is"},
+      {"-3*hinge.angle*hinge.rate/sqrt(hinge.angle^2+hinge.rate^2)", "along motions the slope is"},
+      {"-3*hinge.angle^3/(hinge.angle^2+hinge.rate^2)", "do not add up"},
+      {"-3*atan2(0, hinge.rate)", "it jumps from"},
   };
   for (const auto& [moment, where] : kinks) {
     const Scene scene = with(moment);
@@ -263,6 +320,7 @@ TEST(KinksOfLaws, OfSensors) {
     double stiffness;
   } smooth[] = {{"-14*hinge.angle", 64.0},
                 {"-14*hinge.angle^3", 50.0},
+                {"-20*hinge.angle*sqrt(hinge.angle^2 + hinge.rate^2)", 50.0},
                 {"-14*sqrt((hinge.angle - 0.1)^2)", 36.0},
                 {"-14*sqrt(arm.displacement.1^2)", 50.0},
                 {"-14*(sqrt(hinge.angle^2 + 1e-12) - 1e-6)", 50.0}};
@@ -273,6 +331,35 @@ TEST(KinksOfLaws, OfSensors) {
     ASSERT_EQ(found.size(), 1U) << moment;
     EXPECT_NEAR(found.front(), std::sqrt(stiffness / 2.0), 1e-8) << moment;
   }
+}
+
+// The angles of both cranks of a parallelogram, one against the other, add up to nothing in any motion: no kink; w^2 = k/J.
+TEST(KinksOfLaws, OfSensorsThatCancel) {
+  const auto with = [](const char* sign) {
+    return read(
+        parallel_cranks(0.7).text() +
+        fmt::format(R"x(<joint_torque joint="A" moment="-20*sqrt((A.angle{}D.angle)^2)"/>)x",
+                    sign));
+  };
+  EXPECT_NEAR(frequencies(with("+")).front(), std::sqrt(100.0 / 2.7), 1e-7);
+  EXPECT_SAYS(refusal([&] { study_modes(with("-"), {}); }), "is at a kink of its law");
+}
+
+// What answers to an input is refused by `mbd linearize` where it has no slope by it.
+TEST(KinksOfLaws, OfInputs) {
+  const auto with = [](const char* moment, double u) {
+    return read(fmt::format(R"(<input name="u" value="{}"/>
+        <body name="arm" mass="1" inertia="1 1 2"/>
+        <revolute name="hinge" between="ground arm" axis="0 0 1"/>
+        <joint_spring name="k" joint="hinge" angular_stiffness="50"/>
+        <joint_torque name="T" joint="hinge" moment="{}"/>)",
+                            u, moment));
+  };
+  EXPECT_SAYS(refusal([&] { linearize(with("20*sqrt(u^2)", 0.0), {}); }),
+              "at the input u = 0 (SI) it is -20 from below and 20 from above");
+  EXPECT_SAYS(refusal([&] { linearize(with("20*atan2(0, u)", 0.0), {}); }), "is at a jump");
+  for (const char* const smooth : {"20*u^3", "20*u*sqrt(u^2)", "20*sqrt((u-1)^2)", "sin(t)"})
+    EXPECT_EQ(refusal([&] { linearize(with(smooth, 0.0), {}); }), "no error") << smooth;
 }
 
 // At rest a slider touches its stop; an arm that turns takes it off: w^2 = k/m - W^2.
@@ -307,56 +394,6 @@ TEST(KinksOfLaws, OfPeriodicMotions) {
 }
 
 // --- constraints ---
-
-std::string at(double x, double y) { return fmt::format("{:.17g} {:.17g} 0", x, y); }
-
-// Cranks AB and DC with a coupler BC, A at the origin, and a spring on the first; of any size, on any body.
-struct Linkage {
-  Vec3 B, C, D;
-  double size = 1.0;
-  Vec3 origin = Vec3::Zero();
-  std::string base = "ground", prefix = "";
-  std::string damping = "";  // attribute of the spring
-
-  std::string text() const {
-    const auto place = [&](const Vec3& r) {
-      const Vec3 there = origin + size * r;
-      return at(there(0), there(1));
-    };
-    const auto inertia = [&](double J) {
-      return fmt::format("{0:.17g} {0:.17g} {0:.17g}", J * size * size);
-    };
-    return fmt::format(
-        R"(<body name="{0}a" at="{1}" mass="1" inertia="{2}"/>
-           <body name="{0}b" at="{3}" mass="2" inertia="{4}"/>
-           <body name="{0}c" at="{5}" mass="1" inertia="{2}"/>
-           <revolute name="{0}A" between="{6} {0}a" at="{7}" axis="0 0 1"/>
-           <revolute name="{0}B" between="{0}a {0}b" at="{8}" axis="0 0 1"/>
-           <revolute name="{0}C" between="{0}b {0}c" at="{9}" axis="0 0 1"/>
-           <revolute name="{0}D" between="{0}c {6}" at="{10}" axis="0 0 1"/>
-           <joint_spring name="{0}k" joint="{0}A" angular_stiffness="{11:.17g}" {12}/>)",
-        prefix, place(0.5 * B), inertia(0.1), place(0.5 * (B + C)), inertia(0.4),
-        place(0.5 * (C + D)), base, place(Vec3::Zero()), place(B), place(C), place(D),
-        100.0 * size * size, damping);
-  }
-};
-
-Scene linkage(const Vec3& B, const Vec3& C, const Vec3& D) {
-  return read(Linkage{.B = B, .C = C, .D = D}.text());
-}
-
-// Cranks of 1 m between pins 4 m apart, with a coupler of 2 m flat between them or, longer, bent.
-Scene trapezium(double height) {
-  const double reach = std::sqrt(1.0 - height * height);
-  return linkage({reach, height, 0.0}, {4.0 - reach, height, 0.0}, {4.0, 0.0, 0.0});
-}
-
-// Cranks of 1 m and a coupler of 2 m.
-Linkage parallel_cranks(double angle) {
-  const Vec3 crank(std::cos(angle), std::sin(angle), 0.0), base(2.0, 0.0, 0.0);
-  return {.B = crank, .C = base + crank, .D = base};
-}
-Scene parallelogram(double angle) { return read(parallel_cranks(angle).text()); }
 
 // w^2 = k/J, J of both cranks about their pins and of the coupler's mass at their end. Flat it has two motions to the first
 // order; they are not to the second. Mutation seen: n^T dB[u] compared without what B^T answers (all are refused).

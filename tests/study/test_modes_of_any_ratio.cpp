@@ -1,0 +1,127 @@
+// Modes where a scene has motions of very different speeds, sizes or masses, damped as well, or bodies whose reference points
+// are far from their joints: each is found, and none beside them.
+// Frequencies against closed forms; errors are relative.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "libmbd/study/modes/modes.hpp"
+#include "tests/support/read_text.hpp"
+
+namespace mbd::test::test_modes_of_any_ratio {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::vector<Complex> elastic(const Scene& scene, const ModesOptions& options = {}) {
+  std::vector<Complex> all;
+  for (const NamedMode& mode : study_modes(scene, options).modes)
+    if (std::abs(mode.eigenvalue) > 0.0) all.push_back(mode.eigenvalue);
+  return all;
+}
+
+// Of J a'' + c a' + k a = 0.
+Complex eigenvalue(double k, double c, double J) {
+  return {-0.5 * c / J, std::sqrt(k / J - 0.25 * c * c / (J * J))};
+}
+
+void expect_near(const Complex& found, const Complex& want, double relative) {
+  EXPECT_LE(std::abs(found - want), relative * std::abs(want)) << found << " for " << want;
+}
+
+std::string arm(int i, double x, double k, double c) {
+  return fmt::format(R"(<body name="a{0}" at="{1} 0.21 0" mass="1" inertia="1 1 1"/>
+      <revolute name="R{0}" between="ground a{0}" at="{2} 0 0" axis="0 0 1"/>
+      <joint_spring name="k{0}" joint="R{0}" angular_stiffness="{3}" angular_damping="{4}"/>)",
+                     i, x + 0.3, x, k, c);
+}
+
+// Two arms, of which the slow one is damped: J = 1 + 0.3^2 + 0.21^2. Mutation seen: openings of constraints judged by what a row
+// does in the mode, once (the fast one is lost from 1e4 on).
+TEST(ModesOfAnyRatio, OfSpeeds) {
+  const double J = 1.0 + 0.09 + 0.0441;
+  for (const double ratio : {1e2, 1e4, 1e6}) {
+    SCOPED_TRACE(ratio);
+    const std::vector<Complex> found =
+        elastic(read(arm(0, 0.0, 1.0, 0.05) + arm(1, 3.0, ratio * ratio, 0.0)));
+    ASSERT_EQ(found.size(), 2U);
+    expect_near(found[0], eigenvalue(1.0, 0.05, J), 1e-9);
+    expect_near(found[1], eigenvalue(ratio * ratio, 0.0, J), 1e-9);
+  }
+}
+
+// Five, all damped, and as many asked for near the slowest. Mutation seen: conjugates and their doubles not told apart (three).
+TEST(ModesOfAnyRatio, NearAFrequency) {
+  std::string all;
+  for (int i = 0; i < 5; ++i)
+    all += arm(i, 3.0 * i, std::pow(10.0, 2 * i), 0.1 * std::pow(10.0, i));
+  ModesOptions options;
+  options.count = 5;
+  for (const double near : {0.9, 90.0, 9000.0}) {
+    options.near = near;
+    EXPECT_EQ(elastic(read(all), options).size(), 5U) << near;
+  }
+}
+
+// A small arm on a free base, both centres on the hinge: six rigid motions, and 1/J = 1/Ja + 1/Jb about the hinge. Mutation seen: nothing looked for where all found are rigid.
+TEST(ModesOfAnyRatio, OfAFreeBaseWithASmallArm) {
+  for (const double size : {1.0, 1e-2, 1e-4}) {
+    SCOPED_TRACE(size);
+    const double Ja = 0.1 * size * size, Jb = 3.0, J = Ja * Jb / (Ja + Jb), k = 10.0 * Ja,
+                 c = 0.6 * Ja;
+    const Scene scene = read(fmt::format(
+        R"(<body name="base" mass="5" inertia="2 2.5 3"/>
+           <body name="arm" at="0 0 0.2" mass="1" inertia="{0:.17g} {0:.17g} {0:.17g}"/>
+           <revolute name="H" between="base arm" at="0 0 0.2" axis="0 0 1"/>
+           <joint_spring name="k" joint="H" angular_stiffness="{1:.17g}"
+                         angular_damping="{2:.17g}"/>)",
+        Ja, k, c));
+    const ModesStudy all = study_modes(scene, {});
+    std::vector<Complex> found = elastic(scene);
+    EXPECT_EQ(all.modes.size(), 7U);
+    ASSERT_EQ(found.size(), 1U);
+    expect_near(found[0], eigenvalue(k, c, J), 1e-8);
+  }
+}
+
+// A slider-crank whose bodies all have their reference point far off, as drawing programs give them: the mode is that of the same
+// bodies at their centres, and nothing beside it. Mutation seen: what solves the equations badly is kept (modes of 3e4/s from 1e5
+// on).
+TEST(ModesOfAnyRatio, OfReferencePointsFarAway) {
+  const auto crank = [](double x, double y) {
+    const auto body = [&](const char* name, double cx, double cy, double mass, double inertia) {
+      return fmt::format(
+          R"(<body name="{0}" at="{1:.17g} {2:.17g} 0" center="{3:.17g} {4:.17g} 0" mass="{5}"
+                   inertia="{6} {6} {6}"/>)",
+          name, x, y, cx - x, cy - y, mass, inertia);
+    };
+    const double angle = 0.7, Bx = std::cos(angle), By = std::sin(angle),
+                 Sx = Bx + std::sqrt(9.0 - By * By);
+    return read(body("a", 0.5 * Bx, 0.5 * By, 1, 0.1) +
+                body("b", 0.5 * (Bx + Sx), 0.5 * By, 1, 0.9) + body("s", Sx, 0, 2, 0.1) +
+                fmt::format(R"(<revolute name="O" between="ground a" at="0 0 0" axis="0 0 1"/>
+                    <revolute name="B" between="a b" at="{:.17g} {:.17g} 0" axis="0 0 1"/>
+                    <revolute name="S" between="b s" at="{:.17g} 0 0" axis="0 0 1"/>
+                    <prismatic name="G" between="ground s" at="{:.17g} 0 0" axis="1 0 0"/>
+                    <joint_spring name="k" joint="O" angular_stiffness="100"/>)",
+                            Bx, By, Sx, Sx));
+  };
+  // Of the crank's angle q: with phi' = -cos(q) q'/(3 cos(phi)) of the rod, velocities of centres by q'.
+  const double q = 0.7, s = std::sin(q) / 3.0, rod = -std::cos(q) / (3.0 * std::sqrt(1.0 - s * s)),
+               vx = -std::sin(q) + 3.0 * s * rod, ux = -std::sin(q) + 1.5 * s * rod,
+               uy = std::cos(q) + 1.5 * std::sqrt(1.0 - s * s) * rod,
+               J = 0.1 + 0.25 + 0.9 * rod * rod + ux * ux + uy * uy + 2.0 * vx * vx;
+  for (const double far : {0.0, 1e3, 1e5, 1e6}) {
+    SCOPED_TRACE(far);
+    const std::vector<Complex> found = elastic(crank(far, 0.3 * far));
+    ASSERT_EQ(found.size(), 1U);
+    expect_near(found[0], {0.0, std::sqrt(100.0 / J)}, 1e-9 + 1e-16 * far * far);
+  }
+}
+
+}  // namespace
+}  // namespace mbd::test::test_modes_of_any_ratio
