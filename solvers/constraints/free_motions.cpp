@@ -37,6 +37,14 @@ Sparse UnitMotions::gradient(const State& state) const {
   return B;
 }
 
+VecX UnitMotions::gaps(const State& state) const {
+  State all = state;
+  all.idle.clear();
+  VecX g, rates;
+  system_.constraints(all, g, rates);
+  return g.cwiseQuotient(row_);
+}
+
 Sparse UnitMotions::of_unit_rows(const Sparse& n) const { return row_.asDiagonal() * n; }
 
 Vec6 UnitMotions::of_node(const VecX& z, std::size_t node) const {
@@ -72,6 +80,14 @@ OntoFreeMotions::OntoFreeMotions(const Sparse& B, std::vector<Index> rows,
   Sparse all(size, size);
   all.setFromTriplets(entries.begin(), entries.end());
   lu_.compute(all);
+  rows_ = std::move(rows);
+}
+
+VecX OntoFreeMotions::closing(const VecX& gaps) const {
+  VecX b = VecX::Zero(lu_.rows());
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    b(motions_ + static_cast<Index>(i)) = -gaps(rows_[i]);
+  return lu_.solve(b).head(motions_);
 }
 
 Eigen::MatrixXd OntoFreeMotions::operator()(const Eigen::MatrixXd& motions) const {

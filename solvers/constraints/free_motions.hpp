@@ -19,6 +19,8 @@ class UnitMotions {
 
   // Of all rows of B at a state, idle ones too, in the units of the state that this was made with.
   Eigen::SparseMatrix<double> gradient(const State& state) const;
+  // What constraints are open by at a state, idle ones too, over the lengths of their rows.
+  VecX gaps(const State& state) const;
   // Of a combination n of rows, n^T B, the same combination of unit rows.
   Eigen::SparseMatrix<double> of_unit_rows(const Eigen::SparseMatrix<double>& n) const;
 
@@ -44,9 +46,13 @@ class OntoFreeMotions {
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& motions) const;
   // The same for each seed, the largest entry 1; empty if nothing is free.
   VecX random(unsigned seed) const;
+  // The smallest motion that closes gaps (of all rows) of those that are not idle, to the first order.
+  VecX closing(const VecX& gaps) const;
+  const std::vector<Index>& rows() const { return rows_; }  // that are not idle
 
  private:
   Index motions_;
+  std::vector<Index> rows_;
   Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu_;
 };
 

@@ -5,8 +5,11 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/constraints/free_motions.hpp"
@@ -57,6 +60,50 @@ Sparse change_along(const UnitMotions& units, const State& state, const VecX& u)
   return best;
 }
 
+// The state after the motion `by` times u, with the rows that are kept closed again, by less than a third of the motion; none if
+// they do not close so.
+std::optional<State> went_along(const UnitMotions& units, const OntoFreeMotions& projection,
+                                const State& state, const VecX& u, double by) {
+  constexpr int most = 40;
+  constexpr double closed = 1e-13, small = 0.3;
+  State there = units.moved(state, u, by);
+  double corrected = 0.0, last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < most; ++i) {
+    const VecX z = projection.closing(units.gaps(there));
+    const double size = z.cwiseAbs().maxCoeff();
+    if (!(size > closed)) return there;
+    if (i > 2 && !(size < last) && size < 1e3 * closed) return there;  // round-off
+    corrected += size;
+    last = size;
+    if (!(corrected < small * by)) return std::nullopt;
+    there = units.moved(std::move(there), z, 1.0);
+  }
+  return std::nullopt;
+}
+
+// The idle row that opens most as the mechanism goes on: rank that is lost to an order that (1) does not see, as where a point of
+// a linkage runs along a line for a moment. -1: none opens.
+Index opens_on_the_way(const UnitMotions& units, const OntoFreeMotions& projection,
+                       const State& state, const VecX& u, const std::vector<Index>& idle) {
+  constexpr double longest = 0.1, shortest = 1e-7;  // unit motions
+  constexpr double open = 1e-9, grows = 3.0;        // as a square or more, by half the way
+  for (double by = longest; by >= shortest; by *= 0.1) {
+    const std::optional<State> there = went_along(units, projection, state, u, by),
+                               half = went_along(units, projection, state, u, 0.5 * by);
+    if (!there || !half) continue;
+    const VecX gaps = units.gaps(*there).cwiseAbs(), before = units.gaps(*half).cwiseAbs();
+    Index worst = -1;
+    double most = open;
+    for (const Index row : idle)
+      if (gaps(row) > most && gaps(row) > grows * before(row)) {
+        most = gaps(row);
+        worst = row;
+      }
+    return worst;
+  }
+  return -1;
+}
+
 }  // namespace
 
 std::string rank_loss(const System& system, const State& state) {
@@ -75,7 +122,17 @@ std::string rank_loss(const System& system, const State& state) {
   const double size = std::max(of_size, sums.colwise().norm().maxCoeff());  // of what cancels
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(free.transpose() * free);
   const Index most = n.cols() - 1;
-  if (!(squares.eigenvalues()(most) > none * none * size * size)) return {};
+  if (!(squares.eigenvalues()(most) > none * none * size * size)) {
+    const Index row = opens_on_the_way(units, projection, state, u, redundancy.idle);
+    if (row < 0) return {};
+    for (Index k = 0; k < n.cols(); ++k)
+      if (std::abs(n(row, k)) > 0.0)
+        return fmt::format(
+            "the constraints of {} lose rank in this configuration (to a higher order: {} opens as "
+            "the others move on)",
+            joints_of(system, n.col(k)), row_in_words(system, row));
+    return {};
+  }
   return fmt::format("the constraints of {} lose rank in this configuration",
                      joints_of(system, n * squares.eigenvectors().col(most)));
 }

@@ -10,7 +10,9 @@
 // What is compared is n^T dB[u], without what B^T answers, with the sum |n|^T |dB[u]| that it is left of: 1e-11 of it was
 // seen of linkages that keep their rank, plates on rods a millionth of their length among them, 0.1 of those that lose it. Of a
 // small linkage inside a larger one it is less by their ratio.
-// Not seen: ranks that are lost to a higher order, or by what is 1e8 times smaller than the linkage that it is a part of.
+// Ranks that are lost to a higher order are looked for by going on along u, a tenth of a mechanism's size or as far as the rows
+// that are kept close easily: idle rows open there, as the square of the way at least, if they are no repetition.
+// Not seen: by that 1e-9 of a size, and what is 1e8 times smaller than the linkage that it is a part of.
 #pragma once
 
 #include <string>

@@ -471,6 +471,26 @@ TEST(RankLoss, OfALinkageInsideALargerOne) {
   }
 }
 
+// Watt's linkage, whose coupler's middle is on a line that it leaves with the fifth power of the way (0.4 m^-4): it is locked, and
+// of the first and of the second order as free as without the line. Without it w^2 = 100/2.7, and off the middle nothing moves to
+// the first order beside the line either. Mutation seen: rows looked at where the mechanism is, alone.
+TEST(RankLoss, OfAHigherOrder) {
+  const std::string linkage = R"(
+      <body name="a" at="-0.5 0.3 0" mass="1" inertia="0.1 0.1 0.1"/>
+      <body name="c" at="0.5 -0.3 0" mass="1" inertia="0.1 0.1 0.1"/>
+      <body name="b" at="0 0 0" mass="2" inertia="0.1 0.1 0.1"/>
+      <revolute name="A" between="ground a" at="-1 0.3 0" axis="0 0 1"/>
+      <revolute name="B" between="a b" at="0 0.3 0" axis="0 0 1"/>
+      <revolute name="C" between="b c" at="0 -0.3 0" axis="0 0 1"/>
+      <revolute name="D" between="c ground" at="1 -0.3 0" axis="0 0 1"/>
+      <joint_spring name="k" joint="A" angular_stiffness="100"/>)";
+  const std::string line =
+      R"(<point_on_line name="G" between="b ground" at="0 0 0" axis="0 1 0"/>)";
+  EXPECT_NEAR(frequencies(read(linkage)).front(), std::sqrt(100.0 / 2.7), 1e-8);
+  EXPECT_SAYS(refusal([&] { study_modes(read(linkage + line), {}); }),
+              "lose rank in this configuration (to a higher order: point_on_line 'G'");
+}
+
 // Rods that repeat each other, a millionth of the plate that hangs on them: w^2 = k/m along the ground, whatever their length.
 // Mutation seen: n^T dB[u] beside its own size, not that of what cancels in it.
 TEST(RankLoss, OfAPlateOnShortRods) {

@@ -176,6 +176,12 @@ void MotionsOfScene::run_to(double time) {
     throw Error(scene_.source, "modes: " + failure);
   if (!motions_->frozen_at(state_))
     throw Error(scene_.source, range_failure(system.out_of_range(state_)));
+  if (std::ranges::any_of(state_.V, [](const Vec6& V) { return !V.isZero(0.0); }))
+    notes_.push_back(
+        "the state moves: coefficients are as they are at that time, in axes of the bodies, and "
+        "what "
+        "is slow beside the motion need be no frequency of it (mbd floquet is about a whole "
+        "motion)");
 }
 
 std::vector<char> MotionsOfScene::nodes_of(const std::vector<std::string>& names) const {
