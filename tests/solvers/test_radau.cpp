@@ -189,7 +189,7 @@ TEST(RadauLandings, OnKinksOfTheRateOfAnAcceleration) {
   EXPECT_EQ(d.counters.restarts, 0);
   double error = 0.0;
   for (std::size_t i = 0; i < d.table.rows(); ++i) {
-    const double u = std::max(d.table["t"][i] - 0.537, 0.0), w = 5.0;
+    const double u = std::max(d.table.columns[0][i] - 0.537, 0.0), w = 5.0;
     error =
         std::max(error, std::abs(d.table["p.rate"][i] - 60.0 * (std::cos(w * u) - 1.0) / (w * w)));
   }

@@ -40,8 +40,7 @@ std::string arm(int i, double x, double k, double c) {
                      i, x + 0.3, x, k, c);
 }
 
-// Two arms, of which the slow one is damped: J = 1 + 0.3^2 + 0.21^2. Mutation seen: openings of constraints judged by what a row
-// does in the mode, once (the fast one is lost from 1e4 on).
+// Two arms, of which the slow one is damped: J = 1 + 0.3^2 + 0.21^2. Mutation seen: what opens constraints a little is kept.
 TEST(ModesOfAnyRatio, OfSpeeds) {
   const double J = 1.0 + 0.09 + 0.0441;
   for (const double ratio : {1e2, 1e4, 1e6}) {
@@ -54,7 +53,7 @@ TEST(ModesOfAnyRatio, OfSpeeds) {
   }
 }
 
-// Five, all damped, and as many asked for near the slowest. Mutation seen: conjugates and their doubles not told apart (three).
+// Five, all damped, and as many asked for near the slowest. Mutation seen: what opens constraints a little is dropped.
 TEST(ModesOfAnyRatio, NearAFrequency) {
   std::string all;
   for (int i = 0; i < 5; ++i)
