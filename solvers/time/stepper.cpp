@@ -319,8 +319,9 @@ Landing next_landing(std::span<const Breakpoint> breakpoints, double t, double e
   auto first = std::upper_bound(breakpoints.begin(), breakpoints.end(), t + slack,
                                 [](double at, const Breakpoint& b) { return at < b.t; });
   const auto counts = [&](auto b) {
-    return !b->smooth || ((b == breakpoints.begin() || b->t - std::prev(b)->t > apart) &&
-                          (std::next(b) == breakpoints.end() || std::next(b)->t - b->t > apart));
+    return !b->smooth ||
+           (std::isfinite(apart) && (b == breakpoints.begin() || b->t - std::prev(b)->t > apart) &&
+            (std::next(b) == breakpoints.end() || std::next(b)->t - b->t > apart));
   };
   while (first != breakpoints.end() && !counts(first)) ++first;
   Landing landing{.t = end, .restart_at = end};

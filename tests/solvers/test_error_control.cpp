@@ -350,7 +350,11 @@ TEST(NextLanding, OnSmoothOnesThatAreApart) {
   EXPECT_EQ(at(1.0, 1e-3).t, 2.0);
   EXPECT_EQ(at(2.02, 0.1).t, 3.0);
   EXPECT_EQ(at(2.02, 2.0).t, 5.0);
-  EXPECT_EQ(at(0.0, std::numeric_limits<double>::infinity()).t, 2.02);
+  constexpr double never = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(at(0.0, never).t, 2.02);
+  const std::vector<Breakpoint> alone = {{1.0, false, true}};
+  EXPECT_EQ(next_landing(alone, 0.0, 5.0, 1e-9, 0.1).t, 1.0);
+  EXPECT_EQ(next_landing(alone, 0.0, 5.0, 1e-9, never).t, 5.0);
 }
 
 }  // namespace
