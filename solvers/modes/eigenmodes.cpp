@@ -161,6 +161,11 @@ ModesFound modes_at(const MotionPencil& motions, Complex shift, double omega, in
   return result;
 }
 
+struct Stiffness {
+  Eigen::SparseMatrix<double> K, sizes;  // its entries, and their sizes
+  double least;  // [rad/s] less than round-off of its largest entries makes of anything
+};
+
 // Size of what cancels in the stiffness of a mode, as the square of a frequency.
 double cancelling(const SmallMotions& motions, const Eigen::SparseMatrix<double>& sizes,
                   const Mode& mode) {
@@ -170,20 +175,40 @@ double cancelling(const SmallMotions& motions, const Eigen::SparseMatrix<double>
 }
 
 // Whether an eigenvalue is round-off of what cancels in K, or of the shift.
-bool is_hidden(const SmallMotions& motions, const Eigen::SparseMatrix<double>& sizes,
-               const Mode& mode, double shift) {
-  const double hidden = std::sqrt(unseen * cancelling(motions, sizes, mode));
+bool is_hidden(const SmallMotions& motions, const Stiffness& stiffness, const Mode& mode,
+               double shift) {
+  const double hidden =
+      std::max(stiffness.least, std::sqrt(unseen * cancelling(motions, stiffness.sizes, mode)));
   // What is left of it where 1/theta takes it off: of an eigenvalue 0 with one shape (a place and its velocity) the root of
   // round-off.
   constexpr double of_shift = 1e-7;
   return std::abs(mode.eigenvalue) <= std::max(hidden, of_shift * shift);
 }
 
-// Whether nothing answers a motion: its eigenvalue is hidden, and it strains no beam (one may be so slender that its bending
-// is as soft as round-off).
-bool is_rigid(const SmallMotions& motions, const Eigen::SparseMatrix<double>& sizes,
-              const Mode& mode, double shift) {
-  if (!is_hidden(motions, sizes, mode, shift)) return false;
+// Whether a mode's forces add up to nothing along it, x^H (l^2 M + l C + K) x = 0, but for round-off of what cancels. Of what
+// moves freely they do not: its eigenvalue is round-off of the factors, which none of its own forces has made.
+bool answers_itself(const SmallMotions& motions, const Stiffness& stiffness, const Mode& mode) {
+  constexpr double same = 1e-2;
+  const VecXc& x = mode.shape;
+  const VecX re = x.real(), im = x.imag();
+  const auto along = [&](const Eigen::SparseMatrix<double>& A) {
+    const VecX a = A * re, b = A * im;
+    return Complex(re.dot(a) + im.dot(b), re.dot(b) - im.dot(a));
+  };
+  const Complex l = mode.eigenvalue, m = l * l * along(motions.mass_matrix()),
+                c = l * along(motions.rate_matrix()), k = along(stiffness.K);
+  const VecX size = x.cwiseAbs();
+  return std::abs(m + c + k) <= same * (std::abs(m) + std::abs(c) + std::abs(k)) +
+                                    unseen * size.dot(stiffness.sizes * size);
+}
+
+// Whether nothing answers a motion: its eigenvalue is hidden, or round-off, and it strains no beam (one may be so slender that its
+// bending is as soft as round-off).
+bool is_rigid(const SmallMotions& motions, const Stiffness& stiffness, const Mode& mode,
+              double shift) {
+  if (!is_hidden(motions, stiffness, mode, shift) &&
+      (std::abs(mode.eigenvalue) > tiny * shift || answers_itself(motions, stiffness, mode)))
+    return false;
   constexpr double none = 1e-3;
   const auto strains = [&](VecX x) {
     if (!(x.norm() > none * mode.shape.norm())) return false;
@@ -232,17 +257,42 @@ class OpenModes {
 };
 
 // Rigid motions come in pairs (a place and a velocity, a defective eigenvalue 0), and in any combination: leaves as many
-// as there are.
-void leave_independent_rigid_ones(std::vector<Mode>& modes) {
-  constexpr double independent = 1e-3;
-  std::vector<VecXc> basis;
+// as there are. Some combinations are told apart as motions of reference points, in lengths of the scene, others by the mass: of
+// a rotation about a point far from the centre and one about the centre the one sees a translation, the other not.
+void leave_independent_rigid_ones(const SmallMotions& motions, std::vector<Mode>& modes) {
+  constexpr double independent = 1e-3, noise = 1e-7;
+  VecX scale = VecX::Ones(motions.motions());
+  for (Index i = 0; i < scale.size(); i += 6)
+    scale.segment<3>(i).setConstant(1.0 / motions.length_scale());
+  struct Basis {
+    std::vector<VecXc> q, weighed;  // q^H weighed = 1
+  } by_place, by_mass;
+  // What is left of x beside the basis: its size over that of x.
+  const auto rest_of = [](const Basis& basis, VecXc& x, const auto& weigh) {
+    const double whole = std::sqrt(std::abs(x.dot(weigh(x))));
+    for (std::size_t k = 0; k < basis.q.size(); ++k) x -= basis.q[k] * basis.weighed[k].dot(x);
+    return whole > 0.0 ? std::sqrt(std::abs(x.dot(weigh(x)))) / whole : 0.0;
+  };
+  const auto add = [](Basis& basis, const VecXc& rest, const auto& weigh) {
+    const double size = std::sqrt(std::abs(rest.dot(weigh(rest))));
+    if (!(size > 0.0)) return;
+    basis.q.push_back(rest / size);
+    basis.weighed.push_back(weigh(basis.q.back()));
+  };
+  const auto place = [&](const VecXc& x) {
+    return VecXc(scale.cwiseAbs2().cast<Complex>().cwiseProduct(x));
+  };
+  const auto mass = [&](const VecXc& x) {
+    return VecXc(motions.mass_matrix().cast<Complex>() * x);
+  };
   std::vector<Mode> kept;
   for (Mode& mode : modes) {
     if (mode.rigid) {
-      VecXc rest = mode.shape.normalized();
-      for (const VecXc& q : basis) rest -= q * q.dot(rest);
-      if (!(rest.norm() > independent)) continue;
-      basis.push_back(rest.normalized());
+      VecXc a = mode.shape, b = mode.shape;
+      const double rest_a = rest_of(by_place, a, place), rest_b = rest_of(by_mass, b, mass);
+      if (!(std::max(rest_a, rest_b) > independent)) continue;
+      if (rest_a > noise) add(by_place, a, place);
+      if (rest_b > noise) add(by_mass, b, mass);
     }
     kept.push_back(std::move(mode));
   }
@@ -274,7 +324,7 @@ namespace {
 // Without estimates of round-off.
 struct ModeSearch {
   SmallMotions& motions;
-  const Eigen::SparseMatrix<double>& sizes;
+  const Stiffness& stiffness;
   const ModeOptions& options;
   const int wanted = options.count;
   const OpenModes opens = OpenModes(motions);
@@ -323,7 +373,8 @@ struct ModeSearch {
     std::vector<Mode> kept;
     for (Mode& mode : found.modes) {
       const bool is_doubtful = !mode.rigid && std::abs(mode.eigenvalue) > 0.0 &&
-                               (mode.residual > good_residual || opens.perhaps(mode));
+                               (mode.residual > good_residual || opens.perhaps(mode) ||
+                                !answers_itself(motions, stiffness, mode));
       if (!is_doubtful || found_again(mode)) kept.push_back(std::move(mode));
     }
     found.modes = std::move(kept);
@@ -362,11 +413,10 @@ struct ModeSearch {
     if (!(options.expected > 0.0) && motions.is_damped_or_turns()) omega = rate_of_slowest();
     // About 0 first, and then, if it is so, about something of the size of the slowest that is answered.
     ModesFound result = at(0.0, wanted);
-    const bool is_clear =
-        result.failure.empty() && result.modes.size() >= static_cast<std::size_t>(wanted) &&
-        std::none_of(result.modes.begin(), result.modes.end(), [&](const Mode& mode) {
-          return mode.residual > blurred || is_hidden(motions, sizes, mode, 0.0);
-        });
+    const bool is_clear = result.failure.empty() &&
+                          result.modes.size() >= static_cast<std::size_t>(wanted) &&
+                          std::none_of(result.modes.begin(), result.modes.end(),
+                                       [&](const Mode& mode) { return !is_seen(mode); });
     if (options.free_motions == FreeMotions::none) return is_clear ? result : at(omega, wanted);
     if (!is_clear) {
       double shift = beneath_the_seen(result.modes);
@@ -377,7 +427,7 @@ struct ModeSearch {
     for (Mode& mode : result.modes)
       if (mode.rigid) mode.eigenvalue = 0.0;
     sort(result.modes);
-    leave_independent_rigid_ones(result.modes);
+    leave_independent_rigid_ones(motions, result.modes);
     return result;
   }
 
@@ -404,7 +454,7 @@ struct ModeSearch {
       if (!more.failure.empty()) break;
       const auto is_known = [&](const Mode& mode) {
         return !(std::abs(mode.eigenvalue) > other * fastest_found) ||
-               is_rigid(motions, sizes, mode, shift);
+               is_rigid(motions, stiffness, mode, shift);
       };
       std::erase_if(more.modes, is_known);
       leave_true_ones(more);
@@ -415,7 +465,7 @@ struct ModeSearch {
 
   // [rad/s] That no motion is faster than, but for a small factor: by each motion alone.
   double most_rate() const {
-    const VecX M = motions.mass_matrix().diagonal(), K = sizes.diagonal();
+    const VecX M = motions.mass_matrix().diagonal(), K = stiffness.sizes.diagonal();
     double square = 0.0;
     for (Index i = 0; i < M.size(); ++i)
       if (M(i) > 0.0) square = std::max(square, K(i) / M(i));
@@ -440,13 +490,18 @@ struct ModeSearch {
     return std::isfinite(rate) && rate > least * fastest ? rate : omega;
   }
 
+  // About 0, that is.
+  bool is_seen(const Mode& mode) const {
+    return mode.residual <= blurred && !is_hidden(motions, stiffness, mode, 0.0) &&
+           answers_itself(motions, stiffness, mode);
+  }
+
   // A shift of the size of the slowest motion that is not hidden, which 1e-3 of the fastest is far from in a fine mesh; that where
   // nothing is seen.
   double beneath_the_seen(const std::vector<Mode>& modes) const {
     double slowest = std::numeric_limits<double>::infinity();
     for (const Mode& mode : modes)
-      if (mode.residual <= blurred && !is_hidden(motions, sizes, mode, 0.0))
-        slowest = std::min(slowest, 0.5 * std::abs(mode.eigenvalue));
+      if (is_seen(mode)) slowest = std::min(slowest, 0.5 * std::abs(mode.eigenvalue));
     return std::isfinite(slowest) && slowest > 0.0 ? slowest : omega;
   }
 
@@ -460,7 +515,7 @@ struct ModeSearch {
       found = at(shift, wanted + 6);
       if (!found.failure.empty()) return found;
       for (Mode& mode : found.modes) {
-        mode.rigid = is_rigid(motions, sizes, mode, shift);
+        mode.rigid = is_rigid(motions, stiffness, mode, shift);
         if (mode.rigid) rigid.push_back(mode);
       }
       double slowest = std::numeric_limits<double>::infinity();
@@ -476,8 +531,23 @@ struct ModeSearch {
       omega = shift = 0.5 * slowest;
     }
     std::erase_if(found.modes, [](const Mode& mode) { return mode.rigid; });
+    double slowest = std::numeric_limits<double>::infinity();
+    for (const Mode& mode : found.modes) slowest = std::min(slowest, std::abs(mode.eigenvalue));
+    // What round-off mixed with the slowest that is answered is no rigid motion; what is answered by itself, if slowly, neither.
+    for (Mode& mode : rigid)
+      mode.rigid = !(is_mixed(mode, slowest) && answers_itself(motions, stiffness, mode));
+    std::erase_if(rigid, [&](const Mode& mode) { return mode.rigid && is_mixed(mode, slowest); });
     std::move(rigid.begin(), rigid.end(), std::back_inserter(found.modes));
     return found;
+  }
+
+  bool is_mixed(const Mode& mode, double slowest) const {
+    constexpr double pure = 1e-2;  // share of another motion
+    const VecX re = mode.shape.real(), im = mode.shape.imag(), size = mode.shape.cwiseAbs();
+    const auto& M = motions.mass_matrix();
+    const double m = re.dot(M * re) + im.dot(M * im),
+                 k = std::abs(re.dot(stiffness.K * re) + im.dot(stiffness.K * im));
+    return k > m * std::pow(pure * slowest, 2) + unseen * size.dot(stiffness.sizes * size);
   }
 
   // Of what is far below the shift and no free motion, the shift is lowered to see it better.
@@ -492,7 +562,7 @@ struct ModeSearch {
             std::abs(other.shape.dot(mode.shape)) / (other.shape.norm() * mode.shape.norm());
         if (overlap > match) match = overlap, mode.eigenvalue = other.eigenvalue;
       }
-      mode.rigid = is_rigid(motions, sizes, mode, tiny * shift);
+      mode.rigid = is_rigid(motions, stiffness, mode, tiny * shift);
     }
   }
 };
@@ -500,8 +570,12 @@ struct ModeSearch {
 }  // namespace
 
 ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
-  const Eigen::SparseMatrix<double> sizes = motions.sizes_of_stiffness();
-  ModesFound found = ModeSearch{motions, sizes, options}.run();
+  const Eigen::SparseMatrix<double> K = motions.stiffness_matrix();
+  constexpr double round_off = 1e-12;  // of the fastest motion
+  const double fastest =
+      motions.mass() > 0.0 ? std::sqrt(motions.stiffness() / motions.mass()) : 0.0;
+  const Stiffness stiffness{K, K.cwiseAbs(), round_off * fastest};
+  ModesFound found = ModeSearch{motions, stiffness, options}.run();
   if (options.conditions) set_conditions(motions, found.modes);
   // Where T is not symmetric, what is left of a pair shows in the eigenvalue as it is, not squared.
   const double shows = motions.is_damped_or_turns() ? 0.0 : blurred;
@@ -509,9 +583,9 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
     const double square = std::norm(mode.eigenvalue);
     const double condition = mode.condition > 0.0 ? mode.condition : 1.0;
     if (!mode.rigid && square > 0.0)
-      mode.round_off =
-          std::max(0.5 * share_lost * condition * cancelling(motions, sizes, mode) / square,
-                   mode.residual > shows ? condition * mode.residual : 0.0);
+      mode.round_off = std::max(
+          0.5 * share_lost * condition * cancelling(motions, stiffness.sizes, mode) / square,
+          mode.residual > shows ? condition * mode.residual : 0.0);
   }
   return found;
 }

@@ -54,9 +54,6 @@ class SmallMotions final : public MotionPencil {
   Eigen::SparseMatrix<double> stiffness_matrix() const { return nonzeros(0); }
   Eigen::SparseMatrix<double> constraint_gradient() const;
 
-  // Sizes of the entries of K: of what cancels in x^H K x, |x|^T |K| |x|, there is round-off in each eigenvalue.
-  Eigen::SparseMatrix<double> sizes_of_stiffness() const { return nonzeros(0).cwiseAbs(); }
-
   // B x: how motions open constraints.
   VecX opening(const VecX& x) const;
 

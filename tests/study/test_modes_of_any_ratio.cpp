@@ -87,6 +87,57 @@ TEST(ModesOfAnyRatio, OfAFreeBaseWithASmallArm) {
   }
 }
 
+// Two bodies of 1 kg and 0.1 kg.m2 (by their size) on a hinge midway between them, free, their centres along it: six rigid motions
+// and w^2 = 2 k/J, whatever the size. Mutation seen: shapes told apart in metres and radians.
+TEST(ModesOfAnyRatio, OfFreeBodiesOfAnySize) {
+  for (const double size : {1e-6, 1e-3, 1.0, 2e3, 1e5}) {
+    for (const bool damped : {false, true}) {
+      SCOPED_TRACE(fmt::format("{} {}", size, damped));
+      const double J = 0.1 * size * size, k = 1e3 * J, c = damped ? 10.0 * J : 0.0;
+      const Scene scene = read(fmt::format(
+          R"(<body name="a" mass="1" inertia="{0:.17g} {0:.17g} {0:.17g}"/>
+             <body name="b" at="0 0 {1:.17g}" mass="1" inertia="{0:.17g} {0:.17g} {0:.17g}"/>
+             <revolute name="H" between="a b" at="0 0 {2:.17g}" axis="0 0 1"/>
+             <joint_spring name="k" joint="H" angular_stiffness="{3:.17g}"
+                           angular_damping="{4:.17g}"/>)",
+          J, size, 0.5 * size, k, c));
+      EXPECT_EQ(study_modes(scene, {}).modes.size(), 7U);
+      const std::vector<Complex> found = elastic(scene);
+      ASSERT_EQ(found.size(), 1U);
+      expect_near(found[0], eigenvalue(k, c, 0.5 * J), 1e-8);
+    }
+  }
+}
+
+// A four-bar that nothing holds but its pins, in any pose, beside an arm: one free motion and 10 rad/s. Round-off, which makes its
+// tangent regular, gives it no frequency. Mutation seen: what does not answer itself is seen.
+TEST(ModesOfAnyRatio, OfAFreeLinkage) {
+  for (const double q : {0.3, 0.7, 1.1, 1.9}) {
+    const double Bx = std::cos(q), By = std::sin(q), Dx = 2.2;
+    // C, 1.7 m from B and 1.3 m from D.
+    const double dx = Dx - Bx, dy = -By, d = std::hypot(dx, dy),
+                 a = (d * d + 1.7 * 1.7 - 1.3 * 1.3) / (2.0 * d), h = std::sqrt(1.7 * 1.7 - a * a),
+                 Cx = Bx + (a * dx - h * dy) / d, Cy = By + (a * dy + h * dx) / d;
+    const Scene scene = read(fmt::format(
+        R"(<body name="ab" at="{0:.17g} {1:.17g} 0" mass="1" inertia="0.1 0.1 0.1"/>
+           <body name="bc" at="{2:.17g} {3:.17g} 0" mass="2" inertia="0.2 0.3 0.4"/>
+           <body name="cd" at="{4:.17g} {5:.17g} 0" mass="1" inertia="0.1 0.1 0.1"/>
+           <revolute name="A" between="ground ab" at="0 0 0" axis="0 0 1"/>
+           <revolute name="B" between="ab bc" at="{6:.17g} {7:.17g} 0" axis="0 0 1"/>
+           <revolute name="C" between="bc cd" at="{8:.17g} {9:.17g} 0" axis="0 0 1"/>
+           <revolute name="D" between="cd ground" at="2.2 0 0" axis="0 0 1"/>
+           <body name="q" at="5 0 0" mass="1" inertia="1 1 1"/>
+           <revolute name="Q" between="ground q" at="5 0 0" axis="0 0 1"/>
+           <joint_spring name="k" joint="Q" angular_stiffness="100"/>)",
+        0.5 * Bx, 0.5 * By, 0.5 * (Bx + Cx), 0.5 * (By + Cy), 0.5 * (Cx + Dx), 0.5 * Cy, Bx, By, Cx,
+        Cy));
+    EXPECT_EQ(study_modes(scene, {}).modes.size(), 2U) << q;
+    const std::vector<Complex> found = elastic(scene);
+    ASSERT_EQ(found.size(), 1U) << q;
+    expect_near(found[0], {0.0, 10.0}, 1e-9);
+  }
+}
+
 // A slider-crank whose bodies all have their reference point far off, as drawing programs give them: the mode is that of the same
 // bodies at their centres, and nothing beside it. Mutation seen: what solves the equations badly is kept (modes of 3e4/s from 1e5
 // on).
