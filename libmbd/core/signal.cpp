@@ -306,10 +306,6 @@ bool Signal::has_sensors() const {
   return expression != nullptr && expression->has_sensors();
 }
 
-// The magnitude against which a jump is measured is that on the pieces on both sides, of length τ:
-//   (5)  m_k = max(|f^(k)|, |f^(k−1)|/τ, …), sampled,
-// because the limits alone may both be rounding errors, as those of ṙ at t = 6 for
-// r = t<6 ? 1-cos(pi*t/6) : 2, namely 1e-16 and 0.
 std::vector<double> Signal::breakpoints() const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   double begin = -infinity, end = infinity;
@@ -327,6 +323,10 @@ std::vector<double> Signal::breakpoints() const {
   return times;
 }
 
+// The magnitude against which a jump is measured is that on the pieces on both sides, of length τ:
+//   (5)  m_k = max(|f^(k)|, |f^(k−1)|/τ, …), sampled,
+// because the limits alone may both be rounding errors, as those of ṙ at t = 6 for
+// r = t<6 ? 1-cos(pi*t/6) : 2, namely 1e-16 and 0.
 std::vector<Jump> Signal::jumps() const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   double begin = -infinity, end = infinity;

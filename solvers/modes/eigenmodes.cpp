@@ -185,18 +185,19 @@ bool is_hidden(const SmallMotions& motions, const Stiffness& stiffness, const Mo
   return std::abs(mode.eigenvalue) <= std::max(hidden, of_shift * shift);
 }
 
+// x^H A x.
+Complex along(const VecXc& x, const Eigen::SparseMatrix<double>& A) {
+  const VecX re = x.real(), im = x.imag(), a = A * re, b = A * im;
+  return {re.dot(a) + im.dot(b), re.dot(b) - im.dot(a)};
+}
+
 // Whether a mode's forces add up to nothing along it, x^H (l^2 M + l C + K) x = 0, but for round-off of what cancels. Of what
 // moves freely they do not: its eigenvalue is round-off of the factors, which none of its own forces has made.
 bool answers_itself(const SmallMotions& motions, const Stiffness& stiffness, const Mode& mode) {
   constexpr double same = 1e-2;
   const VecXc& x = mode.shape;
-  const VecX re = x.real(), im = x.imag();
-  const auto along = [&](const Eigen::SparseMatrix<double>& A) {
-    const VecX a = A * re, b = A * im;
-    return Complex(re.dot(a) + im.dot(b), re.dot(b) - im.dot(a));
-  };
-  const Complex l = mode.eigenvalue, m = l * l * along(motions.mass_matrix()),
-                c = l * along(motions.rate_matrix()), k = along(stiffness.K);
+  const Complex l = mode.eigenvalue, m = l * l * along(x, motions.mass_matrix()),
+                c = l * along(x, motions.rate_matrix()), k = along(x, stiffness.K);
   const VecX size = x.cwiseAbs();
   return std::abs(m + c + k) <= same * (std::abs(m) + std::abs(c) + std::abs(k)) +
                                     unseen * size.dot(stiffness.sizes * size);
@@ -543,10 +544,9 @@ struct ModeSearch {
 
   bool is_mixed(const Mode& mode, double slowest) const {
     constexpr double pure = 1e-2;  // share of another motion
-    const VecX re = mode.shape.real(), im = mode.shape.imag(), size = mode.shape.cwiseAbs();
-    const auto& M = motions.mass_matrix();
-    const double m = re.dot(M * re) + im.dot(M * im),
-                 k = std::abs(re.dot(stiffness.K * re) + im.dot(stiffness.K * im));
+    const VecX size = mode.shape.cwiseAbs();
+    const double m = along(mode.shape, motions.mass_matrix()).real(),
+                 k = std::abs(along(mode.shape, stiffness.K).real());
     return k > m * std::pow(pure * slowest, 2) + unseen * size.dot(stiffness.sizes * size);
   }
 
