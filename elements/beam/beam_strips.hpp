@@ -98,13 +98,13 @@ struct Strips {
   template <int registers, int terms>
   [[gnu::noinline]] static void add_part(const All& X, const All& B, int points, int r, int c,
                                          double* sum) {
-    Lane part[3][registers] = {};
+    Lane part[3][static_cast<std::size_t>(registers)] = {};
     for (int i = 0; i < points; ++i) {
       const double* const x = X[static_cast<std::size_t>(i)].data() + r;
       const double* const b = B[static_cast<std::size_t>(i)].data() + c;
 #pragma GCC unroll 6
       for (int q = 0; q < terms; ++q) {
-        Lane column[registers];
+        Lane column[static_cast<std::size_t>(registers)];
         std::memcpy(column, x + q * most, sizeof column);
         for (int k = 0; k < 3; ++k)
           for (int n = 0; n < registers; ++n) part[k][n] += column[n] * b[q * most + k];

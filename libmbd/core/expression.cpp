@@ -447,7 +447,7 @@ class Expression::Parser {
       token_.kind = Token::symbol;
       constexpr std::array<std::string_view, 7> doubles{"<=", ">=", "==", "!=", "&&", "||", "**"};
       const std::string_view pair = text_.substr(begin, 2);
-      at_ += std::find(doubles.begin(), doubles.end(), pair) != doubles.end() ? 2 : 1;
+      at_ += std::find(doubles.begin(), doubles.end(), pair) != doubles.end() ? 2U : 1U;
       while (at_ < text_.size() && is_continuation(text_[at_])) ++at_;
     }
     token_.text = text_.substr(begin, at_ - begin);

@@ -36,7 +36,8 @@ struct Kink {
   double below = 0.0, above = 0.0;  // df/dx
 };
 
-// A kink at x, to 1e-9 of it, where only slopes are known: they jump as much in however short an interval around it.
+// A kink at x, to 1e-9 of it, where only slopes are known: they jump as much in however short an interval around it. Of values
+// in place of slopes, a jump.
 std::optional<Kink> hidden_kink(const std::function<double(double)>& slope, double x);
 
 // Immutable; evaluation is const, thread safe and allocates nothing.

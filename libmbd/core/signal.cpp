@@ -306,20 +306,24 @@ bool Signal::has_sensors() const {
   return expression != nullptr && expression->has_sensors();
 }
 
-std::vector<double> Signal::breakpoints() const {
+// Where it is known [s].
+std::array<double, 2> Signal::interval() const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  double begin = -infinity, end = infinity;
+  if (const auto* law = std::get_if<std::shared_ptr<const RateLaw>>(&law_))
+    return {(*law)->begin(), (*law)->end()};
+  return {-infinity, infinity};
+}
+
+std::vector<double> Signal::breakpoints() const {
+  const auto [begin, end] = interval();
   std::span<const double> all;
-  if (const auto* expression = std::get_if<Expression>(&law_)) {
+  if (const auto* expression = std::get_if<Expression>(&law_))
     all = expression->breakpoints();
-  } else if (const auto* law = std::get_if<std::shared_ptr<const RateLaw>>(&law_)) {
+  else if (const auto* law = std::get_if<std::shared_ptr<const RateLaw>>(&law_))
     all = (*law)->rate().breakpoints();
-    begin = (*law)->begin();
-    end = (*law)->end();
-  }
   std::vector<double> times;
   std::copy_if(all.begin(), all.end(), std::back_inserter(times),
-               [&](double t) { return begin < t && t < end; });
+               [first = begin, last = end](double t) { return first < t && t < last; });
   return times;
 }
 
@@ -328,12 +332,7 @@ std::vector<double> Signal::breakpoints() const {
 // because the limits alone may both be rounding errors, as those of ṙ at t = 6 for
 // r = t<6 ? 1-cos(pi*t/6) : 2, namely 1e-16 and 0.
 std::vector<Jump> Signal::jumps() const {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  double begin = -infinity, end = infinity;
-  if (const auto* law = std::get_if<std::shared_ptr<const RateLaw>>(&law_)) {
-    begin = (*law)->begin();
-    end = (*law)->end();
-  }
+  const auto [begin, end] = interval();
   const std::vector<double> times = breakpoints();
   using Values = std::array<double, 3>;
   const auto values = [&](double t, Side side) -> Values {

@@ -23,6 +23,7 @@
 // statics has none); double arithmetic with compensated sums (the error of r and of x remains).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -94,6 +95,7 @@ class Signal {
   using Law = std::variant<double, Expression, std::shared_ptr<const RateLaw>>;
 
   explicit Signal(Law law) : law_(std::move(law)) {}
+  std::array<double, 2> interval() const;
 
   Law law_;
 };

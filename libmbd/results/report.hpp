@@ -26,7 +26,7 @@ struct NamedCounter {
   std::string_view name;
   long Counters::*counter;
 };
-inline constexpr std::array<NamedCounter, 10> named_counters{{
+inline constexpr std::array<NamedCounter, 12> named_counters{{
     {"steps", &Counters::steps},
     {"substeps", &Counters::substeps},
     {"retries", &Counters::retries},
@@ -37,6 +37,8 @@ inline constexpr std::array<NamedCounter, 10> named_counters{{
     {"residuals", &Counters::residuals},
     {"tangents", &Counters::tangents},
     {"factorizations", &Counters::factorizations},
+    {"substeps_of_five_stages", &Counters::of_five_stages},
+    {"substeps_of_seven_stages", &Counters::of_seven_stages},
 }};
 
 struct Seconds {

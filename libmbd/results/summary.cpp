@@ -53,6 +53,8 @@ std::string steps(const Counters& c, std::string_view one, std::string_view many
     if (n > 0) text += ", " + plural(n, single, several);
   };
   more(c.substeps == c.steps ? 0 : c.substeps, "substep", "substeps");
+  if (c.of_five_stages > 0) text += fmt::format(", {}\tof\tfive\tstages", c.of_five_stages);
+  if (c.of_seven_stages > 0) text += fmt::format(", {}\tof\tseven\tstages", c.of_seven_stages);
   if (c.rejected > 0) text += fmt::format(", {}\trejected", c.rejected);
   more(c.retries, "retry", "retries");
   more(c.restarts, "restart", "restarts");
@@ -253,7 +255,7 @@ void expectations(std::string& text, const RunReport& report) {
   using Row = std::array<std::string, 6>;
   std::vector<Row> rows = {{"", "quantity", "expected", "got", "error", "allowed"}};
   for (const ExpectResult& result : report.expects) {
-    met += result.pass() ? 1 : 0;
+    if (result.pass()) ++met;
     rows.push_back({result.pass() ? "ok" : "FAIL", result.what,
                     fmt::format("{:.9g}", result.expected),
                     result.got ? fmt::format("{:.9g}", *result.got) : "not reached",

@@ -13,6 +13,7 @@ namespace mbd {
 
 inline constexpr int most_rows = 12;  // of a pivot: a node and six rows of multipliers
 inline constexpr int most_registers = 2 * BlockLuPlan::register_rows / lane_count;  // of a column
+constexpr std::size_t extent(int n) { return static_cast<std::size_t>(n); }         // of an array
 constexpr int registers_of(int rows) { return (rows + lane_count - 1) / lane_count; }
 
 template <class T>
@@ -24,7 +25,7 @@ template <class T, int registers, int fixed, bool of_upper>
 void divide(double* X, int stride, int size, const double* D, int other, const double* inverse) {
   constexpr int parts = parts_of<T>;
   const int n = fixed > 0 ? fixed : size;
-  Lanes<T> x[fixed > 0 ? fixed : most_rows][registers];
+  Lanes<T> x[extent(fixed > 0 ? fixed : most_rows)][extent(registers)];
 #pragma GCC unroll 6
   for (int c = 0; c < n; ++c) {
     for (int r = 0; r < registers; ++r)

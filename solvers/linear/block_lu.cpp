@@ -29,7 +29,7 @@ template <class T, int registers, int columns>
 void update_columns(double* D, int stride, int other, const Update* update, const Update* end,
                     const double* left, const double* right) {
   constexpr int parts = parts_of<T>;
-  Lanes<T> d[columns][registers];
+  Lanes<T> d[extent(columns)][extent(registers)];
   for (int c = 0; c < columns; ++c)
     for (int r = 0; r < registers; ++r)
       d[c][r].load(D + c * stride * parts + r * lane_count, stride);
@@ -37,7 +37,7 @@ void update_columns(double* D, int stride, int other, const Update* update, cons
     const double* L = left + std::size_t{update->left} * BlockLuPlan::register_rows * parts;
     const double* R = right + std::size_t{update->right} * BlockLuPlan::register_rows * parts;
     const auto one = [&](int k) __attribute__((always_inline)) {
-      Lanes<T> l[registers];
+      Lanes<T> l[extent(registers)];
       for (int r = 0; r < registers; ++r)
         l[r].load(L + k * stride * parts + r * lane_count, stride);
       for (int c = 0; c < columns; ++c)
@@ -91,13 +91,13 @@ void update_block(double* D, int rows, int stride, int columns, int other, const
 template <class T, int n>
 bool factor_definite(double* D, int stride, double* inverse) {
   constexpr int parts = parts_of<T>, registers = registers_of(n);
-  Lanes<T> column[n][registers];
-  Lane reduced[registers] = {};
+  Lanes<T> column[extent(n)][extent(registers)];
+  Lane reduced[extent(registers)] = {};
 #pragma GCC unroll 8
   for (int c = 0; c < n; ++c)
     for (int r = 0; r < registers; ++r)
       column[c][r].load(D + c * stride * parts + r * lane_count, stride);
-  double before[n];
+  double before[extent(n)];
 #pragma GCC unroll 8
   for (int i = 0; i < n; ++i) before[i] = size_of(column[i][i / lane_count].at(i % lane_count));
   bool good = true;
@@ -107,7 +107,7 @@ bool factor_definite(double* D, int stride, double* inverse) {
     put(inverse + k, stride, one_over);
     const double size = size_of(pivot);
     good = good && size > 1e-300 && size < 1e300;
-    Lanes<T> l[registers];
+    Lanes<T> l[extent(registers)];
     for (int r = 0; r < registers; ++r) {
       Lanes<T> quotient = column[k][r];
       quotient.multiply(one_over);
@@ -557,7 +557,7 @@ bool BlockLu<T>::factor(const T* A, const double* scales, PivotInertia* inertia)
       }
       divide_block<T, true>(L, other.size, other.stride, pivot.size, D, pivot.stride, inverse);
       if (exchanged_[j] != 0) {
-        double copy[number_parts * 2 * BlockLuPlan::register_rows * most_rows];
+        double copy[extent(number_parts * 2 * BlockLuPlan::register_rows * most_rows)];
         const int step = other.stride * number_parts;
         std::copy(U, U + step * pivot.size, copy);
         for (int c = 0; c < pivot.size; ++c)
@@ -648,7 +648,7 @@ void forward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, con
                    const double* below, double* vector) {
   constexpr int parts = parts_of<T>, registers = registers_of(n);
   double* const X = vector + pivot.first_row * parts;
-  Lanes<T> x[registers];
+  Lanes<T> x[extent(registers)];
   for (int r = 0; r < registers; ++r) x[r].load(X + r * lane_count, pivot.stride);
 #pragma GCC unroll 6
   for (int k = 0; k + 1 < n; ++k)
@@ -668,13 +668,13 @@ void backward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, co
                     const double* below, double* vector) {
   constexpr int parts = parts_of<T>, registers = registers_of(n);
   double* const X = vector + pivot.first_row * parts;
-  Lanes<T> x[registers];
+  Lanes<T> x[extent(registers)];
   for (int r = 0; r < registers; ++r) x[r].load(X + r * lane_count, pivot.stride);
   if (pivot.first < pivot.last) {
-    Lanes<T> sums[n];
+    Lanes<T> sums[extent(n)];
     add_below<T, n>(plan, pivot, below, vector, sums);
 #if defined(__AVX512F__)
-    Lane part[n];
+    Lane part[extent(n)];
     for (int c = 0; c < n; ++c) part[c] = sums[c].re;
     x[0].re -= sums_of<n>(part);
     if constexpr (parts == 2) {

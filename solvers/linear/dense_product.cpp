@@ -23,9 +23,9 @@ constexpr Index worth_copying = 16;  // columns of C, from which on strips of A 
 template <int registers, int columns>
 void tile(double* C, Index ldc, const double* A, Index a_step, const double* B, Index k,
           bool fresh) {
-  Lane c[columns][registers] = {};
+  Lane c[static_cast<std::size_t>(columns)][static_cast<std::size_t>(registers)] = {};
   for (Index p = 0; p < k; ++p) {
-    Lane a[registers];
+    Lane a[static_cast<std::size_t>(registers)];
 #pragma GCC unroll 3
     for (int r = 0; r < registers; ++r) {
       std::memcpy(&a[r], A + r * lane_count, sizeof a[r]);

@@ -34,8 +34,8 @@ void check_kink(const System& system, const State& state, std::size_t input, std
         "{} is at a {} of its law: at the input {} = {:.6g} (SI) it is {:.6g} from below and "
         "{:.6g} from above, so its answer is not linear; make the law smooth there, or take "
         "another value of the input",
-        system.signal_name(signal), what, system.inputs()[input].name, here,
-        kink.below, kink.above));
+        system.signal_name(signal), what, system.inputs()[input].name, here, kink.below,
+        kink.above));
   };
   if (const auto jump = hidden_kink([&](double f) { return values(f, 0.0).f; }, here))
     refuse("jump", *jump);

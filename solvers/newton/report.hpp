@@ -30,6 +30,7 @@ struct Counters {
   long residuals = 0;
   long tangents = 0;
   long factorizations = 0;
+  long of_five_stages = 0, of_seven_stages = 0;  // substeps of Radau with more stages than three
 };
 
 // What step control did, and what it believes of the error.

@@ -54,10 +54,11 @@ bool add_springs(const System& system, std::span<const Slot> slots, double s) {
   return left == 0;
 }
 
+// Where nothing is stiff, as a wheel on its axle, any will do.
 double spring_of(const System& system, const LinearSolver& solver) {
-  const double L = system.length_scale();
-  return neutral_share * largest_stiffness(system, solver) * L * L *
-         static_cast<double>(system.nodes());
+  const double L = system.length_scale(), stiffness = largest_stiffness(system, solver);
+  if (stiffness == 0.0) return L * L;
+  return neutral_share * stiffness * L * L * static_cast<double>(system.nodes());
 }
 
 }  // namespace

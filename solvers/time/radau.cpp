@@ -742,6 +742,8 @@ void Radau::accept() {
   t_old_ = begin_.t;
   h_old_ = h_;
   stages_old_ = t_->stages;
+  if (t_->stages == 5) ++counters_.of_five_stages;
+  if (t_->stages == 7) ++counters_.of_seven_stages;
   history_ = true;
   if (choice_) choose_stages();
 }

@@ -571,7 +571,8 @@ TEST_F(ViewFile, KeepsItsSize) {
   const std::size_t keys = page.find("\"keys\":[") + 7;
   const Json shown = Json::parse(page.substr(keys, page.find(']', keys) + 1 - keys));
   ASSERT_EQ(shown.size(), 7U);
-  for (int i = 0; i < 7; ++i) EXPECT_NEAR(shown.at(i).get<double>(), 6.0 * i, 0.0091);
+  for (std::size_t i = 0; i < 7; ++i)
+    EXPECT_NEAR(shown.at(i).get<double>(), 6.0 * static_cast<double>(i), 0.0091);
 }
 
 TEST_F(ViewFile, SaysWhatIsWrong) {

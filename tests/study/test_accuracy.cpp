@@ -258,7 +258,7 @@ TEST(Accuracy, GoesOnWithWhatIsKept) {
   options.fingerprint = "two";
   study_of(scene, vary, options);
   std::size_t files = 0;
-  for (const auto& entry : fs::directory_iterator(keep)) files += entry.exists() ? 1 : 0;
+  for (const auto& entry : fs::directory_iterator(keep)) files += entry.exists() ? 1U : 0U;
   EXPECT_GE(files, 2 * written.size());
 }
 

@@ -50,7 +50,7 @@ TEST_F(AccuracyCommand, WritesPagePicturesAndData) {
   const std::string csv = file("accuracy.csv");
   std::size_t lines = 0;
   std::istringstream stream(csv);
-  for (std::string line; std::getline(stream, line);) lines += line.starts_with("#") ? 0 : 1;
+  for (std::string line; std::getline(stream, line);) lines += line.starts_with("#") ? 0U : 1U;
   EXPECT_EQ(lines, 4u) << csv;
 }
 
@@ -84,7 +84,7 @@ TEST_F(AccuracyCommandSlow, InterruptedLeavesWhatIsDoneAndGoesOnFromThere) {
   const auto count = [&] {
     std::error_code code;
     std::size_t n = 0;
-    for (const auto& entry : fs::directory_iterator(trials, code)) n += entry.exists() ? 1 : 0;
+    for (const auto& entry : fs::directory_iterator(trials, code)) n += entry.exists() ? 1U : 0U;
     return n;
   };
   while (!program.ended() && count() < 4)

@@ -287,7 +287,7 @@ std::vector<Family> families_over(const AccuracyStudy& study, Knob knob, std::si
       for (const Knob other : finest) candidate.fine.push_back(fineness(setting, other));
     }
     candidate.family.points.push_back(i);
-    candidate.known += known(study, i, quantity) ? 1 : 0;
+    if (known(study, i, quantity)) ++candidate.known;
   }
   std::vector<Family> families;
   for (const Key& key : order) {
