@@ -246,6 +246,22 @@ void Audit::outside(const State& given, std::vector<Outside>& all) const {
   }
 }
 
+// Where nothing jumped - laws, inputs, what sampled controllers give, accelerations made consistent - the end of the piece before
+// is the beginning of this one.
+bool Audit::goes_on(const DenseStep& step) const {
+  const double begin = step.begin();
+  if (!(std::abs(outside_at_ - begin) <= 1e-12 * std::abs(begin))) return false;
+  for (const Breakpoint& b : system_.breakpoints())
+    if (std::abs(b.t - begin) <= 1e-9 * (step.end() - begin)) return false;
+  const State* const first = step.first();
+  if (first == nullptr) return system_.inputs().empty();
+  const auto alike = [begin](const InputValue& a, const InputValue& b) {
+    return a.at(begin).v == b.at(begin).v;
+  };
+  return first->lambda == ended_.lambda && first->Vdot == ended_.Vdot &&
+         std::ranges::equal(first->inputs, ended_.inputs, alike);
+}
+
 void Audit::piece(const DenseStep& step) {
   if (samples_ == 0) return;
   if (piece_.pose.empty()) piece_ = system_.reference_state();
@@ -253,18 +269,19 @@ void Audit::piece(const DenseStep& step) {
     if (known == nullptr) step.at(t, piece_);
     outside(known != nullptr ? *known : piece_, all);
   };
-  // Where nothing jumped, the end of the piece before is the beginning of this one.
   const double begin = step.begin(), end = step.end();
   const Quadrature& rule = rule_of_pieces(*scene_.transient);
-  bool same = std::abs(outside_at_ - begin) <= 1e-12 * std::abs(begin);
-  for (const Breakpoint& b : system_.breakpoints())
-    same = same && !(std::abs(b.t - begin) <= 1e-9 * (end - begin));
-  if (same)
+  if (goes_on(step))
     std::swap(outside_begin_, outside_end_);
   else
     at(begin, step.first(), outside_begin_);
   at(end, step.last(), outside_end_);
   outside_at_ = end;
+  if (const State* const last = step.last()) {
+    ended_.Vdot = last->Vdot;
+    ended_.lambda = last->lambda;
+    ended_.inputs = last->inputs;
+  }
   const double h = end - begin;
   const auto add = [&](const std::vector<Outside>& all, double weight) {
     for (std::size_t k = 0; k < kept_.size(); ++k) {

@@ -123,6 +123,7 @@ class Audit {
   std::string where(const Worst& worst) const;
   void sample_momenta(const State& state);
   Vec3 point_of(int part, const State& state, Vec3* velocity = nullptr) const;
+  bool goes_on(const DenseStep& step) const;
   void outside(const State& state, std::vector<Outside>& all) const;
   bool moves() const;
   void add_momenta(Certificate& all) const;
@@ -166,6 +167,7 @@ class Audit {
   double outside_at_ =
       0.0;  // when outside_end_ was found [s]; before the first piece: not a number
   State last_, piece_;
+  State ended_;  // of the end of the piece before: Vdot, lambda, inputs
 
   // The mesh of beams, at some samples: sums over all of them, and the element that misses most.
   struct Flexible {

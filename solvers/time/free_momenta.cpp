@@ -103,12 +103,16 @@ void FreeMomenta::begin(const State& state) {
     const Sums now = sums(part, state);
     part.C = now.C;
     part.momentum = now.momentum;
-    part.force = part.algorithmic = now.force;
+    part.force = part.force_old = part.algorithmic = now.force;
   }
 }
 
 void FreeMomenta::scale(double ratio) {
   for (Part& part : parts_) part.algorithmic = part.force + ratio * (part.algorithmic - part.force);
+}
+
+void FreeMomenta::set_ahead(double steps) {
+  for (Part& part : parts_) part.algorithmic = part.force + steps * (part.force - part.force_old);
 }
 
 void FreeMomenta::keep(const Scheme& s, double h, State& end, std::span<Vec6> Q) {
@@ -136,13 +140,14 @@ void FreeMomenta::keep(const Scheme& s, double h, State& end, std::span<Vec6> Q)
     }
     part.C = C;
     part.momentum = momentum;
+    part.force_old = part.force;
     part.force = is.force;
     part.algorithmic = a;
   }
 }
 
 void FreeMomenta::archive(Archive& a) {
-  for (Part& part : parts_) a(part.C, part.momentum, part.force, part.algorithmic);
+  for (Part& part : parts_) a(part.C, part.momentum, part.force, part.force_old, part.algorithmic);
 }
 
 }  // namespace mbd

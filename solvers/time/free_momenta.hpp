@@ -37,6 +37,8 @@ class FreeMomenta {
   void begin(const State& state);
   // The step changes its size by this ratio.
   void scale(double ratio);
+  // Or what is algorithmic lies `steps` of the last step's changes ahead.
+  void set_ahead(double steps);
 
   // Of the method: V_f = V_i + h [(1 - gamma) A_i + gamma A_f] and so on (generalized_alpha.hpp, equation (1)).
   struct Scheme {
@@ -61,6 +63,7 @@ class FreeMomenta {
     // At the last accepted time: centre, [P; L], [F; T], and their algorithmic value.
     Vec3 C = Vec3::Zero();
     Vec6 momentum = Vec6::Zero(), force = Vec6::Zero(), algorithmic = Vec6::Zero();
+    Vec6 force_old = Vec6::Zero();  // at the time before
   };
   struct Sums {
     Vec3 C = Vec3::Zero();

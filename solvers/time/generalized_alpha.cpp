@@ -41,6 +41,11 @@ constexpr double most_turn = 1.5;
 // Of a node in a step, beside what its velocity foretells [rad]: more is not resolved, and may be another solution of the
 // step, of many times the energy, to which iterations have gone astray. Shorter steps are tried first.
 constexpr double most_surprise = 0.5;
+// Of a step, over the last: those that follow estimated errors grow by 6 at most.
+constexpr double most_growth = 8.0;
+// A less Vdot is (alpha_m - alpha_f) h times the rate of Vdot, and a part that dies out, by half a step where rho_infinity is 0:
+// scaled up by more than that part dies out it would grow from step to step. Then the rate is that of the last step.
+constexpr double most_scaling = 2.0;
 
 }  // namespace
 
@@ -104,8 +109,8 @@ void GeneralizedAlpha::archive(Archive& a) {
   OneStep::archive(a);
   a(kept_, h_, starting_, stiffness_, A_, history_, t_old_, t_older_, Vdot_old_, lambda_old_,
     lambda_older_, mixed_, S_, S_old_, S_older_, power_, gdot_old_, alternations_,
-    steps_since_start_, projects_, damps_little_, calm_next_);
-  for (Momentum& m : momentum_) a(m.mu, m.f, m.a, m.past, m.at_start);
+    steps_since_start_, projects_, damps_little_, calm_next_, taken_);
+  for (Momentum& m : momentum_) a(m.mu, m.f, m.f_old, m.a, m.past, m.at_start);
   free_.archive(a);
 }
 
@@ -131,7 +136,7 @@ void GeneralizedAlpha::begin_at(State& state) {
       const Vec6 f = p_[n] - r_.segment<6>(6 * static_cast<Index>(n));
       Momentum& m = momentum_[n];
       m.mu = inertial_wrench<double>(state.pose[n], p_[n]);
-      m.f = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
+      m.f = m.f_old = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
     }
   }
   free_.begin(state);
@@ -150,6 +155,7 @@ void GeneralizedAlpha::begin_at(State& state) {
   gdot_old_.resize(0);
   alternations_ = 0;
   steps_since_start_ = 0;
+  taken_ = 0.0;
 }
 
 // Equation (4), for a step of h from begin_. Where its matrix is singular, the accelerations are left as they are.
@@ -201,10 +207,19 @@ void GeneralizedAlpha::set_step(double h) {
   if (h == h_) return;
   if (h_ > 0.0 && !starting_) {
     const double ratio = h / h_;
-    for (std::size_t n = 1; n < A_.size(); ++n)
-      A_[n] = begin_.Vdot[n] + ratio * (A_[n] - begin_.Vdot[n]);
-    for (Momentum& m : momentum_) m.a = m.f + ratio * (m.a - m.f);
-    free_.scale(ratio);
+    if (ratio > most_scaling) {
+      const double steps =
+          history_ >= 1 ? (a_.alpha_m - a_.alpha_f) * h / (begin_.t - t_old_) : 0.0;
+      for (std::size_t n = 1; n < A_.size(); ++n)
+        A_[n] = begin_.Vdot[n] + steps * (begin_.Vdot[n] - Vdot_old_[n]);
+      for (Momentum& m : momentum_) m.a = m.f + steps * (m.f - m.f_old);
+      free_.set_ahead(steps);
+    } else {
+      for (std::size_t n = 1; n < A_.size(); ++n)
+        A_[n] = begin_.Vdot[n] + ratio * (A_[n] - begin_.Vdot[n]);
+      for (Momentum& m : momentum_) m.a = m.f + ratio * (m.a - m.f);
+      free_.scale(ratio);
+    }
     if (std::abs(ratio - 1.0) > same_step) refactor_next_ = true;
   }
   h_ = h;
@@ -330,7 +345,10 @@ double GeneralizedAlpha::solve_increment(double s, int k, StepReport& report) {
   solver().solve({x_.data(), static_cast<std::size_t>(x_.size())});
   ++report.iterations;
   ++counters_.iterations;
-  const double e = norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, multiplier_slack());
+  // Velocities are increments over h: of a step that is cut short they are to be no worse than of a whole one.
+  const double share = is_cut_short() ? h_ / usual_ : 1.0;
+  const double e =
+      norm_({x_.data(), static_cast<std::size_t>(x_.size())}, s, multiplier_slack(), share);
   if (static_cast<std::size_t>(k) < report.increments.size())
     report.increments[static_cast<std::size_t>(k)] = e;
   report.error = e;
@@ -445,7 +463,7 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
     return false;
   };
   if (turns_far([&](std::size_t n) { return Vec3(h * begin_.V[n].tail<3>()); })) return false;
-  if (calm_next_) restart_calmly(begin_);
+  if (calm_next_ || outgrows(h)) restart_calmly(begin_);
   set_step(h);
   predict(t, true);
   if (!usable(end_, report)) return false;
@@ -461,6 +479,14 @@ bool GeneralizedAlpha::solve_step(double t, double h, StepReport& report) {
   return converged && !turns_far([&](std::size_t n) { return Vec3(Q_[n].tail<3>()); }) &&
          !surprises(report);
 }
+
+// Whether a step is so much longer than the last, which a switching time or a law of time had cut, that what is wrong with
+// accelerations after that, of (tolerance or round-off) / h^2, and A less Vdot, of h times their rate, must not go on.
+bool GeneralizedAlpha::outgrows(double h) const {
+  return taken_ > 0.0 && h > most_growth * taken_ && !bounded_;
+}
+
+bool GeneralizedAlpha::is_cut_short() const { return most_growth * h_ < usual_; }
 
 // Whether a fixed step that may still be halved does what the motion at its beginning does not foretell.
 bool GeneralizedAlpha::surprises(StepReport& report) {
@@ -631,10 +657,13 @@ void GeneralizedAlpha::calm_velocities() {
 }
 
 // Makes accelerations and multipliers, which ring as well, consistent with the motion, and forgets those of the past.
-void GeneralizedAlpha::restart_calmly(State& state) {
+bool GeneralizedAlpha::restart_calmly(State& state) {
   calm_next_ = false;
-  if (!initial_accelerations(system_, *solver_, state, mass_, counters_).empty()) return;
+  if (!initial_accelerations(system_, *solver_, state, mass_, counters_).empty()) return false;
+  const double taken = taken_;  // a step that fails now is tried from the same state again
   begin_at(state);
+  taken_ = taken;
+  return true;
 }
 
 void GeneralizedAlpha::accept() {
@@ -651,6 +680,7 @@ void GeneralizedAlpha::accept() {
       Momentum& m = momentum_[n];
       const Vec6 mu = inertial_wrench<double>(end_.pose[n], p_[n]);
       const Vec6 a = (mu - m.mu) / (h_ * a_.gamma) - ((1.0 - a_.gamma) / a_.gamma) * m.a;
+      m.f_old = m.f;
       m.f = ((1.0 - a_.alpha_m) * a + a_.alpha_m * m.a - a_.alpha_f * m.f) / (1.0 - a_.alpha_f);
       m.a = a;
       m.mu = mu;
@@ -658,6 +688,8 @@ void GeneralizedAlpha::accept() {
     end_.momentum_rate = 0.0;
   }
   calm_velocities();
+  // Of accelerations and multipliers a step that is cut short makes round-off over h^2.
+  calm_next_ = calm_next_ || (is_cut_short() && !bounded_ && !tolerant_);
   free_.keep({a_.alpha_m, a_.alpha_f, a_.gamma, a_.beta}, h_, end_, Q_);
   system_.follow_angles(end_);
   const Work power = system_.power(end_);
@@ -676,8 +708,9 @@ void GeneralizedAlpha::accept() {
   t_older_ = t_old_;
   t_old_ = begin_.t;
   starting_ = false;
+  taken_ = h_;
   if (calm_next_) {
-    restart_calmly(end_);
+    if (restart_calmly(end_)) taken_ = 0.0;
     return;
   }
   history_ = tolerant_ ? 0 : std::min(history_ + 1, 2);  // nothing to extrapolate multipliers from

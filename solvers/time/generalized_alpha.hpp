@@ -123,9 +123,11 @@ class GeneralizedAlpha final : public OneStep {
   void set_step(double h);
   void filter_start(double h);
   bool surprises(StepReport& report);
+  bool outgrows(double h) const;
+  bool is_cut_short() const;
   bool rings();
   void calm_velocities();
-  void restart_calmly(State& state);
+  bool restart_calmly(State& state);
   void predict(double t, bool extrapolate);
   void update_poses();
   void take_increment(double s);
@@ -149,6 +151,7 @@ class GeneralizedAlpha final : public OneStep {
 
   double h_ = 0.0;           // step under way [s]; 0: none since the last start
   bool starting_ = false;    // no step has been accepted since the last start
+  double taken_ = 0.0;       // the last step that was accepted since then [s]; 0: none
   double stiffness_ = 0.0;   // largest entry of dr/dU at the last start
   std::vector<Vec6> Q_;      // H_f = H_i exp(Q)
   std::vector<Vec6> A_;      // algorithmic acceleration at the last accepted time
@@ -168,7 +171,8 @@ class GeneralizedAlpha final : public OneStep {
 
   // Equation (3), by node, inertial axes about the origin: mu, f, a at the last accepted time, and p.
   struct Momentum {
-    Vec6 mu = Vec6::Zero(), f = Vec6::Zero(), a = Vec6::Zero(), past = Vec6::Zero();
+    Vec6 mu = Vec6::Zero(), f = Vec6::Zero(), f_old = Vec6::Zero(), a = Vec6::Zero(),
+         past = Vec6::Zero();
     Vec6 at_start = Vec6::Zero();  // f of the last start, before (4)
   };
   std::vector<Momentum> momentum_;  // empty for Balance::acceleration

@@ -278,6 +278,7 @@ StepReport OneStep::fixed_step(State& state) {
     const double whole = landing.t - state.t;
     for (bool last = false; !last;) {  // in one step, or in pieces
       const double h = std::ldexp(whole, -halvings_);
+      usual_ = std::ldexp(settings_.step, -halvings_);
       last = h > (landing.t - state.t) * (1.0 - time_rounding);
       if (try_step(state, last ? landing.t : state.t + h, report)) {
         take_step(state);
@@ -365,7 +366,8 @@ StepReport OneStep::adaptive_step(State& state) {
   for (;;) {
     const double most = most_of_step(laws_, state.t, longest_from(state));
     const double rest = landing.t - state.t;
-    const double h = fitted(std::min(controller_->step(), most), rest);
+    usual_ = std::min(controller_->step(), most);
+    const double h = fitted(usual_, rest);
     const bool last = h == rest;
     if (is_too_short(h, state.t, unusable, report)) return report;
     if (!try_step(state, last ? landing.t : state.t + h, report)) {

@@ -107,6 +107,7 @@ class OneStep : public Stepper {
   double mass_ = 0.0;                      // largest entry of dr/dVdot at the last start
   State begin_, end_;                      // of the step under way
   bool tolerant_ = false;                  // it is rank-tolerant
+  double usual_ = 0.0;                     // [s] what it would be if nothing cut it short
 
  private:
   // What a method is. `state` has consistent accelerations: what was before is forgotten.

@@ -223,7 +223,7 @@ std::uint64_t fingerprint(const System& system) {
   return hash.value();
 }
 
-constexpr std::string_view checkpoint_format = "mbd checkpoint 3";
+constexpr std::string_view checkpoint_format = "mbd checkpoint 4";
 
 }  // namespace
 
