@@ -10,6 +10,7 @@
 
 #include "elements/node/place_sensor.hpp"
 #include "joints/coordinate_sensor.hpp"
+#include "libmbd/core/hash.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
 #include "libmbd/text/spelling.hpp"
@@ -67,6 +68,39 @@ class SampledController final : public Controller {
   std::string name() const override { return name_; }
   double period() const override { return period_; }
   std::vector<double> initial() const override { return initial_; }
+
+  std::uint64_t signature() const override {
+    Hash hash;
+    hash.add(std::span<const double>(initial_));
+    const auto law = [&](const Law& x) { hash.add(x.law.signature()); };
+    const auto rows = [&](const auto&... row) { (hash.add(std::span<const double>(row)), ...); };
+    const field::Overloaded part_of{
+        [&](const Next& x) {
+          law(x.law);
+          hash.add(x.own);
+        },
+        [&](const Output& x) {
+          law(x.law);
+          hash.add(x.input);
+        },
+        [&](const Pid& x) {
+          law(x.error);
+          hash.add(x.input);
+          for (const double number : {x.proportional, x.integral, x.derivative, x.filter})
+            hash.add(number);
+          if (x.limits) rows(*x.limits);
+        },
+        [&](const Matrices& x) {
+          for (const Law& w : x.w) law(w);
+          for (const std::size_t input : x.inputs) hash.add(input);
+          rows(x.A, x.B, x.C, x.D);
+        }};
+    for (const Part& part : parts_) {
+      hash.add(part.index());
+      std::visit(part_of, part);
+    }
+    return hash.value();
+  }
 
   std::size_t add_state(double start) {
     initial_.push_back(start);
@@ -217,6 +251,16 @@ SensorName find_sensor(const Scene& scene, const std::string& name, const std::s
                    : "there is no quantity \"" + excerpt(quantity) + "\"" +
                          suggest(quantity, known, "quantities"));
   }
+  if (schema::needs_beam(record, *found.quantity))
+    throw fail(
+        fmt::format("{} is a resultant of a beam; read it at a beam, as beam@0.5.{}.1, or "
+                    "of a joint, as its reaction_{}",
+                    quantity, quantity, quantity == "moment" ? "moment" : "force"));
+  if (found.quantity->of_section_point())
+    throw fail(
+        fmt::format("{} is of a point of a section, which sensors do not name; read "
+                    "the beam's force and moment",
+                    quantity));
   record.quantities = {std::string(quantity)};
   const std::string_view component = dot < rest.size() ? rest.substr(dot + 1) : "";
   if (found.quantity->components == 1) {
@@ -332,6 +376,18 @@ struct ControllerCompiler {
   SampledController& made;
   std::map<std::string, int, std::less<>> own{};  // states
 
+  // What the record of a sensor is refused for, in the sensor's name.
+  auto values_of(const SensorName& sensor, const std::string& who) const {
+    try {
+      return read(sensor);
+    } catch (const Error& e) {
+      std::string_view why = e.what();
+      const std::string as_record = label(sensor.record) + ": ";
+      if (why.starts_with(as_record)) why.remove_prefix(as_record.size());
+      throw Error(fmt::format("{}: sensor \"{}\": {}", who, sensor.record.name, why), e.kind());
+    }
+  }
+
   SampledController::Law law(const Expression& expression, const auto& part) const {
     SampledController::Law result{expression, {}};
     for (const std::string& name : expression.sensors()) {
@@ -341,13 +397,13 @@ struct ControllerCompiler {
       }
       const std::string of = said(part.source, fmt::format("{}: {}", label(scene), label(part)));
       const SensorName sensor = find_sensor(all, name, of);
-      result.readings.push_back({-1, [values = read(sensor), n = sensor.quantity->components,
-                                      i = sensor.component](const State& state) {
-                                   std::array<double, 3> numbers{};
-                                   values(state,
-                                          std::span(numbers).first(static_cast<std::size_t>(n)));
-                                   return numbers[static_cast<std::size_t>(i)];
-                                 }});
+      result.readings.push_back(
+          {-1, [values = values_of(sensor, of), n = sensor.quantity->components,
+                i = sensor.component](const State& state) {
+             std::array<double, 3> numbers{};
+             values(state, std::span(numbers).first(static_cast<std::size_t>(n)));
+             return numbers[static_cast<std::size_t>(i)];
+           }});
     }
     return result;
   }

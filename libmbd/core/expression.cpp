@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/hash.hpp"
 #include "libmbd/core/opcode.hpp"
 
 namespace mbd {
@@ -1233,6 +1234,17 @@ Expression Expression::sum(std::span<const Term> terms, double stretch) {
 bool Expression::is_reserved(std::string_view name) {
   return name == kTime || find_name(kConstants, name) != nullptr ||
          find_name(kFunctions, name) != nullptr;
+}
+
+std::uint64_t Expression::signature() const {
+  Hash hash;
+  for (const Instruction& one : program_) {
+    hash.add(one.op);
+    hash.add(one.target);
+    hash.add(one.value);
+  }
+  for (const std::string& sensor : sensors_) hash.add(std::string_view(sensor));
+  return hash.value();
 }
 
 bool Expression::is_constant() const {

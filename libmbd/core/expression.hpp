@@ -158,6 +158,9 @@ class Expression {
 
   const std::string& text() const { return text_; }
 
+  // Of the compiled program, with the values of parameters: equal for expressions that do the same in the same way.
+  std::uint64_t signature() const;
+
   static constexpr std::size_t most_pending =
       256;  // numbers of an evaluation: 6 KiB on the machine's stack
 

@@ -67,6 +67,12 @@ void System::finish(bool with_rates, double length_scale) {
   }
   first_contributions_.push_back(graph_.contributions.size());
   connect_feedback();
+  // Of statics nothing may touch a body, which is then neutral in all its motions.
+  std::vector<char> touched(static_cast<std::size_t>(nodes() - 1), 0);
+  for (const auto& [row, column] : graph_.contributions)
+    if (row == column && row >= 0 && row + 1 < nodes()) touched[static_cast<std::size_t>(row)] = 1;
+  for (int n = 0; n + 1 < nodes(); ++n)
+    if (touched[static_cast<std::size_t>(n)] == 0) graph_.contributions.push_back({n, n});
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const int accelerates = signal_uses_[i] == SignalUse::drive ? 2 : 0;
     for (const Jump& jump : signals_[i].jumps())

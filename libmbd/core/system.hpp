@@ -4,6 +4,7 @@
 //   tangent:   S = [ K + D T^-1, B^T ; B, 0 ]   weighted as TangentWeights says
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -60,6 +61,8 @@ class Controller {
   // wrong: an output that is not finite.
   virtual std::string sample(const State& state, std::span<double> own,
                              std::vector<InputValue>& inputs) const = 0;
+  // Of all that sample() depends on besides its arguments: what a checkpoint of another model is told by.
+  virtual std::uint64_t signature() const { return 0; }
 };
 
 class System {

@@ -648,10 +648,9 @@ void check(const Checked& item, const RecordScene& record, const Scene&) {
                                      : record.joint  ? "quantities of a joint"
                                      : record.spring ? "quantities of a spring"
                                                      : "quantities of the whole system"));
-    item.fail_if(
-        found->of == schema::Quantity::Of::beam_place && record.at->kind != Place::Kind::beam,
-        "quantities: " + in_quotes(quantity) +
-            " is a resultant of a beam; record it at a beam (beam@0.5) or of a joint");
+    item.fail_if(schema::needs_beam(record, *found),
+                 "quantities: " + in_quotes(quantity) +
+                     " is a resultant of a beam; record it at a beam (beam@0.5) or of a joint");
     item.fail_if(found->of_section_point() && !record.section_point,
                  "quantities: " + in_quotes(quantity) +
                      " is of a point of a section; give section_point=\"x2 x3\"");

@@ -447,8 +447,9 @@ beams may be rigid without changing a result: `mbd effects`. `<reduction>` makes
 What a body looks like is said by `<shape>`s inside it: boxes, cylinders, spheres, and meshes that other programs wrote (STL, OBJ,
 glTF). They cost a run nothing. One with a `density` is solid and adds its mass, so that a body need not state any; a mesh must then
 be closed. Without shapes a body is drawn as the solid that has its mass and inertia. A body `attached_to="ground"` with shapes is
-scenery. Beams are drawn with the outline of their section where that is stated by its shape, with what a `<shape>` inside them
-says, or with the radii of gyration that their stiffness has.
+scenery. Beams are drawn with the outline of their section where that is stated by its shape (of stations, where those have one
+shape and differ in its sides, and little else), with what a `<shape>` inside them says, or with the radii of gyration that their
+stiffness has.
 )md",
      R"xml(<mbd name="top_and_rotor">
   <!-- A disk on the end of a shaft, and a body that tumbles in space. -->
@@ -575,10 +576,11 @@ derivative: it knows joint angles, displacements and their rates, and of places 
 angular velocity (also `_local`), and neither compares sensors nor takes their `abs`, `min`, `max` (write `a*tanh(u/a)`).
 
 **Sampled.** A controller looks at the motion at the instants t = 0, `period`, 2 `period`, …, where steps of all methods end. At each,
-what it consists of is evaluated in its order: expressions know t, sensors (all that can be recorded), inputs, outputs before
+what it consists of is evaluated in its order: expressions know t, sensors (all that can be recorded without a section_point), inputs, outputs before
 them and those of controllers before it, and the states as they were; after that the states take their next values. What comes out
 acts from that instant on, without delay, until the next; accelerations jump there, and are made consistent. A sensor of an
-acceleration or a reaction tells what it was just before. Conditions and kinks may be of anything. Before t = 0, and in a `<static>`, an
+acceleration or a reaction tells what it was just before, and the inputs of a program are those of the step that ends there: what
+it sets then is seen at the next instant. Conditions and kinks may be of anything. Before t = 0, and in a `<static>`, an
 output is its `start`; linear analyses hold outputs.
 
 A `pid` with error e, period T and filter time F has the output P + I + D, limited, with
@@ -906,8 +908,9 @@ the `joints`, in the axes above; `run["report"][:].tobytes()` is report.json.
 frames unless `--frames` asks for more; `mbd export MODEL --vtk TO` the reference configuration. Centre lines
 are Lagrange curves of the order of the beams, through their nodes; quadrature points have resultants and,
 but for viscous sections, strains; outlines of sections and solids of bodies are those of the page;
-nodes, joints and recorded places have their axes as vectors, for glyphs, and joints their reactions (inertial
-axes).
+nodes, joints and recorded places at nodes have their axes as vectors, for glyphs, and joints their reactions (inertial
+axes; not a number for joints whose bodies are fused to one node). `gap` is the distance between the points of a joint, which
+of one that slides is its displacement.
 
 With `--stresses`, beams of one section that is stated by material and shape have them: `stresses` is a solid, the elements of
 the section swept from node to node, with `stress` in Pa along section axes (components 11 22 33 12 23 13), `von_mises` in

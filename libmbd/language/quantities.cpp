@@ -230,6 +230,11 @@ std::span<const Quantity> quantities_of(const RecordScene& record) {
   return of_system;
 }
 
+bool needs_beam(const RecordScene& record, const Quantity& quantity) {
+  return quantity.of == Quantity::Of::beam_place &&
+         !(record.at && record.at->kind == mbd::Place::Kind::beam);
+}
+
 const Quantity* find_quantity(std::span<const Quantity> quantities, std::string_view name) {
   const auto it = std::find_if(quantities.begin(), quantities.end(),
                                [name](const Quantity& q) { return q.name == name; });

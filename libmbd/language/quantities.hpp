@@ -121,6 +121,9 @@ std::span<const Quantity> spring_quantities();
 std::span<const Quantity> system_quantities();
 std::span<const Quantity> quantities_of(const RecordScene& record);  // of what it is of
 
+// A resultant, of a place that is on no beam.
+bool needs_beam(const RecordScene& record, const Quantity& quantity);
+
 // nullptr when there is none.
 const Quantity* find_quantity(std::span<const Quantity> quantities, std::string_view name);
 std::vector<std::string_view> names(std::span<const Quantity> quantities);

@@ -286,8 +286,9 @@ std::vector<Element> elements_of_kinds() {
       list.push_back(element_of<Item>(many ? anywhere : once));
     if constexpr (std::is_same_v<Item, FunctionScene>) {
       list.back().content = "pairs of numbers";
-      list.back().attributes.push_back(interpolation_of(
-          "of a table: linear or a cubic spline; linear beyond the first and the last point"));
+      list.back().attributes.push_back(
+          interpolation_of("of a table: linear or a cubic spline, whose pieces meet between the "
+                           "points; linear beyond the first and the last point"));
     }
   });
   return list;

@@ -87,11 +87,16 @@ std::vector<std::string> Certificate::covers() const {
     return std::any_of(checks.begin(), checks.end(),
                        [name](const Check& check) { return check.name.starts_with(name); });
   };
-  if (has("Newton") || has("balance of forces"))
+  const bool moves = has("Newton");
+  if (moves || has("balance of forces"))
     result.push_back("that the equations of the model were solved");
   if (has("energy") || has("linear momentum")) result.push_back("balances of energy and momenta");
   if (has("error in time")) result.push_back("the motion's error from steps in time");
-  if (has("mesh")) result.push_back("the mesh of beams");
+  if (has(mesh_run))
+    result.push_back("the mesh of beams");
+  else if (has("mesh"))
+    result.push_back(moves ? "the mesh of beams as they bend, not their inertia"
+                           : "the mesh of beams");
   if (has("invariance")) result.push_back("invariance");
   return result;
 }
@@ -101,8 +106,10 @@ std::vector<std::string> Certificate::not_covered() const {
   const auto is_known = [](const Check& check) {
     return check.name == "error in time" && std::isfinite(check.fail) && check.fail > 0.0;
   };
-  const bool has_mesh = std::any_of(checks.begin(), checks.end(),
-                                    [](const Check& check) { return check.name == "mesh"; });
+  const auto has = [this](std::string_view name) {
+    return std::ranges::any_of(checks, [name](const Check& check) { return check.name == name; });
+  };
+  const bool has_mesh = has("mesh") || has(mesh_run);
   const bool moves = std::any_of(checks.begin(), checks.end(), [](const Check& check) {
     return check.name.starts_with("Newton") || check.name == "error in time";
   });
@@ -110,6 +117,8 @@ std::vector<std::string> Certificate::not_covered() const {
     result.push_back("the error from steps in time");
   if (moves) result.push_back("errors of reactions and accelerations");
   if (!has_mesh) result.push_back("the mesh");
+  if (moves && has("mesh") && !has(mesh_run))
+    result.push_back("what the mesh does to inertia (--certify)");
   result.push_back("the model itself");
   return result;
 }
@@ -428,8 +437,8 @@ void Audit::add_mesh(Certificate& all) const {
                     where(missed_),
            .why =
                "energy of what the elements of beams leave out of the resultants, estimated, over "
-               "the largest energy of these: about the relative error of deflections; more or "
-               "higher elements lessen it"});
+               "the largest energy of these: about the relative error of deflections at rest, "
+               "which says nothing of inertia; more or higher elements lessen it"});
 }
 
 void Audit::sample_components(const State& state) {

@@ -77,6 +77,9 @@ struct Certificate {
   std::vector<std::string> not_covered() const;
 };
 
+// The check of --certify whose run has beams of one order more.
+inline constexpr std::string_view mesh_run = "beams of one order more";
+
 // The check that an estimate makes: "error in time".
 Check check_of(const TimeError& error);
 

@@ -194,8 +194,11 @@ Json transient_solver(const RunReport& report) {
     const StepSizes& sizes = report.step_sizes;
     all["least_step"] = sizes.least;
     all["most_step"] = sizes.most;
-    all["largest_error_of_a_step"] = sizes.worst_error;
-    all["sum_of_errors"] = {{"position", sizes.position_error}, {"rotation", sizes.rotation_error}};
+    if (report.transient->method != TimeMethod::ida) {  // which keeps its estimates to itself
+      all["largest_error_of_a_step"] = sizes.worst_error;
+      all["sum_of_errors"] = {{"position", sizes.position_error},
+                              {"rotation", sizes.rotation_error}};
+    }
     if (report.transient->errors == ErrorsOf::motion)
       all["largest_velocity_error_not_held"] = sizes.velocity_left;
   }

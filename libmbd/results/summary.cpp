@@ -88,10 +88,14 @@ void step_sizes(std::string& text, const RunReport& report) {
   std::string words;
   // All steps may have been cut, by a breakpoint or the end.
   if (sizes.least > 0.0) words = fmt::format("from\t{:.2g}\ts ", sizes.least);
-  words += fmt::format(
-      "to\t{:.2g}\ts; estimated errors: {:.2g} of what is allowed in a step, at most; in all, "
-      "{:.1e}\tm and\t{:.1e}\trad",
-      sizes.most, sizes.worst_error, sizes.position_error, sizes.rotation_error);
+  words += fmt::format("to\t{:.2g}\ts; ", sizes.most);
+  if (report.transient->method == TimeMethod::ida)
+    words += "what it estimates of errors is not given";
+  else
+    words += fmt::format(
+        "estimated errors: {:.2g} of what is allowed in a step, at most; in all, "
+        "{:.1e}\tm and\t{:.1e}\trad",
+        sizes.worst_error, sizes.position_error, sizes.rotation_error);
   if (report.transient->errors == ErrorsOf::motion)
     words += fmt::format("; of velocities up to {:.1e} of the fastest, which are not held",
                          sizes.velocity_left);
@@ -317,6 +321,8 @@ void files(std::string& text, const RunReport& report) {
       what = "its plots, for a browser";
     else if (name == "motion.bin")
       what = "the motion of all nodes, for mbd view";
+    else if (name == "run.h5")
+      what = "the whole run in one file, for h5py and the like";
     else if (name == "view.html")
       what = "the motion as a page, for a browser";
     else if (name == "modes.csv" || name == "modes.json")

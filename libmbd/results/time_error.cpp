@@ -68,7 +68,7 @@ std::string TimeErrorMeter::turns_too_far(double spin, std::size_t node) const {
 }
 
 // False if the other run ends early for a reason of its own.
-bool TimeErrorMeter::follow(const TransientScene& other, double factor,
+bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double factor,
                             const std::atomic<bool>* interrupted, TimeError& error,
                             long& steps) const {
   const double length = std::max(system_.length_scale(), farthest_);
@@ -95,6 +95,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, double factor,
   };
   try {
     const std::unique_ptr<Stepper> stepper = make_stepper(system_, other);
+    stepper->reach_over(longer ? LawSteps::reach + 1 : LawSteps::reach - 1);
     stepper->on_substep([&](const DenseStep& step) {
       for (; next < samples_.size() && samples_[next].t <= step.end() + slack; ++next) {
         step.at(std::clamp(samples_[next].t, step.begin(), step.end()), at);
@@ -164,7 +165,7 @@ TimeError TimeErrorMeter::measure(long own_steps, const std::atomic<bool>* inter
                                     longer ? "long" : "short")
                       : fmt::format("a tolerance of {:.1g}", *other.tolerance);
     long taken = 0;
-    const bool followed = follow(other, factor, interrupted, error, taken);
+    const bool followed = follow(other, longer, factor, interrupted, error, taken);
     const bool stopped = interrupted != nullptr && *interrupted;
     if (followed && !fixed && longer && !stopped &&
         static_cast<double>(taken) > same_steps * static_cast<double>(own_steps))

@@ -61,8 +61,8 @@ class TimeErrorMeter {
     double t;
     std::vector<Pose<double>> pose;
   };
-  bool follow(const TransientScene& other, double factor, const std::atomic<bool>* interrupted,
-              TimeError& error, long& steps) const;
+  bool follow(const TransientScene& other, bool longer, double factor,
+              const std::atomic<bool>* interrupted, TimeError& error, long& steps) const;
   std::string turns_too_far(double spin, std::size_t node) const;
 
   const System& system_;

@@ -15,7 +15,7 @@
 namespace mbd {
 namespace {
 
-constexpr std::string_view format = "mbd run checkpoint 1";
+constexpr std::string_view format = "mbd run checkpoint 2";
 
 }  // namespace
 
@@ -47,10 +47,10 @@ CheckpointEvery checkpoint_every(const std::string& text) {
 
 void RunCheckpoint::archive(Archive& a) {
   RunReport& r = report;
-  a(columns, output, every, history, stepper.bytes, step, monitor_at, force_most, r.sampled_states,
-    r.position.value, r.position.time, r.position.where, r.velocity.value, r.velocity.time,
-    r.velocity.where, r.energy_start, r.energy_end, r.energy_least, r.energy_most, r.kinetic_most,
-    r.work, r.momentum_start, r.momentum_end, r.most_iterations);
+  a(columns, model, output, every, history, stepper.bytes, step, monitor_at, force_most,
+    r.sampled_states, r.position.value, r.position.time, r.position.where, r.velocity.value,
+    r.velocity.time, r.velocity.where, r.energy_start, r.energy_end, r.energy_least, r.energy_most,
+    r.kinetic_most, r.work, r.momentum_start, r.momentum_end, r.most_iterations);
 }
 
 void write_checkpoint(const std::filesystem::path& directory, RunCheckpoint& checkpoint) {

@@ -27,6 +27,7 @@ CheckpointEvery checkpoint_every(const std::string& text);
 
 struct RunCheckpoint {
   std::string columns;  // names and units of history.csv
+  std::string model;    // its parameters, and a checksum of its file
   std::string output;   // when rows are written
   CheckpointEvery every;
   std::string history;  // the file, as far as it goes

@@ -304,6 +304,7 @@ class Run {
                               option));
     if (!options_.output)
       throw Error(fmt::format("{}: checkpoints stand with the results; name a directory", option));
+    words_ = model_in_words();
     if (!options_.restart) return;
     from_ = read_checkpoint(*options_.output);
     if (const std::string id = run_id_in(from_->history); !id.empty()) report_.id = id;
@@ -314,6 +315,10 @@ class Run {
       throw refuse(
           "is of another model, or of other records or times of output; give those that the run "
           "was begun with, or begin it anew, without --restart");
+    if (from_->model != words_)
+      throw refuse(
+          "the model's file or a parameter is not as it was when the run was begun; give those of "
+          "then, or begin it anew, without --restart");
     if (every_ && *every_ != from_->every)
       throw refuse(
           "the run was begun with another --checkpoint-every, on which the last digits depend; "
@@ -325,6 +330,15 @@ class Run {
     std::string text = scene_.name;
     for (const Column& column : columns_) text += " " + column.name + "[" + column.unit + "]";
     return text;
+  }
+  // Of a scene that a program made, its parameters alone.
+  std::string model_in_words() const {
+    std::string text;
+    for (const auto& [name, value] : scene_.parameters)
+      text += fmt::format("{}={:.17g} ", name, value);
+    std::ifstream stream(scene_.source.file, std::ios::binary);
+    const std::string file{std::istreambuf_iterator<char>(stream), {}};
+    return text + fmt::format("{:016x}", checksum(file));
   }
   std::string output_in_words() const {
     const TransientScene& t = *scene_.transient;
@@ -396,6 +410,7 @@ class Run {
     history_->flush();
     RunCheckpoint whole;
     whole.columns = columns_in_words();
+    whole.model = words_;
     whole.output = output_in_words();
     whole.every = *every_;
     std::ifstream history(*options_.output / "history.csv", std::ios::binary);
@@ -1009,6 +1024,7 @@ class Run {
   std::optional<DirectoryLock> lock_;
   std::optional<State> kept_;  // the last that statics accepted
   std::optional<CheckpointEvery> every_;
+  std::string words_;                  // of the model, for checkpoints
   std::optional<RunCheckpoint> from_;  // of a run that goes on
   long kept_parts_ = -1;               // instants of checkpoints so far
   std::chrono::steady_clock::time_point checkpoint_at_ = std::chrono::steady_clock::now();

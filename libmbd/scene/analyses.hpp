@@ -173,7 +173,8 @@ struct TransientScene {
         &S::balance, "balance", "", optional,
         "of inertia, of generalized_alpha: accelerations in body axes, or momenta of every node "
         "in inertial axes (default: acceleration, and each part that nothing ties to the ground, "
-        "without added mass, keeps its momenta as a whole to round-off)"));
+        "without added mass, keeps its momenta as a whole to the tolerance of Newton's "
+        "iterations)"));
     f(Field(&S::newton_tolerance, "newton_tolerance", "", optional,
             "of Newton's increments, relative (default: the integrator's own)", positive));
     f(Field(&S::inertia, "inertia", "", preset,

@@ -4,6 +4,8 @@
 #include <ctime>
 #include <iterator>
 
+#include "libmbd/core/hash.hpp"
+
 namespace mbd {
 
 std::string excerpt(std::string_view text) {
@@ -106,9 +108,9 @@ std::string xml_escaped(std::string_view text) {
 }
 
 std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t value = 14695981039346656037ULL;
-  for (const char c : bytes) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return value;
+  Hash hash;
+  hash.add(bytes.data(), bytes.size());
+  return hash.value();
 }
 
 std::string utc_now(const char* format) {

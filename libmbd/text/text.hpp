@@ -32,7 +32,7 @@ inline constexpr std::size_t line_width = 80;  // of what is printed for people
 // A tab is a blank at which it is not broken.
 std::string wrapped(std::string head, std::string_view words, std::size_t indent);
 
-// FNV-1a: by which a damaged file is known, no guard against one that was made to deceive.
+// By which a damaged file is known (hash.hpp).
 std::uint64_t checksum(std::string_view bytes);
 
 // The present date and time in UTC, as strftime() writes it.

@@ -276,7 +276,7 @@ class Drawing {
   }
 
   // The outline of a section that is stated by its shape, of all its stations where it has some: that of the first,
-  // and the sides of each. Nothing where one has no shape.
+  // and the sides of each. Nothing where one has no shape, or another than the first.
   struct Shaped {
     Json outline;
     std::vector<std::pair<double, Sides>> sides;  // by their place
@@ -292,11 +292,16 @@ class Drawing {
       return it->second;
     constexpr section::Fineness smooth{.order = 4, .layers = 1};
     Shaped made;
+    SectionOutline first;
     for (const auto& [at, stated] : shapes) {
       std::array<double, 2> sides{};
       const SectionOutline of =
           outline_of(mesher_of(scene_, *stated, "section " + section.name)(smooth), sides);
-      if (made.sides.empty()) made.outline = Json::parse(outline_text(of));
+      if (made.sides.empty()) {
+        made.outline = Json::parse(outline_text(of));
+        first = of;
+      }
+      if (!are_alike(first, of)) return it->second;
       made.sides.push_back({at, {sides[0], sides[1], 0.0}});
     }
     it->second = std::move(made);

@@ -86,6 +86,14 @@ SectionOutline rectangle_outline() {
   return all;
 }
 
+bool are_alike(const SectionOutline& a, const SectionOutline& b) {
+  constexpr double near = 0.15;  // of half a side
+  if (a.rim.size() != b.rim.size() || a.next != b.next) return false;
+  for (std::size_t i = 0; i < a.rim.size(); ++i)
+    if (!(std::hypot(a.rim[i][0] - b.rim[i][0], a.rim[i][1] - b.rim[i][1]) <= near)) return false;
+  return true;
+}
+
 SectionOutline outline_of(const section::Mesh& mesh, std::array<double, 2>& sides) {
   std::set<std::pair<int, int>> edges;
   for (const section::Element& element : mesh.elements) {

@@ -26,6 +26,10 @@ SectionOutline rectangle_outline();
 // widths [m] along b2 and b3 of what it is over.
 SectionOutline outline_of(const section::Mesh& mesh, std::array<double, 2>& sides);
 
+// Whether one may be drawn in place of the other, over its own sides: points of one order that lie near each other. Walls may be
+// thicker, but not much.
+bool are_alike(const SectionOutline& a, const SectionOutline& b);
+
 // As drawings have it: {"rim": [y, z, …], "next": […], "caps": [[y, z, …], …]}.
 std::string outline_text(const SectionOutline& outline);
 SectionOutline outline_from(const std::string& text);

@@ -144,17 +144,19 @@ struct Newton {
 
   // Neutral motions, whose pivots are round-off or zero, are looked for at first and held from then on.
   FactorStatus factor(bool first) {
-    FactorStatus status = solver.factor();
     if (first) {
-      if (status == FactorStatus::ok && !(solver.reciprocal_condition() < nearly_singular))
-        return status;
+      if (largest_stiffness(system, solver) > 0.0) {  // or there is nothing to factor
+        const FactorStatus status = solver.factor();
+        if (status == FactorStatus::ok && !(solver.reciprocal_condition() < nearly_singular))
+          return status;
+      }
       free = find_neutral_motions(system, solver, state, mixed.resultants);
       counters.factorizations += free.count() == 0 ? 2 : 1;
       if (free.count() > 0) return FactorStatus::ok;
       linearize();
       return solver.factor();
     }
-    if (free.count() == 0) return status;
+    if (free.count() == 0) return solver.factor();
     free = find_neutral_motions(system, solver, state, mixed.resultants);
     ++counters.factorizations;
     return free.count() > 0 ? FactorStatus::ok : FactorStatus::singular;

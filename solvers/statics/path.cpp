@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "libmbd/core/stop.hpp"
 #include "solvers/newton/increments.hpp"
@@ -25,8 +26,11 @@ constexpr double balanced = 1e-8;          // force along a mode, of the change 
 constexpr double most_first_steps = 20.0;  // of the load, in a step that moves nothing
 constexpr int most_halvings = 5;           // of a step in which an event could not be located
 constexpr int most_leaps = 4;
-constexpr int most_in_a_step = 8;         // singular points
-constexpr double on_value = 1e-9;         // of a crossing's change in a step
+constexpr double most_of_a_leap =
+    0.5;                           // of the motion of a step, that its tangents do not foretell
+constexpr int most_refused = 8;    // steps in a row, for that
+constexpr int most_in_a_step = 8;  // singular points
+constexpr double on_value = 1e-9;  // of a crossing's change in a step
 constexpr double smallest_step = 1e-9;    // of max_step
 constexpr double largest_rotation = 1.0;  // [rad] of a corrector's increment
 
@@ -481,15 +485,34 @@ class Follower {
       }
       met.events.push_back({h, PathEvent::crossing, crossing.stops, std::move(*point), {}, {}, {}});
     }
-    if (!find_bifurcations(from, to, whole, limits, met.events)) met.all = false;
+    if (!find_bifurcations(from, to, whole, limits, probes(from, whole, met.events), met.events))
+      met.all = false;
     std::sort(met.events.begin(), met.events.end(),
               [](const Event& a, const Event& b) { return a.h < b.h; });
     return met;
   }
 
+  // Points inside a step where the index is looked at as well: the path may end at a stop, which is between two changes that
+  // its ends do not show; and a sign alone does not show two of them at all.
+  std::vector<std::pair<double, Point>> probes(const Point& from, double whole,
+                                               const std::vector<Event>& found) {
+    std::vector<std::pair<double, Point>> all;
+    for (const Event& event : found)
+      if (event.kind == PathEvent::crossing && event.h != whole && event.point.index)
+        all.emplace_back(event.h, event.point);
+    if (!stability_) {
+      std::optional<Point> middle = between(from, 0.5 * whole);
+      if (middle) middle->index = index(*middle);
+      if (middle && middle->index) all.emplace_back(0.5 * whole, std::move(*middle));
+    }
+    std::ranges::sort(all, {}, [](const auto& one) { return std::abs(one.first); });
+    return all;
+  }
+
   // Changes of the index that are no limit points.
   bool find_bifurcations(const Point& from, const Point& to, double whole,
-                         const std::vector<double>& limits, std::vector<Event>& found) {
+                         const std::vector<double>& limits,
+                         std::vector<std::pair<double, Point>> probed, std::vector<Event>& found) {
     if (!from.index || !to.index) return true;
     struct Piece {
       double a, b;
@@ -498,6 +521,16 @@ class Follower {
     std::vector<Piece> pieces;
     double a = 0.0;
     Point at_a = from;
+    const auto end_piece = [&](double h, Point at) {
+      pieces.push_back({a, h, at_a, at});
+      a = h;
+      at_a = std::move(at);
+    };
+    // Those before `h` and behind what there is already.
+    const auto end_at_probes = [&](double h) {
+      for (auto& [at, point] : probed)
+        if ((at - a) * whole > 0.0 && (h - at) * whole > 0.0) end_piece(at, std::move(point));
+    };
     for (const double h : limits) {
       // Near enough to tell it from others, far enough to see it: where it is, is known to a share only.
       double margin = 1e-5;
@@ -515,11 +548,13 @@ class Follower {
           event.before = left->index;
           event.after = right->index;
         }
-      pieces.push_back({a, h - margin * whole, at_a, *left});
+      end_at_probes(h - margin * whole);
+      end_piece(h - margin * whole, *left);
       a = h + margin * whole;
       at_a = *right;
     }
-    pieces.push_back({a, whole, at_a, to});
+    end_at_probes(whole);
+    end_piece(whole, to);
     for (Piece& piece : pieces) {
       for (int k = 0; k < most_in_a_step && piece.at_a.index != piece.at_b.index; ++k) {
         std::optional<Event> event = find_singular(from, piece.a, piece.at_a, piece.b, piece.at_b);
@@ -598,6 +633,24 @@ class Follower {
     return next;
   }
 
+  // Whether the motion of a step is not what the tangents of its ends make of it: another part of the path was met, or another
+  // path. The load does not tell, which is most of a step where loads move little of the scene.
+  bool is_leap(const Point& at, const Point& next, double h) const {
+    constexpr double none = 1e-8;  // of the scene: the tolerance of Newton's iterations, and more
+    const Index motions = 6 * (system_.nodes() - 1);
+    VecX moved(motions);
+    for (Index n = 0; n < motions; n += 6) {
+      const auto k = static_cast<std::size_t>(n / 6 + 1);
+      moved.segment<6>(n) = log_se3<double>(relative(at.state.pose[k], next.state.pose[k]));
+    }
+    const VecX foretold = 0.5 * h * (at.tangent + next.tangent).head(motions);
+    const auto size = [&](const VecX& x) {
+      return std::sqrt(x.dot(w_.head(motions).cwiseProduct(x)));
+    };
+    const double most = std::max(size(moved), size(foretold));
+    return most > none && size(moved - foretold) > most_of_a_leap * most;
+  }
+
   void note_not_located(const Point& at, const Point& next) {
     report_.notes.push_back(
         fmt::format("between load factors {:.9g} and {:.9g} the path has a point that could not be "
@@ -626,7 +679,7 @@ class Follower {
   void trace(Point at, int branch, const std::string& who) {
     sign_of_branch_ = branch < 0 ? -1.0 : 1.0;
     double h = first_step(at, branch);
-    int halvings = 0, leaps = 0;
+    int halvings = 0, leaps = 0, refused = 0;
     bool passing = false;  // an event that cannot be located
     for (int count = 1; count < options_.points;) {
       const double left = options_.length - std::abs(at.arc);
@@ -652,6 +705,12 @@ class Follower {
         }
         continue;
       }
+      if (!at.is_branching && refused < most_refused && is_leap(at, *next, h)) {
+        ++refused;
+        ++report_.counters.retries;
+        h *= 0.5;
+        continue;
+      }
       next->index = index(*next);
       if (!next->index && stability_) next->index = at.index;  // at a singular point, to round-off
       Met met = events(at, *next, h);
@@ -662,7 +721,7 @@ class Follower {
         continue;
       }
       passing = false;
-      halvings = leaps = 0;
+      halvings = leaps = refused = 0;
       if (!met.all) note_not_located(at, *next);
       for (Event& event : met.events) {
         note(event, branch);

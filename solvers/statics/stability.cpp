@@ -96,6 +96,7 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
                                     std::span<const Vec6> resultants) {
   constexpr Index most = 64;
   constexpr int iterations = 4;
+  constexpr double all_found = 1e-9;  // of a motion, that is left
   NeutralMotions none, found;
   VecX r;
   system.linearize_mixed(state, resultants, r, solver);
@@ -108,16 +109,21 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
   VecX x(w.size()), y(w.size());
   while (true) {
     for (Index i = 0; i < x.size(); ++i)  // with a share of every mode, the same in every run
-      x(i) = std::sin(1.0 + 2.7 * static_cast<double>((i * i + 31 * found.count()) % 1009));
+      x(i) = std::sin(1.0 + (2.7 + 0.3 * static_cast<double>(found.count())) *
+                                static_cast<double>((i * i + 31 * found.count()) % 1009));
     double eigenvalue = 0.0;
     for (int k = 0; k < iterations; ++k) {
       x.tail(x.size() - motions).setZero();
       found.take_out(w, x);
-      x /= std::sqrt(x.dot(w.cwiseProduct(x)));
+      const double size = std::sqrt(x.dot(w.cwiseProduct(x)));
+      if (k == 0 && size < all_found) return found;  // all motions that there are
+      x /= size;
       y = w.cwiseProduct(x);
       solver.solve({y.data(), static_cast<std::size_t>(y.size())});
       if (!y.allFinite()) return none;
-      eigenvalue = 1.0 / x.dot(w.cwiseProduct(y));  // of K + s W, and s of a neutral motion
+      const double inverse = x.dot(w.cwiseProduct(y));
+      if (inverse == 0.0) return found;  // constraints hold all the rest
+      eigenvalue = 1.0 / inverse;        // of K + s W, and s of a neutral motion
       x = y;
     }
     if (!(std::abs(eigenvalue) < 2.0 * s)) return found;

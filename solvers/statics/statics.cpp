@@ -331,8 +331,11 @@ struct LoadSteps {
     increment *= 0.5;
     cut = true;
     if (increment >= smallest_increment) return true;
-    report.failure = fmt::format("no equilibrium beyond {:.9g} of the load: {}", report.load_factor,
-                                 reason(system, solver, start, state, failure));
+    report.failure =
+        fmt::format("no equilibrium beyond {:.9g} of the load: {}", report.load_factor,
+                    failure.empty() ? "what is found there does not lie on the path of equilibria "
+                                      "that leads there, however small the step is"
+                                    : reason(system, solver, start, state, failure));
     return false;
   }
 

@@ -478,7 +478,7 @@ StepReport Ida::one_step(State& state) {
   }
   double reached = state.t;
   const int status =
-      integrator_->step(std::min(landing.t, laws_.end_of_step(state.t + slack_)), reached);
+      integrator_->step(std::min(landing.t, laws_.end_of_step(state.t + slack_, cells_)), reached);
   report.iterations = integrator_->iterations();
   if (integrator_->unusable())  // the steps to come go as far as the signals
     last_usable_ = last_usable(system_, state, *integrator_->unusable(), slack_, unusable_);

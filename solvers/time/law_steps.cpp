@@ -13,12 +13,12 @@
 namespace mbd {
 namespace {
 
-constexpr std::size_t reach = 3;         // cells
 constexpr long most_of_all = 1'000'000;  // cells of all laws
 
 // Longest step from the end of any cell, the shortest of them.
 std::pair<double, double> narrowest(const std::vector<double>& ends) {
   std::pair<double, double> least{std::numeric_limits<double>::infinity(), 0.0};
+  constexpr std::size_t reach = LawSteps::reach;
   for (std::size_t i = 0; i + reach < ends.size(); ++i)
     least = std::min(least, {ends[i + reach] - ends[i], ends[i + reach / 2]});
   return least;
@@ -62,12 +62,12 @@ LawSteps::LawSteps(const System& system, double begin, double end) {
   }
 }
 
-double LawSteps::end_of_step(double t) const {
+double LawSteps::end_of_step(double t, std::size_t cells) const {
   double end = std::numeric_limits<double>::infinity();
   for (const Limits& law : limits_) {
     const auto next = std::upper_bound(law.ends.begin(), law.ends.end(), t);
-    if (law.ends.end() - next >= static_cast<std::ptrdiff_t>(reach))
-      end = std::min(end, *(next + (reach - 1)));
+    const auto over = static_cast<std::ptrdiff_t>(cells);
+    if (law.ends.end() - next >= over) end = std::min(end, *(next + (over - 1)));
   }
   return end;
 }

@@ -31,8 +31,10 @@ class LawSteps {
   // From `begin` to `end` [s].
   LawSteps(const System& system, double begin, double end);
 
+  static constexpr std::size_t reach = 3;  // cells of a law that a step may reach over
+
   // The latest end of a step from t [s]; infinity: no law asks for one.
-  double end_of_step(double t) const;
+  double end_of_step(double t, std::size_t cells = reach) const;
 
   const LawFacts& facts() const { return facts_; }
   // The same, with `reach` of fixed steps of h [s].

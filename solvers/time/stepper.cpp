@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/hash.hpp"
 #include "solvers/newton/increments.hpp"
 
 namespace mbd {
@@ -166,34 +167,30 @@ void Stepper::archive(Archive& a) { a(counters_, sizes_, stop_, watched_, inputs
 
 namespace {
 
-// FNV-1a.
-class Hash {
- public:
-  void add(const void* data, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i)
-      value_ = (value_ ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ULL;
-  }
-  std::uint64_t value() const { return value_; }
-
- private:
-  std::uint64_t value_ = 14695981039346656037ULL;
-};
-
 std::uint64_t hash_of(std::span<const char> bytes) {
   Hash hash;
   hash.add(bytes.data(), bytes.size());
   return hash.value();
 }
 
-// Of everything that a system's equations depend on: its parts by name, and the residual of some motion.
+// Of everything that a system's equations depend on: its parts by name, laws of time, inputs and sensors and what controllers do
+// as they are, and the residuals of some motions of many sizes, by which laws of springs and the like are known.
 std::uint64_t fingerprint(const System& system) {
   Hash hash;
-  const auto add_text = [&](const std::string& text) { hash.add(text.data(), text.size()); };
+  const auto add_text = [&](std::string_view text) { hash.add(text); };
   for (Index n = 0; n < system.nodes(); ++n) add_text(system.node_name(n));
   for (const ConstraintInfo& c : system.constraints()) add_text(c.name);
-  for (std::size_t i = 0; i < system.signals().size(); ++i) add_text(system.signal_name(i));
+  for (std::size_t i = 0; i < system.signals().size(); ++i) {
+    add_text(system.signal_name(i));
+    bool is_rate = false;
+    if (const Expression* const law = system.signals()[i].expression(is_rate)) {
+      hash.add(is_rate);
+      hash.add(law->signature());
+    }
+  }
   for (const InputInfo& input : system.inputs()) add_text(input.name + " " + input.unit);
-  State state = system.reference_state();
+  const State reference = system.reference_state();
+  State state = reference;
   const auto motion = [&](double size, Index n) {
     Vec6 x;
     for (Index i = 0; i < 6; ++i)
@@ -201,24 +198,26 @@ std::uint64_t fingerprint(const System& system) {
              (i < 3 ? system.length_scale() : 1.0);
     return x;
   };
-  for (Index n = 1; n < system.nodes(); ++n) {
-    const auto N = static_cast<std::size_t>(n);
-    state.pose[N] = state.pose[N] * exp_se3<double>(motion(1e-3, n));
-    state.V[N] = motion(1.0, n + 1);
-    state.Vdot[N] = motion(1.0, n + 2);
-  }
   VecX r;
-  system.residual(state, r);
-  hash.add(r.data(), static_cast<std::size_t>(r.size()) * sizeof(double));
+  for (const double size : {1e-3, -1e-6, 1e-5, -1e-4, 1e-2, -0.1, 0.5}) {
+    for (Index n = 1; n < system.nodes(); ++n) {
+      const auto N = static_cast<std::size_t>(n);
+      state.pose[N] = reference.pose[N] * exp_se3<double>(motion(size, n));
+      state.V[N] = motion(1e3 * size, n + 1);
+      state.Vdot[N] = motion(1e3 * size, n + 2);
+    }
+    system.residual(state, r);
+    hash.add(std::span<const double>(r.data(), static_cast<std::size_t>(r.size())));
+  }
   for (const auto& controller : system.controllers()) {
     add_text(controller->name());
-    const double period = controller->period();
-    hash.add(&period, sizeof period);
+    hash.add(controller->period());
+    hash.add(controller->signature());
   }
   std::string failure;
   if (system.sample(state, 0.0, failure)) {  // what they make of that motion
-    hash.add(state.control.data(), state.control.size() * sizeof(double));
-    for (const InputValue& input : state.inputs) hash.add(&input.f, sizeof input.f);
+    hash.add(std::span<const double>(state.control));
+    for (const InputValue& input : state.inputs) hash.add(input.f);
   }
   return hash.value();
 }
@@ -226,6 +225,11 @@ std::uint64_t fingerprint(const System& system) {
 constexpr std::string_view checkpoint_format = "mbd checkpoint 4";
 
 }  // namespace
+
+std::uint64_t Stepper::fingerprint_of_model() const {
+  if (!fingerprint_) fingerprint_ = fingerprint(system());
+  return *fingerprint_;
+}
 
 Checkpoint Stepper::kept(const State& state) const {
   const std::string of = signature();
@@ -237,7 +241,7 @@ Checkpoint Stepper::kept(const State& state) const {
                             state.t));
   Archive a;
   std::string format(checkpoint_format), signed_by = of;
-  std::uint64_t model = fingerprint(system());
+  std::uint64_t model = fingerprint_of_model();
   State copy = state;
   a(format, signed_by, model, copy);
   const_cast<Stepper*>(this)->archive(a);  // which writes
@@ -263,7 +267,7 @@ void Stepper::resume(const Checkpoint& checkpoint, State& state) {
   if (format != checkpoint_format)
     throw Error("this is no checkpoint, or one of another version of mbd");
   a(signed_by, model);
-  if (model != fingerprint(system()))
+  if (model != fingerprint_of_model())
     throw Error("the checkpoint is of another model, or of other values of its parameters");
   if (signed_by != signature())
     throw Error(fmt::format("the checkpoint is of {}, and this is {}", signed_by, signature()));

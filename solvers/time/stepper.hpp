@@ -1,6 +1,7 @@
 // What advances a State over a System in time: generalized-alpha, Radau IIA, IDA.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -86,6 +87,9 @@ class Stepper {
 
   // What limits adaptive steps, from start() on; of fixed ones it knows nothing.
   const LawSteps& laws() const { return laws_; }
+  // Over how many cells of a law (law_steps.hpp) adaptive steps may reach: 4 at most, less than a bump has. Of a run that
+  // estimates the error of another, which must not take the same steps where laws limit them.
+  void reach_over(std::size_t cells) { cells_ = cells; }
 
   // Of the last accepted step; nothing before the first, after a restart, and of steppers that do not know it.
   virtual std::optional<RoundOff> round_off() { return std::nullopt; }
@@ -132,18 +136,21 @@ class Stepper {
   Counters counters_;
   StepSizes sizes_;
   LawSteps laws_;
+  std::size_t cells_ = LawSteps::reach;
   std::function<void(const DenseStep&)> observer_;
   double stop_ = std::numeric_limits<double>::infinity();  // [s]
 
  private:
   Checkpoint kept(const State& state) const;
   void resume(const Checkpoint& checkpoint, State& state);
+  std::uint64_t fingerprint_of_model() const;
   virtual const System& system() const = 0;
 
   bool goes_on_from(const State& state, StepReport& report) const;
 
   std::optional<double> watched_;   // the time that was reached [s]; none: not started
   std::vector<InputValue> inputs_;  // with which
+  mutable std::optional<std::uint64_t> fingerprint_;
 };
 
 // Throws Error unless the arrays of the state are as long as the system wants them.

@@ -69,6 +69,19 @@ SectionLoad worst(const StressReport& report) {
   throw Error("the record has no rows");
 }
 
+// A record of the model is at a beam of that section; of one that the model does not have nothing is known.
+void check_record(const Scene& scene, const std::string& name, const std::string& section) {
+  const auto record = std::ranges::find(scene.records, name, &RecordScene::name);
+  if (record == scene.records.end() || !record->at) return;
+  const auto beam = std::ranges::find(scene.beams, record->at->name, &BeamScene::name);
+  if (beam == scene.beams.end() || beam->section == section) return;
+  throw Error(record->source,
+              fmt::format("record \"{}\" is at beam \"{}\", whose section is \"{}\", not \"{}\": "
+                          "its resultants act on no section of that name; give the beam's section, "
+                          "or a record of another beam",
+                          name, beam->name, beam->section, section));
+}
+
 void recover(const SectionArguments& arguments) {
   if (arguments.stress.empty() == arguments.run.empty())
     throw Error(
@@ -95,6 +108,7 @@ void recover(const SectionArguments& arguments) {
     at_name = history.columns.front().name;
   }
   StressReport report = describe_stress(scene, arguments.name, arguments.station, loads);
+  if (!arguments.record.empty()) check_record(scene, arguments.record, report.section);
   report.at_name = at_name;
   if (arguments.point.empty()) {
     fmt::print("{}", arguments.json ? to_json(report) : to_text(report));

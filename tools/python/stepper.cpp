@@ -254,18 +254,26 @@ class StepperHandle {
   }
 
   // ---- inputs
-  void set_input(const std::string& name, double value, const std::optional<double>& over) {
+  void set_input(const std::string& name, double value, const std::optional<double>& over,
+                 double rate, double acceleration) {
     const Lock lock(*this);
     InputValue& input = state_.inputs[find_input(name)];
-    if (!std::isfinite(value))
-      throw UseError(fmt::format("input \"{}\": the value is not finite; give a number", name));
+    const auto refuse = [&](const std::string& why) {
+      return UseError(fmt::format("input \"{}\": {}", name, why));
+    };
+    if (!std::isfinite(value)) throw refuse("the value is not finite; give a number");
+    if (!std::isfinite(rate) || !std::isfinite(acceleration))
+      throw refuse("the rate or the acceleration is not finite; give numbers");
     if (!over) {
-      input.hold(value, state_.t);
+      input = {value, rate, acceleration, state_.t};
       return;
     }
-    if (!(*over > 0.0) || !std::isfinite(*over))
-      throw UseError(
-          fmt::format("input \"{}\": over = {:g}; give seconds, more than 0", name, *over));
+    constexpr double round_off = 1e-12;  // of times
+    if (!(*over > round_off * std::max(1.0, std::abs(state_.t))) || !std::isfinite(*over))
+      throw refuse(
+          fmt::format("over = {:g}; give seconds, more than the round-off of the time", *over));
+    if (rate != 0.0 || acceleration != 0.0)
+      throw refuse("over says its rate already; leave out rate and acceleration, or over");
     input.ramp(value, state_.t, state_.t + *over);
   }
   double input(const std::string& name) {
@@ -293,6 +301,9 @@ class StepperHandle {
       throw UseError(fmt::format("step_to({:g}): give a time up to the duration, {:g} s", t,
                                  transient_.duration));
     const double enough = 1e-9 * (transient_.step ? *transient_.step : transient_.duration);
+    if (t < state_.t - enough)
+      throw UseError(fmt::format("step_to({:g}): the time is {:.9g} s already; restore() goes back",
+                                 t, state_.t));
     struct Stop {
       explicit Stop(Stepper& of, double at) : stepper(of) { stepper.stop_at(at); }
       ~Stop() { stepper.stop_at(std::numeric_limits<double>::infinity()); }
@@ -549,7 +560,7 @@ void bind_stepper(py::module_& module) {
       .def(
           "__setitem__",
           [](const InputsHandle& h, const std::string& name, double value) {
-            h.of->set_input(name, value, std::nullopt);
+            h.of->set_input(name, value, std::nullopt, 0.0, 0.0);
           },
           py::arg("name"), py::arg("value"))
       .def("__len__", [](const InputsHandle& h) { return h.of->input_names().size(); })
@@ -571,7 +582,7 @@ void bind_stepper(py::module_& module) {
            "Takes `count` steps: whole fixed ones, or such as the tolerance asks for, of which the "
            "last ends at the "
            "duration. Raises mbd.RunError where one fails (the state is then the last that was "
-           "reached) and after the end; "
+           "reached) and, with a tolerance, after the end; "
            "Ctrl-C is looked for every 64 steps.")
       .def("start", &StepperHandle::start_from, py::arg("state"),
            "Goes on from a State of the same Model. Accelerations and multipliers are found anew "
@@ -581,7 +592,9 @@ void bind_stepper(py::module_& module) {
            "models, numbers that are not finite, and states that do not satisfy their constraints.")
       .def("step_to", &StepperHandle::step_to, py::arg("t"),
            "Steps until that time [s]: adaptive ones end there, fixed ones at the first of theirs "
-           "that is not before it.")
+           "that is not before it. Raises mbd.UseError for times before the present one and after "
+           "the "
+           "duration.")
       .def_property_readonly(
           "inputs", &StepperHandle::inputs,
           "dict: inputs of the model as they are now, in their units (`input_names`).")
@@ -591,10 +604,14 @@ void bind_stepper(py::module_& module) {
           "input", [](std::shared_ptr<StepperHandle> s) { return InputsHandle{std::move(s)}; },
           "Inputs by name: s.input[\"torque\"] = 3 is set_input(\"torque\", 3).")
       .def("set_input", &StepperHandle::set_input, py::arg("name"), py::arg("value"),
-           py::arg("over") = py::none(),
-           "Sets an input from now on, in its unit: held, or in a straight line that is at `value` "
-           "after `over` "
-           "seconds. Raises mbd.UnknownName and mbd.UseError.")
+           py::arg("over") = py::none(), py::kw_only(), py::arg("rate") = 0.0,
+           py::arg("acceleration") = 0.0,
+           "Sets an input from now on, in its unit, until it is set again: to `value`, from where "
+           "it "
+           "goes on at `rate` and `acceleration` (in its unit by s and s2); or, with `over`, in a "
+           "straight line from where it is, which is at `value` after `over` seconds and goes on. "
+           "One that drives a joint has to go on from its value and rate, since a motion must not "
+           "jump. Raises mbd.UnknownName and mbd.UseError.")
       .def(
           "save", &save, py::arg("file") = py::none(),
           "The whole of the stepper as bytes, also written to `file` if there is one; to x.h5 with "

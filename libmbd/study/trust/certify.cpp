@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
+#include "elements/beam/beam_motion.hpp"
 #include "libmbd/compile/control.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
@@ -15,7 +18,7 @@ namespace mbd {
 namespace {
 
 constexpr int certify_samples = 100;
-constexpr double certify_runs = 10.0;  // about as many, of the cost of the first
+constexpr double certify_runs = 12.0;  // about as many, of the cost of the first
 constexpr std::uint64_t certify_seed = 1;
 constexpr double tolerable_error = 0.01,
                  spoiling_error = 0.1;        // errors of a method (certificate.hpp)
@@ -115,6 +118,29 @@ Check check_finer(const Twins& twins, const TrialOptions& limits, const Transien
       "error of the method");
 }
 
+// Nothing where no beam can have a higher order.
+std::optional<Scene> with_higher_order(const Scene& scene) {
+  Scene higher = scene;
+  bool any = false;
+  for (BeamScene& beam : higher.beams) {
+    if (beam.order >= beam::max_order) continue;
+    ++beam.order;
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  return higher;
+}
+
+Check check_mesh(const Twins& twins, const TrialOptions& limits, const Scene& higher) {
+  const Trial run = run_trial(higher, limits);
+  const Sameness same =
+      run.complete ? twins.compare_finer(run.findings, tolerable_error) : Sameness{};
+  return check_of_run(std::string(mesh_run), twins.scene(), run, same, spoiling_error,
+                      "largest difference of displacements and rotations, over the size of the "
+                      "quantity: about the error of the mesh, of its inertia too; more or higher "
+                      "elements lessen it");
+}
+
 }  // namespace
 
 void certify(const Scene& given, const CertifyOptions& options, RunReport& report) {
@@ -152,6 +178,11 @@ void certify(const Scene& given, const CertifyOptions& options, RunReport& repor
 
   tell("its parts in another order");
   checks.push_back(check_reordered(twins, limits));
+
+  if (const auto higher = with_higher_order(twins.scene()); higher && !scene.path) {
+    tell("with beams of one order more");
+    checks.push_back(check_mesh(twins, limits, *higher));
+  }
 
   if (!scene.transient) return;
   TransientScene finer = *scene.transient;
