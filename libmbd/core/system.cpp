@@ -461,7 +461,8 @@ std::string System::out_of_range(const State& given) const {
   const State& state = fed_back(given);
   std::vector<double> readings;
   for (const Feedback& f : feedback_)
-    if (!std::isfinite(value_of(f, given, readings))) return signal_names_[f.signal];
+    if (!std::isfinite(value_of(f, given, readings)))
+      return signal_names_[f.signal] + " is not finite";
   for (const auto& batch : batches_) {
     if (std::string name = batch->out_of_range(state); !name.empty()) return name;
   }

@@ -719,6 +719,8 @@ class Reader {
     if (part.has("limits")) {
       const std::vector<double> ends = part.numbers("limits");
       if (!(ends[0] < ends[1])) part.refuse("limits", "must rise: the least output, the largest");
+      if (pid.start < ends[0] || pid.start > ends[1])
+        part.refuse("start", "is the output before the first instant, and lies outside limits");
       pid.limits = {ends[0], ends[1]};
     }
     if (pid.proportional == 0.0 && pid.integral == 0.0 && pid.derivative == 0.0)

@@ -148,6 +148,8 @@ std::string range_failure(const std::string& name) {
     return name.ends_with(")") ? name
                                : name + " is out of its range; look for what it cannot take there";
   }
+  if (name.ends_with(" is not finite"))  // a law of sensors
+    return name + " at what its sensors read; look for what it divides by, or begin elsewhere";
   // The others are joints (joint.hpp, on_branch).
   return name + " has turned to the wrong side, half a turn away; take smaller steps";
 }

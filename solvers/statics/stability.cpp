@@ -97,6 +97,7 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
   constexpr Index most = 64;
   constexpr int iterations = 4;
   constexpr double all_found = 1e-9;  // of a motion, that is left
+  constexpr double no_share = 1e-13;  // of neutral motions, in one
   NeutralMotions none, found;
   VecX r;
   system.linearize_mixed(state, resultants, r, solver);
@@ -122,8 +123,9 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
       solver.solve({y.data(), static_cast<std::size_t>(y.size())});
       if (!y.allFinite()) return none;
       const double inverse = x.dot(w.cwiseProduct(y));
-      if (inverse == 0.0) return found;  // constraints hold all the rest
-      eigenvalue = 1.0 / inverse;        // of K + s W, and s of a neutral motion
+      // Constraints hold all the rest: what comes next is the round-off of nothing.
+      if (std::abs(inverse) * s < no_share) return found;
+      eigenvalue = 1.0 / inverse;  // of K + s W, and s of a neutral motion
       x = y;
     }
     if (!(std::abs(eigenvalue) < 2.0 * s)) return found;

@@ -45,6 +45,23 @@ def test_inputs_are_held_and_ramped(tmp_path):
     assert s["r.angle"] == pytest.approx(0.25 + 0.5 + 2 * (0.5**2 / 2 - 0.5**2 / 6) + 0.3, abs=3e-6)
 
 
+def test_what_drives_a_joint_goes_on_with_its_rate(tmp_path):
+    file = tmp_path / "slide.xml"
+    file.write_text("""<mbd name="slide"><input name="x" unit="mm"/>
+      <body name="b" mass="2" inertia="1 1 1"/><prismatic name="p" between="ground b" axis="1 0 0"/>
+      <drive joint="p" displacement="x"/><transient duration="3" step="0.01"/></mbd>""")
+    s = mbd.Model(file).stepper()
+    s.set_input("x", 0.0, acceleration=200.0)
+    s.step_to(1.0)
+    assert s["p.displacement"] == pytest.approx(0.1, abs=1e-9)
+    s.set_input("x", 100.0, rate=200.0)
+    s.step_to(2.0)
+    assert s["p.displacement"] == pytest.approx(0.3, abs=1e-9)
+    s.set_input("x", 300.0)  # at once without its rate
+    with pytest.raises(mbd.RunError, match="impact"):
+        s.step()
+
+
 def test_adaptive_steps_end_where_they_are_told(tmp_path):
     s = rotor(tmp_path, k=5.0).stepper(method="radau", tolerance=1e-9)
     s.set_input("torque", 1000.0)
@@ -143,5 +160,14 @@ def test_says_what_is_wrong(tmp_path):
         s.set_input("torque", float("nan"))
     with pytest.raises(mbd.UseError, match="over"):
         s.set_input("torque", 1.0, over=0.0)
+    with pytest.raises(mbd.UseError, match="over"):
+        s.set_input("torque", 1.0, over=1e-300)
+    with pytest.raises(mbd.UseError, match="leave out rate"):
+        s.set_input("torque", 1.0, over=0.5, rate=1.0)
+    with pytest.raises(mbd.UseError, match="not finite"):
+        s.set_input("torque", 1.0, rate=float("inf"))
     with pytest.raises(mbd.UseError, match="duration"):
         s.step_to(3.0)
+    s.step_to(0.5)
+    with pytest.raises(mbd.UseError, match="already"):
+        s.step_to(0.1)

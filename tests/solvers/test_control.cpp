@@ -659,6 +659,59 @@ TEST(Controllers, AreInCheckpoints) {
   }
 }
 
+// Checkpoints of a model that differs in one number of a law, wherever it stands and whether or not it shows at t = 0, are refused.
+// Mutations: signatures of laws, of controllers, of tables left out of the fingerprint.
+TEST(Controllers, CheckpointsAreOfTheseLaws) {
+  const std::string text = cart + R"x(
+    <input name="in1" value="2"/>
+    <function name="tab">0 0  0.2 0.3  1 -0.5</function>
+    <function name="ex" value="0.2*sin(9*t)"/>
+    <function name="ld">0 0  0.2 0.3  1 -0.5</function>
+    <function name="le" value="0.5*cos(3*t)"/>
+    <controller name="c" period="0.01">
+      <state name="s" next="0.9*s+p.displacement+0.05*in1"/>
+      <output name="y" value="5*(tab(t)-p.displacement)-0.1*s+ex(t)+(p.displacement &gt; 5 ? 1 : 0)"/>
+      <state_space inputs="p.speed" outputs="z" A="0.5" B="0.1" C="1" D="0.02"/>
+      <pid name="u" error="tab(t)-p.displacement" proportional="1" derivative="0.1" filter="1e-3" limits="-3 3"/>
+    </controller>
+    <load at="m" force="y-z+u-0.3*p.speed+ld(t)+le(t) 0 0"/>
+    <transient duration="1" step="0.001"/>)x";
+  Session run(text);
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(run.stepper->step(run.state).converged);
+  const Checkpoint kept = run.stepper->save(run.state);
+  const auto restored = [&](const std::string& other) {
+    Session again(other);
+    State state = again.model.initial;
+    try {
+      again.stepper->restore(kept, state);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(restored(text), "");
+  for (const auto& [from, to] : std::vector<std::array<std::string, 2>>{
+           {R"x("tab">0 0  0.2 0.3)x", R"x("tab">0 0  0.2 0.9)x"},
+           {"0.2*sin(9*t)", "5*sin(9*t)"},
+           {R"x("ld">0 0  0.2 0.3)x", R"x("ld">0 0  0.2 0.9)x"},
+           {"0.5*cos(3*t)", "0.5*cos(5*t)"},
+           {"0.9*s+", "0.8*s+"},
+           {"5*(tab", "6*(tab"},
+           {"p.displacement &gt; 5", "p.displacement &gt; 4"},
+           {R"x(A="0.5")x", R"x(A="0.4")x"},
+           {R"x(D="0.02")x", R"x(D="0.03")x"},
+           {R"x(inputs="p.speed")x", R"x(inputs="p.displacement")x"},
+           {R"x(proportional="1")x", R"x(proportional="2")x"},
+           {R"x(filter="1e-3")x", R"x(filter="2e-3")x"},
+           {R"x(limits="-3 3")x", R"x(limits="-3 4")x"},
+           {R"x(period="0.01")x", R"x(period="0.02")x"}}) {
+    std::string other = text;
+    ASSERT_NE(other.find(from), std::string::npos) << from;
+    other.replace(other.find(from), from.size(), to);
+    EXPECT_SAYS(restored(other), "another model");
+  }
+}
+
 TEST(Controllers, SayWhatIsWrong) {
   const auto said = [](const std::string& inside, const std::string& load = "u") {
     return refusal(cart + R"x(<controller name="c" period="0.1">)x" + inside +
@@ -674,8 +727,16 @@ TEST(Controllers, SayWhatIsWrong) {
   EXPECT_SAYS(said(R"x(<output name="u" value="q.angle"/>)x"), "there is no joint, body, beam");
   EXPECT_SAYS(said(R"x(<output name="u" value="q.angle"/>)x"), "controller \"c\"");
   EXPECT_SAYS(said(R"x(<output name="u" value="1"/><output name="u" value="1"/>)x"), "already");
+  EXPECT_SAYS(said(R"x(<output name="u" value="m.force.1"/>)x"), "force is a resultant of a beam");
+  EXPECT_SAYS(said(R"x(<output name="u" value="m.moment.2"/>)x"),
+              "or of a joint, as its reaction_moment");
+  EXPECT_SAYS(said(R"x(<output name="u" value="m.von_mises"/>)x"), "point of a section");
+  EXPECT_SAYS(said(R"x(<output name="u" value="p.angle"/>)x"), "test.xml:");
+  EXPECT_SAYS(said(R"x(<output name="u" value="p.angle"/>)x"), "sensor \"p.angle\": ");
   EXPECT_SAYS(said(R"x(<pid name="u" error="1"/>)x"), "it gives nothing");
   EXPECT_SAYS(said(R"x(<pid name="u" error="1" integral="1" limits="1 -1"/>)x"), "must rise");
+  EXPECT_SAYS(said(R"x(<pid name="u" error="1" integral="1" limits="-1 1" start="2"/>)x"),
+              "start is the output before the first instant");
   EXPECT_SAYS(said(R"x(<state_space inputs="1" outputs="u" A="1 2" B="1" C="1"/>)x"),
               "A has 2 numbers");
   EXPECT_SAYS(said(R"x(<state_space inputs="1" outputs="u" A="1" B="1 2" C="1"/>)x"),

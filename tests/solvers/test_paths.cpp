@@ -1,12 +1,14 @@
 // Paths of equilibria: limit points, bifurcations and their branches against closed forms and other
 // calculations.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_paths {
@@ -301,6 +303,63 @@ TEST(PathDirections, BothWays) {
       EXPECT_EQ(history.table["branch"][i], load[i] < 0.0 ? -1.0 : 0.0);
     }
     EXPECT_GE(history.table["arc_length"][i] * load[i], 0.0);
+  }
+}
+
+// Von Mises' truss of two springs, with a soft spring along its third axis to a point far away: its length is the scene's, and steps
+// of a share of it passed over both limit points. Closed form: P = 2 k (l0 - l) y/l has its extremes at +-99.4992 of 1000/m.
+// Mutation: no look at what tangents foretell.
+TEST(PathSteps, DoNotLeapInAWideScene) {
+  for (const double away : {10.0, 100.0, 1e4}) {
+    const History history = run_to_table(read(fmt::format(R"x(
+        <body name="m" at="0 0.3 0" mass="1" inertia="1 1 1"/>
+        <motion name="rot" of="m" rotation="0 0 0"/>
+        <spring name="l" between="ground m" at_a="-1 0 0" stiffness="1000"/>
+        <spring name="r" between="ground m" at_a="1 0 0" stiffness="1000"/>
+        <spring name="guy" between="ground m" at_a="0 0.3 {0}" stiffness="500"/>
+        <load at="m" force="0 -100 0"/>
+        <path><stop quantity="m.displacement.2" value="-0.66"/></path>
+        <record name="m" at="m" quantities="displacement"/>)x",
+                                                          away)));
+    ASSERT_TRUE(history.report.complete()) << history.report.failure;
+    const auto& special = history.report.special;
+    std::vector<double> limits;
+    for (const SpecialPoint& point : special)
+      if (point.event == PathEvent::limit) limits.push_back(point.load_factor);
+    ASSERT_EQ(limits.size(), 2U) << away;
+    // The guy, of 500 N/m, bears (u/away)^2/2 of 500 u.
+    const double u = away > 50.0 ? 0.0 : 0.5, guy = 5.0 * u * u * u / (2.0 * away * away);
+    EXPECT_NEAR(limits[0], 0.0994992, 2e-6 + guy) << away;
+    EXPECT_NEAR(limits[1], -0.0994992, 2e-6 + guy) << away;
+  }
+}
+
+// A strip in a fork under end moments, which have no potential: of the determinant's sign alone. Two steps before its first
+// bifurcation, M = pi/L sqrt(EI3 GJ), the path goes over both of its first two, and its stop lies between them. Mutations: the
+// sign not looked at where the path stops; nor in the middle of a step.
+TEST(PathSteps, LookAtTheSignWhereTheyStop) {
+  for (const double stop : {1.5, 2.6}) {
+    const History history =
+        run_to_table(read(fmt::format(R"x(
+        <section name="s"><stiffness EA="4e10" GA2="1e10" GA3="1e10" GJ="650" EI2="4e6" EI3="900"/></section>
+        <beam name="b" section="s" from="0 0 0" to="0 1.7 0" normal="0 0 1" elements="6" order="5"/>
+        <body name="c" at="0 1.7 0" mass="1" inertia="1 1 1"/>
+        <prismatic name="P" between="ground c" axis="0 1 0"/>
+        <universal name="A" between="ground b.start" axis="1 0 0" second_axis="0 0 1"/>
+        <universal name="B" between="c b.end" axis="1 0 0" second_axis="0 0 1"/>
+        <load at="b.start" moment="{0} 0 0"/> <load at="b.end" moment="-{0} 0 0"/>
+        <path step="0.3" length="2"><stop quantity="load_factor" value="{1}"/></path>
+        <record name="t" at="b.end" quantities="displacement rotation"/>)x",
+                                      std::numbers::pi / 1.7 * std::sqrt(900.0 * 650.0), stop)));
+    ASSERT_TRUE(history.report.complete()) << history.report.failure;
+    std::vector<double> found;
+    for (const SpecialPoint& point : history.report.special)
+      if (point.event == PathEvent::bifurcation) found.push_back(point.load_factor);
+    ASSERT_EQ(found.size(), stop < 2.0 ? 1U : 2U) << stop;
+    EXPECT_NEAR(found[0], 1.0, 5e-4);
+    if (stop > 2.0) {
+      EXPECT_NEAR(found[1], 2.0, 2e-3);
+    }
   }
 }
 

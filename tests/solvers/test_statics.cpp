@@ -276,6 +276,35 @@ TEST(NeutralMotions, AreCountedApartFromStability) {
   EXPECT_EQ(up.negative_eigenvalues, 2);
 }
 
+// Where nothing is stiff at all: a wheel on its axle, with and without its weight along that; a body in space; and what is held
+// beside them. They stay where they are. Mutations: no spring where nothing is stiff; start vectors that span a plane.
+TEST(NeutralMotions, WhereNothingIsStiff) {
+  const std::string wheel = R"(<body name="w" at="0.5 0 0" mass="1" inertia="0.01 0.1 0.1"/>
+      <revolute name="axle" between="ground w" at="0 0 0" axis="0 0 1"/>)";
+  const std::string held = R"(<body name="h" at="2 0 0" mass="1" inertia="1 1 1"/>
+      <prismatic name="p" between="ground h" axis="0 0 1"/>
+      <spring name="s" between="ground h" at_a="2 0 -1" at_b="2 0 0" stiffness="100"/>)";
+  const std::string weight = R"(<gravity acceleration="0 0 -9.81"/>)";
+  for (const auto& [items, motions] :
+       {std::pair{wheel, 1U},
+        {wheel + weight, 1U},
+        {wheel + weight + held, 1U},
+        {std::string(R"(<body name="a" at="3 4 5" mass="2" inertia="1 2 2"/>)"), 6U}}) {
+    const Scene scene = read_model_text("<mbd name=\"m\"><static/>" + items + "</mbd>");
+    const Solved s = solve(scene, {.steps = 1, .newton = {}});
+    ASSERT_TRUE(s.report.converged) << items << s.report.failure;
+    EXPECT_EQ(s.report.neutral.size(), motions)
+        << items << ::testing::PrintToString(s.report.neutral);
+    const Model model = compile(scene);
+    EXPECT_LT((s.state.pose[1].r - model.initial.pose[1].r).norm(), 1e-12) << items;
+  }
+  // Of its weight across the axle the motion is driven, and that is why there is none.
+  const Scene falls = read_model_text("<mbd name=\"m\"><static/>" + wheel +
+                                      R"(<gravity acceleration="0 -9.81 0"/></mbd>)");
+  EXPECT_NE(solve(falls, {.steps = 1, .newton = {}}).report.failure.find("which loads drive"),
+            std::string::npos);
+}
+
 // What loads drive and nothing holds is named.
 TEST(NeutralMotions, AreRefusedWhereLoadsDriveThem) {
   for (const auto& [more, motion] :

@@ -1558,7 +1558,7 @@ class Scene(Element):
                              axes, or momenta of every node in inertial axes (default:
                              acceleration, and each part that nothing ties to the
                              ground, without added mass, keeps its momenta as a whole to
-                             round-off)
+                             the tolerance of Newton's iterations)
           newton_tolerance   number > 0, optional
                              of Newton's increments, relative (default: the integrator's
                              own)
@@ -1973,8 +1973,9 @@ class Scene(Element):
                              of the values of a table (default: SI units; those of t are
                              s)
           interpolation      linear or smooth, default linear
-                             of a table: linear or a cubic spline; linear beyond the
-                             first and the last point
+                             of a table: linear or a cubic spline, whose pieces meet
+                             between the points; linear beyond the first and the last
+                             point
 
         For example:
           <mbd name="two_carts">
@@ -2609,8 +2610,8 @@ class Stepper:
     def save(self, file: Any = None) -> bytes:
         """The whole of the stepper as bytes, also written to `file` if there is one; to x.h5 with h5py, and the poses and velocities of the nodes beside it. It and who restores that go on alike to the last bit. Raises mbd.Error for ida, and mbd.UseError where the file cannot be written."""
         ...
-    def set_input(self, name: str, value: float, over: Optional[float] = None) -> None:
-        """Sets an input from now on, in its unit: held, or in a straight line that is at `value` after `over` seconds. Raises mbd.UnknownName and mbd.UseError."""
+    def set_input(self, name: str, value: float, over: Optional[float] = None, *, rate: float = 0.0, acceleration: float = 0.0) -> None:
+        """Sets an input from now on, in its unit, until it is set again: to `value`, from where it goes on at `rate` and `acceleration` (in its unit by s and s2); or, with `over`, in a straight line from where it is, which is at `value` after `over` seconds and goes on. One that drives a joint has to go on from its value and rate, since a motion must not jump. Raises mbd.UnknownName and mbd.UseError."""
         ...
     def start(self, state: State) -> None:
         """Goes on from a State of the same Model. Accelerations and multipliers are found anew and the method forgets what was before, as after a jump: no continuation to the last bit. Raises mbd.UseError for states of other models, numbers that are not finite, and states that do not satisfy their constraints."""
@@ -2619,10 +2620,10 @@ class Stepper:
         """A copy of the present state."""
         ...
     def step(self, count: int = 1) -> None:
-        """Takes `count` steps: whole fixed ones, or such as the tolerance asks for, of which the last ends at the duration. Raises mbd.RunError where one fails (the state is then the last that was reached) and after the end; Ctrl-C is looked for every 64 steps."""
+        """Takes `count` steps: whole fixed ones, or such as the tolerance asks for, of which the last ends at the duration. Raises mbd.RunError where one fails (the state is then the last that was reached) and, with a tolerance, after the end; Ctrl-C is looked for every 64 steps."""
         ...
     def step_to(self, t: float) -> None:
-        """Steps until that time [s]: adaptive ones end there, fixed ones at the first of theirs that is not before it."""
+        """Steps until that time [s]: adaptive ones end there, fixed ones at the first of theirs that is not before it. Raises mbd.UseError for times before the present one and after the duration."""
         ...
     @property
     def t(self) -> float:
