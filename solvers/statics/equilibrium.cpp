@@ -81,6 +81,7 @@ struct Newton {
   MixedIterate& mixed;
   const VecX weights = motion_weights(system);
   NeutralMotions free{};
+  double stiffness = 0.0;                 // the largest of the start
   VecX r{}, x = VecX(system.unknowns());  // residual, increment
   State trial{};
   std::vector<Vec6> next{};  // resultants
@@ -102,9 +103,13 @@ struct Newton {
       ++counters.residuals;
       ++counters.tangents;
       ++counters.factorizations;
-      if (k == 0) norm.set_floor(state, largest_stiffness(system, solver));
+      if (k == 0) {
+        stiffness = largest_stiffness(system, solver);
+        norm.set_floor(state, stiffness);
+      }
       const FactorStatus status = factor(k == 0);
       if (!is_held() || !is_regular(status)) return false;
+      if (k == 0 && rests()) return is_admissible();
       x = -r.tail(x.size());
       solver.solve({x.data(), static_cast<std::size_t>(x.size())});
       if (free.count() > 0) free.take_out(weights, x);
@@ -145,7 +150,7 @@ struct Newton {
   // Neutral motions, whose pivots are round-off or zero, are looked for at first and held from then on.
   FactorStatus factor(bool first) {
     if (first) {
-      if (largest_stiffness(system, solver) > 0.0) {  // or there is nothing to factor
+      if (!is_nothing(stiffness)) {  // or there is nothing to factor
         const FactorStatus status = solver.factor();
         if (status == FactorStatus::ok && !(solver.reciprocal_condition() < nearly_singular))
           return status;
@@ -171,6 +176,14 @@ struct Newton {
         "nothing holds the motion in which {} most, which loads drive; hold it by a joint or a "
         "spring",
         name_of_motion(system, free.shapes * drives)));
+  }
+
+  // Where nothing is stiff and nothing acts, iterations would go after the round-off of gaps.
+  bool rests() const {
+    const Index motions = 6 * (system.nodes() - 1), multipliers = system.multipliers();
+    return free.count() > 0 && is_nothing(stiffness) &&
+           is_nothing(r.tail(x.size()).head(motions).lpNorm<Eigen::Infinity>()) &&
+           largest_violation(system, r.tail(multipliers)) <= options.tolerance;
   }
 
   bool is_regular(FactorStatus status) {

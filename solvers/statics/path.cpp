@@ -485,34 +485,27 @@ class Follower {
       }
       met.events.push_back({h, PathEvent::crossing, crossing.stops, std::move(*point), {}, {}, {}});
     }
-    if (!find_bifurcations(from, to, whole, limits, probes(from, whole, met.events), met.events))
+    if (!find_bifurcations(from, to, whole, limits, middle_of(from, whole), met.events))
       met.all = false;
     std::sort(met.events.begin(), met.events.end(),
               [](const Event& a, const Event& b) { return a.h < b.h; });
     return met;
   }
 
-  // Points inside a step where the index is looked at as well: the path may end at a stop, which is between two changes that
-  // its ends do not show; and a sign alone does not show two of them at all.
-  std::vector<std::pair<double, Point>> probes(const Point& from, double whole,
-                                               const std::vector<Event>& found) {
-    std::vector<std::pair<double, Point>> all;
-    for (const Event& event : found)
-      if (event.kind == PathEvent::crossing && event.h != whole && event.point.index)
-        all.emplace_back(event.h, event.point);
-    if (!stability_) {
-      std::optional<Point> middle = between(from, 0.5 * whole);
-      if (middle) middle->index = index(*middle);
-      if (middle && middle->index) all.emplace_back(0.5 * whole, std::move(*middle));
-    }
-    std::ranges::sort(all, {}, [](const auto& one) { return std::abs(one.first); });
-    return all;
+  // Of a sign alone two changes do not show: it is looked at in the middle of a step as well.
+  std::optional<std::pair<double, Point>> middle_of(const Point& from, double whole) {
+    if (stability_) return std::nullopt;
+    std::optional<Point> middle = between(from, 0.5 * whole);
+    if (middle) middle->index = index(*middle);
+    if (!middle || !middle->index) return std::nullopt;
+    return std::pair(0.5 * whole, std::move(*middle));
   }
 
   // Changes of the index that are no limit points.
   bool find_bifurcations(const Point& from, const Point& to, double whole,
                          const std::vector<double>& limits,
-                         std::vector<std::pair<double, Point>> probed, std::vector<Event>& found) {
+                         std::optional<std::pair<double, Point>> middle,
+                         std::vector<Event>& found) {
     if (!from.index || !to.index) return true;
     struct Piece {
       double a, b;
@@ -526,10 +519,11 @@ class Follower {
       a = h;
       at_a = std::move(at);
     };
-    // Those before `h` and behind what there is already.
-    const auto end_at_probes = [&](double h) {
-      for (auto& [at, point] : probed)
-        if ((at - a) * whole > 0.0 && (h - at) * whole > 0.0) end_piece(at, std::move(point));
+    const auto end_at_middle = [&](double h) {
+      if (!middle || !((middle->first - a) * whole > 0.0 && (h - middle->first) * whole > 0.0))
+        return;
+      end_piece(middle->first, std::move(middle->second));
+      middle.reset();
     };
     for (const double h : limits) {
       // Near enough to tell it from others, far enough to see it: where it is, is known to a share only.
@@ -548,12 +542,12 @@ class Follower {
           event.before = left->index;
           event.after = right->index;
         }
-      end_at_probes(h - margin * whole);
+      end_at_middle(h - margin * whole);
       end_piece(h - margin * whole, *left);
       a = h + margin * whole;
       at_a = *right;
     }
-    end_at_probes(whole);
+    end_at_middle(whole);
     end_piece(whole, to);
     for (Piece& piece : pieces) {
       for (int k = 0; k < most_in_a_step && piece.at_a.index != piece.at_b.index; ++k) {

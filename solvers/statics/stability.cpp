@@ -57,7 +57,7 @@ bool add_springs(const System& system, std::span<const Slot> slots, double s) {
 // Where nothing is stiff, as a wheel on its axle, any will do.
 double spring_of(const System& system, const LinearSolver& solver) {
   const double L = system.length_scale(), stiffness = largest_stiffness(system, solver);
-  if (stiffness == 0.0) return L * L;
+  if (is_nothing(stiffness)) return L * L;
   return neutral_share * stiffness * L * L * static_cast<double>(system.nodes());
 }
 
@@ -96,8 +96,8 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
                                     std::span<const Vec6> resultants) {
   constexpr Index most = 64;
   constexpr int iterations = 4;
-  constexpr double all_found = 1e-9;  // of a motion, that is left
-  constexpr double no_share = 1e-13;  // of neutral motions, in one
+  constexpr double all_found = 1e-14;  // of a motion, that is left
+  constexpr double no_share = 1e-13;   // of neutral motions, in one
   NeutralMotions none, found;
   VecX r;
   system.linearize_mixed(state, resultants, r, solver);
@@ -108,17 +108,23 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
   const Index motions = 6 * (system.nodes() - 1);
   found.shapes.resize(w.size(), 0);
   VecX x(w.size()), y(w.size());
+  // Twice, so that what is left is none of them; false where that is round-off: all that there are have been found.
+  const auto take_out_all = [&](VecX& of) {
+    of.tail(of.size() - motions).setZero();
+    const double whole = std::sqrt(of.dot(w.cwiseProduct(of)));
+    found.take_out(w, of);
+    found.take_out(w, of);
+    const double left = std::sqrt(of.dot(w.cwiseProduct(of)));
+    of /= left;
+    return left > all_found * whole;
+  };
   while (true) {
     for (Index i = 0; i < x.size(); ++i)  // with a share of every mode, the same in every run
       x(i) = std::sin(1.0 + (2.7 + 0.3 * static_cast<double>(found.count())) *
                                 static_cast<double>((i * i + 31 * found.count()) % 1009));
     double eigenvalue = 0.0;
     for (int k = 0; k < iterations; ++k) {
-      x.tail(x.size() - motions).setZero();
-      found.take_out(w, x);
-      const double size = std::sqrt(x.dot(w.cwiseProduct(x)));
-      if (k == 0 && size < all_found) return found;  // all motions that there are
-      x /= size;
+      if (!take_out_all(x)) return found;
       y = w.cwiseProduct(x);
       solver.solve({y.data(), static_cast<std::size_t>(y.size())});
       if (!y.allFinite()) return none;
@@ -129,9 +135,7 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
       x = y;
     }
     if (!(std::abs(eigenvalue) < 2.0 * s)) return found;
-    x.tail(x.size() - motions).setZero();
-    found.take_out(w, x);
-    x /= std::sqrt(x.dot(w.cwiseProduct(x)));
+    if (!take_out_all(x)) return found;
     if (strains_beams(system, state, x)) return found;
     if (found.count() == most) return none;
     found.shapes.conservativeResize(Eigen::NoChange, found.count() + 1);

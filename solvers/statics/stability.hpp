@@ -68,6 +68,8 @@ struct NeutralMotions {
   void take_out(const VecX& weights, Eigen::Ref<VecX> x) const;
 };
 inline constexpr double neutral_share = 1e-12;
+// A largest stiffness [N/m] that is round-off of multipliers: nothing is stiff.
+inline bool is_nothing(double stiffness) { return stiffness < 1e-13; }
 
 // Whether the beams that hang together move otherwise than as one rigid body in an increment of the unknowns: however soft
 // they are beside their stretching, they answer then.

@@ -109,7 +109,7 @@ void GeneralizedAlpha::archive(Archive& a) {
   OneStep::archive(a);
   a(kept_, h_, starting_, stiffness_, A_, history_, t_old_, t_older_, Vdot_old_, lambda_old_,
     lambda_older_, mixed_, S_, S_old_, S_older_, power_, gdot_old_, alternations_,
-    steps_since_start_, projects_, damps_little_, calm_next_, taken_);
+    steps_since_start_, projects_, damps_little_, calm_next_, taken_, rate_);
   for (Momentum& m : momentum_) a(m.mu, m.f, m.f_old, m.a, m.past, m.at_start);
   free_.archive(a);
 }
@@ -156,6 +156,7 @@ void GeneralizedAlpha::begin_at(State& state) {
   alternations_ = 0;
   steps_since_start_ = 0;
   taken_ = 0.0;
+  rate_.clear();
 }
 
 // Equation (4), for a step of h from begin_. Where its matrix is singular, the accelerations are left as they are.
@@ -203,11 +204,18 @@ void GeneralizedAlpha::set_step(double h) {
   if (starting_) {
     filter_start(h);
     A_ = begin_.Vdot;
+    for (std::size_t n = 1; n < rate_.size(); ++n)  // where nothing has jumped
+      A_[n] += (a_.alpha_m - a_.alpha_f) * h * rate_[n];
   }
   if (h == h_) return;
   if (h_ > 0.0 && !starting_) {
     const double ratio = h / h_;
-    if (ratio > most_scaling) {
+    if (ratio > most_scaling && !rate_.empty()) {
+      for (std::size_t n = 1; n < A_.size(); ++n)
+        A_[n] = begin_.Vdot[n] + (a_.alpha_m - a_.alpha_f) * h * rate_[n];
+      for (Momentum& m : momentum_) m.a = m.f;
+      free_.set_ahead(0.0);
+    } else if (ratio > most_scaling) {
       const double steps =
           history_ >= 1 ? (a_.alpha_m - a_.alpha_f) * h / (begin_.t - t_old_) : 0.0;
       for (std::size_t n = 1; n < A_.size(); ++n)
@@ -486,6 +494,18 @@ bool GeneralizedAlpha::outgrows(double h) const {
   return taken_ > 0.0 && h > most_growth * taken_ && !bounded_;
 }
 
+// Of a step that is cut short: accelerations' rate over the last one that was not, since its own is round-off.
+void GeneralizedAlpha::keep_rate() {
+  if (!is_cut_short()) {
+    rate_.clear();
+    return;
+  }
+  if (!rate_.empty() || history_ < 1) return;
+  rate_.assign(A_.size(), Vec6::Zero());
+  for (std::size_t n = 1; n < rate_.size(); ++n)
+    rate_[n] = (begin_.Vdot[n] - Vdot_old_[n]) / (begin_.t - t_old_);
+}
+
 bool GeneralizedAlpha::is_cut_short() const { return most_growth * h_ < usual_; }
 
 // Whether a fixed step that may still be halved does what the motion at its beginning does not foretell.
@@ -518,6 +538,7 @@ void GeneralizedAlpha::forget() {
 // At end_, the state accepted last.
 void GeneralizedAlpha::pass_kink() {
   A_ = end_.Vdot;
+  rate_.clear();
   for (Momentum& m : momentum_) m.a = m.f;
   free_.scale(0.0);
   history_ = 0;
@@ -658,12 +679,34 @@ void GeneralizedAlpha::calm_velocities() {
 
 // Makes accelerations and multipliers, which ring as well, consistent with the motion, and forgets those of the past.
 bool GeneralizedAlpha::restart_calmly(State& state) {
+  const bool rings = calm_next_;
   calm_next_ = false;
-  if (!initial_accelerations(system_, *solver_, state, mass_, counters_).empty()) return false;
+  scratch_ = state;
+  const double mass = mass_;
+  const std::string failure = initial_accelerations(system_, *solver_, scratch_, mass_, counters_);
+  factored_ = false;
+  refactor_next_ = true;
+  // Near a singular configuration they may be anything; those of the steps are no worse then.
+  if (!failure.empty() || (!rings && !(most_of(scratch_.Vdot) <=
+                                       2.0 * std::max(most_of(state.Vdot), most_of(Vdot_old_))))) {
+    mass_ = mass;
+    return false;
+  }
+  std::swap(state, scratch_);
   const double taken = taken_;  // a step that fails now is tried from the same state again
+  std::vector<Vec6> rate = rings ? std::vector<Vec6>() : std::move(rate_);
   begin_at(state);
   taken_ = taken;
+  rate_ = std::move(rate);
   return true;
+}
+
+// Of motions, by the scene's length.
+double GeneralizedAlpha::most_of(const std::vector<Vec6>& motions) const {
+  double most = 0.0;
+  for (const Vec6& v : motions)
+    most = std::max({most, v.head<3>().norm() / system_.length_scale(), v.tail<3>().norm()});
+  return most;
 }
 
 void GeneralizedAlpha::accept() {
@@ -688,8 +731,7 @@ void GeneralizedAlpha::accept() {
     end_.momentum_rate = 0.0;
   }
   calm_velocities();
-  // Of accelerations and multipliers a step that is cut short makes round-off over h^2.
-  calm_next_ = calm_next_ || (is_cut_short() && !bounded_ && !tolerant_);
+  keep_rate();
   free_.keep({a_.alpha_m, a_.alpha_f, a_.gamma, a_.beta}, h_, end_, Q_);
   system_.follow_angles(end_);
   const Work power = system_.power(end_);
@@ -707,11 +749,13 @@ void GeneralizedAlpha::accept() {
   std::swap(S_, resultants_.S);
   t_older_ = t_old_;
   t_old_ = begin_.t;
+  // After a jump the motion has no past to go by, and such a step leaves it none.
+  const bool is_first = taken_ == 0.0 && is_cut_short() && !bounded_ && !tolerant_;
   starting_ = false;
   taken_ = h_;
-  if (calm_next_) {
-    if (restart_calmly(end_)) taken_ = 0.0;
-    return;
+  if (calm_next_ || is_first) {
+    const bool rings = calm_next_;
+    if (restart_calmly(end_) || rings) return;
   }
   history_ = tolerant_ ? 0 : std::min(history_ + 1, 2);  // nothing to extrapolate multipliers from
 }

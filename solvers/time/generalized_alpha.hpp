@@ -125,6 +125,8 @@ class GeneralizedAlpha final : public OneStep {
   bool surprises(StepReport& report);
   bool outgrows(double h) const;
   bool is_cut_short() const;
+  void keep_rate();
+  double most_of(const std::vector<Vec6>& motions) const;
   bool rings();
   void calm_velocities();
   bool restart_calmly(State& state);
@@ -152,6 +154,7 @@ class GeneralizedAlpha final : public OneStep {
   double h_ = 0.0;           // step under way [s]; 0: none since the last start
   bool starting_ = false;    // no step has been accepted since the last start
   double taken_ = 0.0;       // the last step that was accepted since then [s]; 0: none
+  std::vector<Vec6> rate_;   // of Vdot, before steps that were cut short; empty: not known
   double stiffness_ = 0.0;   // largest entry of dr/dU at the last start
   std::vector<Vec6> Q_;      // H_f = H_i exp(Q)
   std::vector<Vec6> A_;      // algorithmic acceleration at the last accepted time

@@ -1,7 +1,8 @@
 // Steps that a switching time or a law of time cuts short, and the whole ones after them.
 //
-// Tried in the library, and killed: no restart after a step that is cut short; accelerations that lag behind scaled with every
-// step; an impulse that goes on where a controller has jumped; the second run of the estimate reaching as far as the first.
+// Tried in the library, and killed: no restart after a first step that is cut short, or after each; none before a step that outgrows
+// the last; accelerations taken however large they are; those that lag behind scaled with every step; an impulse that goes on
+// where a controller has jumped; the second run of the estimate reaching as far as the first.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -127,6 +128,56 @@ TEST(CutShort, AJumpJustBeforeTheEndOfAStep) {
   }
 }
 
+// What is cut short by the knots of a table, which says next to nothing, is not begun anew each time: an oscillator without
+// damping keeps its energy as in whole steps of their size (99.88 % at 1 ms, rho = 0; begun anew: 61 %).
+TEST(CutShort, DenseKnotsDampNoMore) {
+  for (const double every : {1e-3, 1.3e-3}) {
+    std::string table;
+    for (int k = 0; k * every <= 5.0 + every; ++k)
+      table += fmt::format("{:.17g} {:.17g} ", k * every, 1e-9 * (k % 2));
+    const History history = run_to_table(read(fmt::format(R"x(<function name="f">{}</function>
+        <body name="b" at="0 0 0" mass="1" inertia="1 1 1" velocity="2 0 0"/>
+        <prismatic name="p" between="ground b" at="0 0 0" axis="1 0 0"/>
+        <joint_spring name="s" joint="p" stiffness="400"/>
+        <load at="b" force="f(t) 0 0"/>
+        <transient duration="5" step="0.01"/>
+        <record name="b" at="b" quantities="displacement velocity"/>)x",
+                                                          table)));
+    ASSERT_EQ(history.report.failure, "");
+    const double x = history.table["b.displacement.1"].back(),
+                 v = history.table["b.velocity.1"].back();
+    EXPECT_NEAR((0.5 * v * v + 200.0 * x * x) / 2.0, 1.0, 0.01) << every;
+    EXPECT_LT(history.report.transient_counters.factorizations, 2000) << every;
+  }
+}
+
+// A driven slider-crank of equal lengths, at 1 s in the position where its slider may go either way; a load of next to nothing
+// has a kink near there. Accelerations there are anything: steps that are cut short do not take them. It goes on through.
+TEST(CutShort, BesideASingularPosition) {
+  for (const double kink : {1.0 - 1e-6, 1.0, 1.0 + 1e-6}) {
+    const History history = run_to_table(read(fmt::format(R"x(
+        <body name="crank" at="0 0 0" center="0.5 0 0" mass="1" inertia="0.1 0.1 0.1" angular_velocity="0 0 pi/2"/>
+        <body name="rod" at="1 0 0" center="0.5 0 0" mass="1" inertia="0.1 0.1 0.1" angular_velocity="0 0 -pi/2"
+          velocity="0 pi/2 0"/>
+        <body name="slider" at="2 0 0" mass="1" inertia="0.1 0.1 0.1"/>
+        <revolute name="o" between="ground crank" at="0 0 0" axis="0 0 1"/>
+        <revolute name="p" between="crank rod" at="1 0 0" axis="0 0 1"/>
+        <revolute name="q" between="rod slider" at="2 0 0" axis="0 0 1"/>
+        <prismatic name="s" between="ground slider" axis="1 0 0"/>
+        <drive joint="o" angle="t*pi/2"/>
+        <load at="slider" force="t&lt;{0:.17g}?0:1e-3*(t-{0:.17g}) 0 0"/>
+        <transient duration="0.0099*200" step="0.0099"/>
+        <record name="s" joint="s" quantities="displacement speed"/>)x",
+                                                          kink)));
+    ASSERT_EQ(history.report.failure, "");
+    // x = 2 cos(pi t/2) - 2
+    EXPECT_NEAR(history.table["s.displacement"].back(),
+                2.0 * std::cos(std::numbers::pi / 2.0 * 1.98) - 2.0, 1e-6)
+        << kink;
+    for (const double speed : history.table["s.speed"]) EXPECT_LT(std::abs(speed), 3.2) << kink;
+  }
+}
+
 std::string blow(double width, const std::string& settings) {
   return fmt::format(R"x(<body name="b" at="0 0 0" mass="2" inertia="1 1 1"/>
       <load at="b" force="0 0 exp(-((t-2.2137)/{0:.17g})^2)/{0:.17g}"/>
@@ -155,10 +206,10 @@ TEST(CutShort, AdaptiveStepsAfterAPulse) {
 // more of the law. The error that is believed is no less than a tenth of the true one.
 TEST(CutShort, EstimatesSeeStepsThatLawsLimit) {
   for (const auto& [width, settings] :
-       {std::pair{1e-6, R"x(method="radau" stages="5" tolerance="1e-3")x"},
-        std::pair{1e-6, R"x(method="radau" stages="7" tolerance="1e-4")x"},
-        std::pair{1e-4, R"x(method="radau" stages="7" tolerance="1e-2")x"},
-        std::pair{1e-2, R"x(method="radau" tolerance="1e-4")x"},
+       {std::pair{1e-6, R"x(method="radau" stages="5" tolerance="1e-2")x"},
+        std::pair{1e-6, R"x(method="radau" stages="7" tolerance="1e-2")x"},
+        std::pair{1e-6, R"x(method="radau" tolerance="1e-4")x"},
+        std::pair{1e-4, R"x(method="radau" tolerance="1e-3")x"},
         std::pair{1e-4, R"x(tolerance="1e-3")x"}}) {
     TableMaker maker(1);
     const RunReport report = run(read(blow(width, settings)), {.observers = {&maker}});

@@ -335,9 +335,9 @@ TEST(PathSteps, DoNotLeapInAWideScene) {
 }
 
 // A strip in a fork under end moments, which have no potential: of the determinant's sign alone. Two steps before its first
-// bifurcation, M = pi/L sqrt(EI3 GJ), the path goes over both of its first two, and its stop lies between them. Mutations: the
-// sign not looked at where the path stops; nor in the middle of a step.
-TEST(PathSteps, LookAtTheSignWhereTheyStop) {
+// bifurcation, M = pi/L sqrt(EI3 GJ), the path goes over both of its first two, and its stop lies between them. Mutation: the
+// sign not looked at in the middle of a step.
+TEST(PathSteps, SeeTwoChangesOfASign) {
   for (const double stop : {1.5, 2.6}) {
     const History history =
         run_to_table(read(fmt::format(R"x(

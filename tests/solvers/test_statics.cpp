@@ -298,6 +298,17 @@ TEST(NeutralMotions, WhereNothingIsStiff) {
     const Model model = compile(scene);
     EXPECT_LT((s.state.pose[1].r - model.initial.pose[1].r).norm(), 1e-12) << items;
   }
+  // Along any axis, where gaps are round-off: five in a row.
+  std::string row;
+  for (int k = 0; k < 5; ++k)
+    row += fmt::format(R"(<body name="b{0}" at="{0} 0.2 -1" mass="1" inertia="1 2 2"/>
+        <revolute name="j{0}" between="{1} b{0}" at="{0}.3 0 0" axis="{2} -0.5 0.7"/>)",
+                       k, k == 0 ? "ground" : fmt::format("b{}", k - 1), 0.3 + 0.1 * k);
+  const Scene chain = read_model_text("<mbd name=\"m\"><static/>" + row + "</mbd>");
+  const Solved still = solve(chain, {.steps = 1, .newton = {}});
+  ASSERT_TRUE(still.report.converged) << still.report.failure;
+  EXPECT_EQ(still.report.neutral.size(), 5U);
+  EXPECT_EQ(run(chain).certificate.verdict(), Verdict::pass);
   // Of its weight across the axle the motion is driven, and that is why there is none.
   const Scene falls = read_model_text("<mbd name=\"m\"><static/>" + wheel +
                                       R"(<gravity acceleration="0 -9.81 0"/></mbd>)");

@@ -301,7 +301,7 @@ class StepperHandle {
       throw UseError(fmt::format("step_to({:g}): give a time up to the duration, {:g} s", t,
                                  transient_.duration));
     const double enough = 1e-9 * (transient_.step ? *transient_.step : transient_.duration);
-    if (t < state_.t - enough)
+    if (t < state_.t - enough - transient_.step.value_or(0.0))  // a fixed step may have passed it
       throw UseError(fmt::format("step_to({:g}): the time is {:.9g} s already; restore() goes back",
                                  t, state_.t));
     struct Stop {
