@@ -215,9 +215,8 @@ void GeneralizedAlpha::set_step(double h) {
         A_[n] = begin_.Vdot[n] + (a_.alpha_m - a_.alpha_f) * h * rate_[n];
       for (Momentum& m : momentum_) m.a = m.f;
       free_.set_ahead(0.0);
-    } else if (ratio > most_scaling) {
-      const double steps =
-          history_ >= 1 ? (a_.alpha_m - a_.alpha_f) * h / (begin_.t - t_old_) : 0.0;
+    } else if (ratio > most_scaling && history_ >= 2) {  // after a start rates are of what rings
+      const double steps = (a_.alpha_m - a_.alpha_f) * h / (begin_.t - t_old_);
       for (std::size_t n = 1; n < A_.size(); ++n)
         A_[n] = begin_.Vdot[n] + steps * (begin_.Vdot[n] - Vdot_old_[n]);
       for (Momentum& m : momentum_) m.a = m.f + steps * (m.f - m.f_old);

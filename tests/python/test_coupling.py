@@ -49,7 +49,8 @@ def test_what_drives_a_joint_goes_on_with_its_rate(tmp_path):
     file = tmp_path / "slide.xml"
     file.write_text("""<mbd name="slide"><input name="x" unit="mm"/>
       <body name="b" mass="2" inertia="1 1 1"/><prismatic name="p" between="ground b" axis="1 0 0"/>
-      <drive joint="p" displacement="x"/><transient duration="3" step="0.01"/></mbd>""")
+      <drive joint="p" displacement="x"/><transient duration="3" step="0.01"/>
+      <record name="p" joint="p" quantities="displacement"/></mbd>""")
     s = mbd.Model(file).stepper()
     s.set_input("x", 0.0, acceleration=200.0)
     s.step_to(1.0)
