@@ -501,16 +501,47 @@ class Follower {
     return std::pair(0.5 * whole, std::move(*middle));
   }
 
+  struct Piece {  // of a step, from a to b
+    double a, b;
+    Point at_a, at_b;
+  };
+
+  // All changes of the index in a piece; false if one of them could not be located.
+  bool search(const Point& from, double whole, Piece& piece, std::vector<Event>& found) {
+    for (int k = 0; k < most_in_a_step && piece.at_a.index != piece.at_b.index; ++k) {
+      std::optional<Event> event = find_singular(from, piece.a, piece.at_a, piece.b, piece.at_b);
+      if (!event) return false;
+      const double h = event->h;
+      // Goes on behind it, as near to it as it shows there.
+      std::optional<Point> behind;
+      double next = h;
+      for (double ahead = 1e-4; ahead < 2e-2; ahead *= 10.0) {
+        next = h + ahead * (piece.b - piece.a);
+        if ((next - piece.b) * whole >= 0.0) {
+          next = piece.b;
+          behind = piece.at_b;
+          break;
+        }
+        behind = between(from, next);
+        if (behind) behind->index = index(*behind);
+        if (!behind || !behind->index) return false;
+        if (behind->index != piece.at_a.index) break;
+      }
+      if (behind->index == piece.at_a.index) return false;
+      event->after = behind->index;
+      found.push_back(std::move(*event));
+      piece.a = next;
+      piece.at_a = std::move(*behind);
+    }
+    return true;
+  }
+
   // Changes of the index that are no limit points.
   bool find_bifurcations(const Point& from, const Point& to, double whole,
                          const std::vector<double>& limits,
                          std::optional<std::pair<double, Point>> middle,
                          std::vector<Event>& found) {
     if (!from.index || !to.index) return true;
-    struct Piece {
-      double a, b;
-      Point at_a, at_b;
-    };
     std::vector<Piece> pieces;
     double a = 0.0;
     Point at_a = from;
@@ -549,34 +580,8 @@ class Follower {
     }
     end_at_middle(whole);
     end_piece(whole, to);
-    for (Piece& piece : pieces) {
-      for (int k = 0; k < most_in_a_step && piece.at_a.index != piece.at_b.index; ++k) {
-        std::optional<Event> event = find_singular(from, piece.a, piece.at_a, piece.b, piece.at_b);
-        if (!event) return false;
-        const double h = event->h;
-        // Goes on behind it, as near to it as it shows there.
-        std::optional<Point> behind;
-        double next = h;
-        for (double ahead = 1e-4; ahead < 2e-2; ahead *= 10.0) {
-          next = h + ahead * (piece.b - piece.a);
-          if ((next - piece.b) * whole >= 0.0) {
-            next = piece.b;
-            behind = piece.at_b;
-            break;
-          }
-          behind = between(from, next);
-          if (behind) behind->index = index(*behind);
-          if (!behind || !behind->index) return false;
-          if (behind->index != piece.at_a.index) break;
-        }
-        if (behind->index == piece.at_a.index) return false;
-        event->after = behind->index;
-        found.push_back(std::move(*event));
-        piece.a = next;
-        piece.at_a = std::move(*behind);
-      }
-    }
-    return true;
+    return std::ranges::all_of(pieces,
+                               [&](Piece& piece) { return search(from, whole, piece, found); });
   }
 
   // --- along the path ---
@@ -670,6 +675,21 @@ class Follower {
         options_.max_step);
   }
 
+  // False: the path ends.
+  bool accept_events(Met& met, int branch, const std::string& who, int& count) {
+    for (Event& event : met.events) {
+      note(event, branch);
+      system_.follow_angles(event.point.state);
+      ++count;
+      if (!accept(event.point, event.kind, branch)) return false;
+      if (event.stops) {
+        finish(who, "a stop is reached");
+        return false;
+      }
+    }
+    return true;
+  }
+
   void trace(Point at, int branch, const std::string& who) {
     sign_of_branch_ = branch < 0 ? -1.0 : 1.0;
     double h = first_step(at, branch);
@@ -717,13 +737,7 @@ class Follower {
       passing = false;
       halvings = leaps = refused = 0;
       if (!met.all) note_not_located(at, *next);
-      for (Event& event : met.events) {
-        note(event, branch);
-        system_.follow_angles(event.point.state);
-        ++count;
-        if (!accept(event.point, event.kind, branch)) return;
-        if (event.stops) return finish(who, "a stop is reached");
-      }
+      if (!accept_events(met, branch, who, count)) return;
       system_.follow_angles(next->state);
       ++count;
       ++report_.counters.steps;

@@ -103,7 +103,7 @@ void FreeMomenta::begin(const State& state) {
     const Sums now = sums(part, state);
     part.C = now.C;
     part.momentum = now.momentum;
-    part.force = part.force_old = part.algorithmic = now.force;
+    part.force = part.force_old = part.force_older = part.algorithmic = now.force;
   }
 }
 
@@ -113,6 +113,14 @@ void FreeMomenta::scale(double ratio) {
 
 void FreeMomenta::set_ahead(double steps) {
   for (Part& part : parts_) part.algorithmic = part.force + steps * (part.force - part.force_old);
+}
+
+void FreeMomenta::keep_rate(double h) {
+  for (Part& part : parts_) part.rate = (part.force_old - part.force_older) / h;
+}
+
+void FreeMomenta::lag(double by) {
+  for (Part& part : parts_) part.algorithmic = part.force + by * part.rate;
 }
 
 void FreeMomenta::keep(const Scheme& s, double h, State& end, std::span<Vec6> Q) {
@@ -140,6 +148,7 @@ void FreeMomenta::keep(const Scheme& s, double h, State& end, std::span<Vec6> Q)
     }
     part.C = C;
     part.momentum = momentum;
+    part.force_older = part.force_old;
     part.force_old = part.force;
     part.force = is.force;
     part.algorithmic = a;
@@ -147,7 +156,9 @@ void FreeMomenta::keep(const Scheme& s, double h, State& end, std::span<Vec6> Q)
 }
 
 void FreeMomenta::archive(Archive& a) {
-  for (Part& part : parts_) a(part.C, part.momentum, part.force, part.force_old, part.algorithmic);
+  for (Part& part : parts_)
+    a(part.C, part.momentum, part.force, part.force_old, part.force_older, part.rate,
+      part.algorithmic);
 }
 
 }  // namespace mbd

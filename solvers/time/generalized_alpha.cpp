@@ -110,7 +110,7 @@ void GeneralizedAlpha::archive(Archive& a) {
   a(kept_, h_, starting_, stiffness_, A_, history_, t_old_, t_older_, Vdot_old_, lambda_old_,
     lambda_older_, mixed_, S_, S_old_, S_older_, power_, gdot_old_, alternations_,
     steps_since_start_, projects_, damps_little_, calm_next_, taken_, rate_);
-  for (Momentum& m : momentum_) a(m.mu, m.f, m.f_old, m.a, m.past, m.at_start);
+  for (Momentum& m : momentum_) a(m.mu, m.f, m.f_old, m.f_older, m.rate, m.a, m.past, m.at_start);
   free_.archive(a);
 }
 
@@ -136,7 +136,7 @@ void GeneralizedAlpha::begin_at(State& state) {
       const Vec6 f = p_[n] - r_.segment<6>(6 * static_cast<Index>(n));
       Momentum& m = momentum_[n];
       m.mu = inertial_wrench<double>(state.pose[n], p_[n]);
-      m.f = m.f_old = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
+      m.f = m.f_old = m.f_older = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
     }
   }
   free_.begin(state);
@@ -204,17 +204,13 @@ void GeneralizedAlpha::set_step(double h) {
   if (starting_) {
     filter_start(h);
     A_ = begin_.Vdot;
-    for (std::size_t n = 1; n < rate_.size(); ++n)  // where nothing has jumped
-      A_[n] += (a_.alpha_m - a_.alpha_f) * h * rate_[n];
+    lag_by_rate(h);
   }
   if (h == h_) return;
   if (h_ > 0.0 && !starting_) {
     const double ratio = h / h_;
     if (ratio > most_scaling && !rate_.empty()) {
-      for (std::size_t n = 1; n < A_.size(); ++n)
-        A_[n] = begin_.Vdot[n] + (a_.alpha_m - a_.alpha_f) * h * rate_[n];
-      for (Momentum& m : momentum_) m.a = m.f;
-      free_.set_ahead(0.0);
+      lag_by_rate(h);
     } else if (ratio > most_scaling && history_ >= 2) {  // after a start rates are of what rings
       const double steps = (a_.alpha_m - a_.alpha_f) * h / (begin_.t - t_old_);
       for (std::size_t n = 1; n < A_.size(); ++n)
@@ -503,6 +499,17 @@ void GeneralizedAlpha::keep_rate() {
   rate_.assign(A_.size(), Vec6::Zero());
   for (std::size_t n = 1; n < rate_.size(); ++n)
     rate_[n] = (begin_.Vdot[n] - Vdot_old_[n]) / (begin_.t - t_old_);
+  for (Momentum& m : momentum_) m.rate = (m.f_old - m.f_older) / (begin_.t - t_old_);
+  free_.keep_rate(begin_.t - t_old_);
+}
+
+// What is algorithmic lags behind by (alpha_m - alpha_f) h of that rate, where nothing has jumped.
+void GeneralizedAlpha::lag_by_rate(double h) {
+  if (rate_.empty()) return;
+  const double lag = (a_.alpha_m - a_.alpha_f) * h;
+  for (std::size_t n = 1; n < A_.size(); ++n) A_[n] = begin_.Vdot[n] + lag * rate_[n];
+  for (Momentum& m : momentum_) m.a = m.f + lag * m.rate;
+  free_.lag(lag);
 }
 
 bool GeneralizedAlpha::is_cut_short() const { return most_growth * h_ < usual_; }
@@ -722,6 +729,7 @@ void GeneralizedAlpha::accept() {
       Momentum& m = momentum_[n];
       const Vec6 mu = inertial_wrench<double>(end_.pose[n], p_[n]);
       const Vec6 a = (mu - m.mu) / (h_ * a_.gamma) - ((1.0 - a_.gamma) / a_.gamma) * m.a;
+      m.f_older = m.f_old;
       m.f_old = m.f;
       m.f = ((1.0 - a_.alpha_m) * a + a_.alpha_m * m.a - a_.alpha_f * m.f) / (1.0 - a_.alpha_f);
       m.a = a;
@@ -730,8 +738,8 @@ void GeneralizedAlpha::accept() {
     end_.momentum_rate = 0.0;
   }
   calm_velocities();
-  keep_rate();
   free_.keep({a_.alpha_m, a_.alpha_f, a_.gamma, a_.beta}, h_, end_, Q_);
+  keep_rate();
   system_.follow_angles(end_);
   const Work power = system_.power(end_);
   end_.work += 0.5 * h_ * (power_ + power);

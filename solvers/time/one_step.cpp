@@ -22,8 +22,9 @@ constexpr int successes_double = 4;         // so many small steps in a row: bac
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
 
 // A law of time may ask for less than the estimate of the error does, which knows only what it has seen.
-double most_of_step(const LawSteps& laws, std::size_t cells, double t, double longest) {
-  return std::min(laws.end_of_step(t, cells) - t, longest);
+double wanted_step(const StepController& controller, const LawSteps& laws, std::size_t cells,
+                   double t, double longest) {
+  return std::min({controller.step(), laws.end_of_step(t, cells) - t, longest});
 }
 
 }  // namespace
@@ -364,9 +365,8 @@ StepReport OneStep::adaptive_step(State& state) {
     return report;
   }
   for (;;) {
-    const double most = most_of_step(laws_, cells_, state.t, longest_from(state));
     const double rest = landing.t - state.t;
-    usual_ = std::min(controller_->step(), most);
+    usual_ = wanted_step(*controller_, laws_, cells_, state.t, longest_from(state));
     const double h = fitted(usual_, rest);
     const bool last = h == rest;
     if (is_too_short(h, state.t, unusable, report)) return report;

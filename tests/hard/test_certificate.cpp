@@ -181,7 +181,7 @@ TEST(Certificate, FromTheCommandLine) {
 }
 
 // A rod of one linear element that is pulled suddenly: its end moves between 0 and 2 F L/EA as a triangle of period 4 L/c; the
-// element's frequency is 10 % off, and the motion 60 %, where what the mesh leaves out of resultants is nothing. With forty of
+// element's frequency is 10 % off, and the motion a third, where what the mesh leaves out of resultants is nothing. With forty of
 // them the motion is 2 % off. Mutation: the order left as it is.
 TEST(Certificate, SeesWhatTheMeshDoesToInertia) {
   const TemporaryDirectory directory;
@@ -218,7 +218,7 @@ TEST(Certificate, SeesWhatTheMeshDoesToInertia) {
       EXPECT_LT(most, 0.02);
       EXPECT_LT(error, 0.02);
     } else {
-      EXPECT_GT(most, 0.5);
+      EXPECT_GT(most, 0.3);
       EXPECT_GT(error, 0.3 * most);
       EXPECT_EQ(of("beams of one order more").at("verdict"), "fail");
     }
