@@ -57,7 +57,8 @@ class TwoArms {
   // Mass times acceleration of both.
   static double force(const std::array<double, 4>& y, double moment) {
     constexpr double m1 = 1.3, c1 = 0.3;
-    const auto [w1, w2, a1, a2] = rate(y, moment);
+    const std::array<double, 4> now = rate(y, moment);
+    const double w1 = now[0], w2 = now[1], a1 = now[2], a2 = now[3];
     const auto along = [&](double r1, double r2, double c, double s) {
       return r1 * (a1 * -s - w1 * w1 * c) + r2 * (a2 * -std::sin(y[1]) - w2 * w2 * std::cos(y[1]));
     };
