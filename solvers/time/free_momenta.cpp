@@ -103,7 +103,7 @@ void FreeMomenta::begin(const State& state) {
     const Sums now = sums(part, state);
     part.C = now.C;
     part.momentum = now.momentum;
-    part.force = part.force_old = part.force_older = part.algorithmic = now.force;
+    part.force = part.force_old = part.algorithmic = now.force;
   }
 }
 
@@ -111,12 +111,8 @@ void FreeMomenta::scale(double ratio) {
   for (Part& part : parts_) part.algorithmic = part.force + ratio * (part.algorithmic - part.force);
 }
 
-void FreeMomenta::set_ahead(double steps) {
-  for (Part& part : parts_) part.algorithmic = part.force + steps * (part.force - part.force_old);
-}
-
-void FreeMomenta::keep_rate(double h) {
-  for (Part& part : parts_) part.rate = (part.force_old - part.force_older) / h;
+void FreeMomenta::find_rate(double h) {
+  for (Part& part : parts_) part.rate = (part.force - part.force_old) / h;
 }
 
 void FreeMomenta::lag(double by) {
@@ -148,7 +144,6 @@ void FreeMomenta::keep(const Scheme& s, double h, State& end, std::span<Vec6> Q)
     }
     part.C = C;
     part.momentum = momentum;
-    part.force_older = part.force_old;
     part.force_old = part.force;
     part.force = is.force;
     part.algorithmic = a;
@@ -157,8 +152,7 @@ void FreeMomenta::keep(const Scheme& s, double h, State& end, std::span<Vec6> Q)
 
 void FreeMomenta::archive(Archive& a) {
   for (Part& part : parts_)
-    a(part.C, part.momentum, part.force, part.force_old, part.force_older, part.rate,
-      part.algorithmic);
+    a(part.C, part.momentum, part.force, part.force_old, part.rate, part.algorithmic);
 }
 
 }  // namespace mbd

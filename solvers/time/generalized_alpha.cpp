@@ -110,7 +110,7 @@ void GeneralizedAlpha::archive(Archive& a) {
   a(kept_, h_, starting_, stiffness_, A_, history_, t_old_, t_older_, Vdot_old_, lambda_old_,
     lambda_older_, mixed_, S_, S_old_, S_older_, power_, gdot_old_, alternations_,
     steps_since_start_, projects_, damps_little_, calm_next_, taken_, rate_);
-  for (Momentum& m : momentum_) a(m.mu, m.f, m.f_old, m.f_older, m.rate, m.a, m.past, m.at_start);
+  for (Momentum& m : momentum_) a(m.mu, m.f, m.f_old, m.rate, m.a, m.past, m.at_start);
   free_.archive(a);
 }
 
@@ -136,7 +136,7 @@ void GeneralizedAlpha::begin_at(State& state) {
       const Vec6 f = p_[n] - r_.segment<6>(6 * static_cast<Index>(n));
       Momentum& m = momentum_[n];
       m.mu = inertial_wrench<double>(state.pose[n], p_[n]);
-      m.f = m.f_old = m.f_older = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
+      m.f = m.f_old = m.a = m.at_start = inertial_wrench<double>(state.pose[n], f);
     }
   }
   free_.begin(state);
@@ -212,11 +212,9 @@ void GeneralizedAlpha::set_step(double h) {
     if (ratio > most_scaling && !rate_.empty()) {
       lag_by_rate(h);
     } else if (ratio > most_scaling && history_ >= 2) {  // after a start rates are of what rings
-      const double steps = (a_.alpha_m - a_.alpha_f) * h / (begin_.t - t_old_);
-      for (std::size_t n = 1; n < A_.size(); ++n)
-        A_[n] = begin_.Vdot[n] + steps * (begin_.Vdot[n] - Vdot_old_[n]);
-      for (Momentum& m : momentum_) m.a = m.f + steps * (m.f - m.f_old);
-      free_.set_ahead(steps);
+      find_rate();
+      lag_by_rate(h);
+      rate_.clear();
     } else {
       for (std::size_t n = 1; n < A_.size(); ++n)
         A_[n] = begin_.Vdot[n] + ratio * (A_[n] - begin_.Vdot[n]);
@@ -489,18 +487,21 @@ bool GeneralizedAlpha::outgrows(double h) const {
   return taken_ > 0.0 && h > most_growth * taken_ && !bounded_;
 }
 
-// Of a step that is cut short: accelerations' rate over the last one that was not, since its own is round-off.
-void GeneralizedAlpha::keep_rate() {
-  if (!is_cut_short()) {
-    rate_.clear();
-    return;
-  }
-  if (!rate_.empty() || history_ < 1) return;
+// Over the last step before begin_.
+void GeneralizedAlpha::find_rate() {
+  const double h = begin_.t - t_old_;
   rate_.assign(A_.size(), Vec6::Zero());
-  for (std::size_t n = 1; n < rate_.size(); ++n)
-    rate_[n] = (begin_.Vdot[n] - Vdot_old_[n]) / (begin_.t - t_old_);
-  for (Momentum& m : momentum_) m.rate = (m.f_old - m.f_older) / (begin_.t - t_old_);
-  free_.keep_rate(begin_.t - t_old_);
+  for (std::size_t n = 1; n < rate_.size(); ++n) rate_[n] = (begin_.Vdot[n] - Vdot_old_[n]) / h;
+  for (Momentum& m : momentum_) m.rate = (m.f - m.f_old) / h;
+  free_.find_rate(h);
+}
+
+// Of a step that is cut short, before it is accepted: the rate over the last one that was not, since its own is round-off.
+void GeneralizedAlpha::keep_rate() {
+  if (!is_cut_short())
+    rate_.clear();
+  else if (rate_.empty() && history_ >= 1)
+    find_rate();
 }
 
 // What is algorithmic lags behind by (alpha_m - alpha_f) h of that rate, where nothing has jumped.
@@ -716,6 +717,7 @@ double GeneralizedAlpha::most_of(const std::vector<Vec6>& motions) const {
 }
 
 void GeneralizedAlpha::accept() {
+  keep_rate();
   for (std::size_t n = 1; n < Q_.size(); ++n) {
     const Vec6 A_f =
         ((1.0 - a_.alpha_f) * end_.Vdot[n] + a_.alpha_f * begin_.Vdot[n] - a_.alpha_m * A_[n]) /
@@ -729,7 +731,6 @@ void GeneralizedAlpha::accept() {
       Momentum& m = momentum_[n];
       const Vec6 mu = inertial_wrench<double>(end_.pose[n], p_[n]);
       const Vec6 a = (mu - m.mu) / (h_ * a_.gamma) - ((1.0 - a_.gamma) / a_.gamma) * m.a;
-      m.f_older = m.f_old;
       m.f_old = m.f;
       m.f = ((1.0 - a_.alpha_m) * a + a_.alpha_m * m.a - a_.alpha_f * m.f) / (1.0 - a_.alpha_f);
       m.a = a;
@@ -739,7 +740,6 @@ void GeneralizedAlpha::accept() {
   }
   calm_velocities();
   free_.keep({a_.alpha_m, a_.alpha_f, a_.gamma, a_.beta}, h_, end_, Q_);
-  keep_rate();
   system_.follow_angles(end_);
   const Work power = system_.power(end_);
   end_.work += 0.5 * h_ * (power_ + power);

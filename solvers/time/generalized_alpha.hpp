@@ -125,6 +125,7 @@ class GeneralizedAlpha final : public OneStep {
   bool surprises(StepReport& report);
   bool outgrows(double h) const;
   bool is_cut_short() const;
+  void find_rate();
   void keep_rate();
   void lag_by_rate(double h);
   double most_of(const std::vector<Vec6>& motions) const;
@@ -177,8 +178,8 @@ class GeneralizedAlpha final : public OneStep {
   struct Momentum {
     Vec6 mu = Vec6::Zero(), f = Vec6::Zero(), f_old = Vec6::Zero(), a = Vec6::Zero(),
          past = Vec6::Zero();
-    Vec6 at_start = Vec6::Zero();                      // f of the last start, before (4)
-    Vec6 f_older = Vec6::Zero(), rate = Vec6::Zero();  // as rate_, of f
+    Vec6 at_start = Vec6::Zero();  // f of the last start, before (4)
+    Vec6 rate = Vec6::Zero();      // as rate_, of f
   };
   std::vector<Momentum> momentum_;  // empty for Balance::acceleration
   std::vector<Vec6> p_;             // M V, body axes

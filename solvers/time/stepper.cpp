@@ -177,18 +177,17 @@ std::uint64_t hash_of(std::span<const char> bytes) {
 // as they are, and the residuals of some motions of many sizes, by which laws of springs and the like are known.
 std::uint64_t fingerprint(const System& system) {
   Hash hash;
-  const auto add_text = [&](std::string_view text) { hash.add(text); };
-  for (Index n = 0; n < system.nodes(); ++n) add_text(system.node_name(n));
-  for (const ConstraintInfo& c : system.constraints()) add_text(c.name);
+  for (Index n = 0; n < system.nodes(); ++n) hash.add(system.node_name(n));
+  for (const ConstraintInfo& c : system.constraints()) hash.add(c.name);
   for (std::size_t i = 0; i < system.signals().size(); ++i) {
-    add_text(system.signal_name(i));
+    hash.add(system.signal_name(i));
     bool is_rate = false;
     if (const Expression* const law = system.signals()[i].expression(is_rate)) {
       hash.add(is_rate);
       hash.add(law->signature());
     }
   }
-  for (const InputInfo& input : system.inputs()) add_text(input.name + " " + input.unit);
+  for (const InputInfo& input : system.inputs()) hash.add(input.name + " " + input.unit);
   const State reference = system.reference_state();
   State state = reference;
   const auto motion = [&](double size, Index n) {
@@ -214,7 +213,7 @@ std::uint64_t fingerprint(const System& system) {
     hash.add(std::span<const double>(r.data(), static_cast<std::size_t>(r.size())));
   }
   for (const auto& controller : system.controllers()) {
-    add_text(controller->name());
+    hash.add(controller->name());
     hash.add(controller->period());
     hash.add(controller->signature());
   }
