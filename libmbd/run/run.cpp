@@ -571,27 +571,29 @@ class Run {
       if (report_.rows == 0) fail_to_start(result.failure);
       report_.failure = "static equilibrium: " + result.failure;
     }
-    if (!result.neutral.empty())
-      report_.notes.push_back(fmt::format(
-          "nothing answers {} of the equilibrium ({}): it is left where it is, and any other is an "
-          "equilibrium too; a joint or a spring would hold it",
-          result.neutral.size() == 1 ? std::string("one motion")
-                                     : fmt::format("{} motions", result.neutral.size()),
-          fmt::join(result.neutral, "; ")));
+    note_neutral(result.neutral, "of the equilibrium");
     report_.notes.insert(report_.notes.end(), result.passed.begin(), result.passed.end());
-    if (result.converged) judge_stability(state, !result.neutral.empty(), result.negative);
+    if (result.converged) judge_stability(result.negative);
     in_statics_ = false;
   }
 
-  // Of the equilibrium of a <static>, whose negative eigenvalues may have been counted.
-  void judge_stability(const State& state, bool neutral, const std::optional<Index>& counted) {
+  void note_neutral(const std::vector<std::string>& motions, const std::string& of) {
+    if (motions.empty()) return;
+    report_.notes.push_back(fmt::format(
+        "nothing answers {} {} ({}): it is left where it is, and any other is an equilibrium too; a "
+        "joint or a spring would hold it",
+        motions.size() == 1 ? std::string("one motion") : fmt::format("{} motions", motions.size()),
+        of, fmt::join(motions, "; ")));
+  }
+
+  // Of the equilibrium of a <static>, by its negative eigenvalues, if they were counted.
+  void judge_stability(const std::optional<Index>& counted) {
     if (!has_potential(scene_)) {
       report_.notes.push_back("the stability of the equilibrium is not judged: " +
                               without_potential(scene_));
       return;
     }
-    report_.negative_eigenvalues =
-        counted ? counted : StabilityCount(*model_.system)(state, neutral);
+    report_.negative_eigenvalues = counted;
     report_.equilibrium += watch_.lap();
     if (report_.negative_eigenvalues.value_or(0) > 0)
       report_.notes.push_back(fmt::format(
@@ -638,6 +640,7 @@ class Run {
     report_.static_counters = result.counters;
     report_.most_static_iterations = result.most_iterations;
     report_.special = result.special;
+    note_neutral(result.neutral, "of the equilibria");
     report_.path_end = result.end;
     report_.notes.insert(report_.notes.end(), result.notes.begin(), result.notes.end());
     report_.path_load = {result.least_load, result.most_load};

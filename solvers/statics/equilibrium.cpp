@@ -79,6 +79,7 @@ struct Newton {
   Counters& counters;
   std::string& failure;
   MixedIterate& mixed;
+  const Holds holds;  // of neutral motions that are known
   const VecX weights = motion_weights(system);
   NeutralMotions free{};
   double stiffness = 0.0;                 // the largest of the start
@@ -149,6 +150,10 @@ struct Newton {
 
   // Neutral motions, whose pivots are round-off or zero, are looked for at first and held from then on.
   FactorStatus factor(bool first) {
+    if (!holds.rows.empty()) {
+      add_holds(system, solver.slots(), holds);
+      return solver.factor();
+    }
     if (first) {
       if (!is_nothing(stiffness)) {  // or there is nothing to factor
         const FactorStatus status = solver.factor();
@@ -274,11 +279,15 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
                         State& state, Counters& counters, std::string& failure,
                         NeutralMotions* neutral, MixedIterate* mixed) {
   MixedIterate own;
-  if (neutral != nullptr) *neutral = {};
-  Newton newton{system, solver, options, state, counters, failure, mixed != nullptr ? *mixed : own};
+  Holds holds;
+  if (neutral != nullptr && neutral->count() > 0) {
+    holds = holds_of(motion_weights(system), *neutral);
+    *neutral = {};
+  }
+  Newton newton{system, solver,  options, state,
+                counters, failure, mixed != nullptr ? *mixed : own, std::move(holds)};
   if (!newton.iterate()) return false;
-  if (neutral != nullptr && newton.free.count() > 0) {
-    // Off the equilibrium a motion that is neutral at it has some stiffness, of the order of the residual.
+  if (neutral != nullptr && (newton.free.count() > 0 || !newton.holds.rows.empty())) {
     NeutralMotions there = find_neutral_motions(system, solver, state, newton.mixed.resultants);
     ++counters.factorizations;
     *neutral = there.count() >= newton.free.count() ? std::move(there) : std::move(newton.free);

@@ -51,7 +51,9 @@ struct MixedIterate {
 // forces and gaps are judged in one measure, of motion. Skipped where increments are small.
 //
 // Where the tangent is singular at the start by neutral motions (stability.hpp), they are left as they are: of all
-// increments the least is taken. It fails where loads drive one of them. `neutral` becomes those of the solution.
+// increments the least is taken. It fails where loads drive one of them. `neutral` becomes those of the solution. Off an
+// equilibrium what is neutral at it has some stiffness, of the order of the residual, and increments along it are of any size:
+// those that are known of an equilibrium nearby are given in `neutral`, and held from the first iteration.
 bool newton_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
                         State& state, Counters& counters, std::string& failure,
                         NeutralMotions* neutral = nullptr, MixedIterate* mixed = nullptr);

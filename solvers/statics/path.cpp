@@ -22,9 +22,10 @@ constexpr double located = 1e-6;  // what remains of a root's bracket, of the st
 // A root of what is continuous, not a pole: what is left there, of its change. Its bracket is at round-off; t_mu is
 // known to 1e-5 where shear is 1e9 times as stiff as bending.
 constexpr double continuous = 1e-4;
+constexpr double no_jump = 1e-4;  // of the eigenvalue at a root's bracket, of that at the ends
 constexpr double balanced = 1e-8;          // force along a mode, of the change of its eigenvalue
 constexpr double most_first_steps = 20.0;  // of the load, in a step that moves nothing
-constexpr int most_halvings = 5;           // of a step in which an event could not be located
+constexpr int most_halvings = 10;          // of a step in which an event could not be located
 constexpr int most_leaps = 4;
 constexpr double most_of_a_leap =
     0.5;                           // of the motion of a step, that its tangents do not foretell
@@ -60,8 +61,9 @@ class Follower {
   PathReport go(State& state) {
     state.load_factor = 0.0;
     MixedIterate mixed;
+    NeutralMotions neutral;
     if (!newton_equilibrium(system_, plain_, options_.newton, state, report_.counters,
-                            report_.failure, nullptr, &mixed)) {
+                            report_.failure, &neutral, &mixed)) {
       report_.failure = "there is no equilibrium without load to start from: " + report_.failure;
       return std::move(report_);
     }
@@ -69,6 +71,7 @@ class Follower {
     Point start;
     start.state = state;
     start.resultants = std::move(mixed.resultants);
+    hold(start.state, neutral);
     if (!first_tangent(start)) return std::move(report_);
     if (!index_at_start(start)) return std::move(report_);
     if (!accept(start, PathEvent::none, 0)) return std::move(report_);
@@ -119,12 +122,21 @@ class Follower {
     return a.head(n_).dot(w_.cwiseProduct(b.head(n_))) + c2_ * a(n_) * b(n_);
   }
 
+  // What nothing answers and loads do not drive would make tangents singular.
+  void hold(const State& start, const NeutralMotions& neutral) {
+    if (drives(system_, start, neutral)) return;
+    holds_ = holds_of(w_, neutral);
+    for (Index i = 0; i < neutral.count(); ++i)
+      report_.neutral.push_back(name_of_motion(system_, neutral.shapes.col(i)));
+  }
+
   static std::span<double> span(VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
   // r and the matrix of (1) at a state; of a corrector with its resultants.
   bool factor_bordered(const State& state, const VecX& normal, VecX& r,
                        std::span<const Vec6> resultants = {}) {
     system_.linearize_mixed(state, resultants, r, *bordered_);
+    add_holds(system_, bordered_->slots(), holds_);
     system_.load_rate(state, rate_);
     count_tangent();
     const std::span<const Slot> slots = bordered_->slots();
@@ -152,6 +164,7 @@ class Follower {
   bool first_tangent(Point& start) {
     VecX r;
     system_.linearize(start.state, {}, r, plain_);
+    add_holds(system_, plain_.slots(), holds_);
     system_.load_rate(start.state, rate_);
     count_tangent();
     if (plain_.factor() != FactorStatus::ok) {
@@ -208,7 +221,7 @@ class Follower {
       return sign == 0 ? std::nullopt : std::optional<Index>(sign < 0 ? 1 : 0);
     }
     ++report_.counters.tangents;
-    const std::optional<Index> count = (*stability_)(point.state, false, point.resultants);
+    const std::optional<Index> count = (*stability_)(point.state, holds_, point.resultants);
     asymmetry_ = std::max(asymmetry_, stability_->asymmetry());
     return count;
   }
@@ -233,8 +246,11 @@ class Follower {
       resultants[i] = from.resultants[i] + h * resultants[i];
     for (std::size_t i = 0; i < from.bend_of_resultants.size(); ++i)
       resultants[i] += (0.5 * h * h) * from.bend_of_resultants[i];
-    const bool on_cylinder = options_.method == PathMethod::crisfield;
-    const double radius = on_cylinder ? std::abs(h) * displacement(from.tangent) : 0.0;
+    // Where nothing moves the cylinder is a line, and the step one of the load.
+    constexpr double moves = 1e-6;
+    const double moved = displacement(from.tangent);
+    const bool on_cylinder = options_.method == PathMethod::crisfield && moved > moves;
+    const double radius = on_cylinder ? std::abs(h) * moved : 0.0;
     IncrementNorm norm(system_, options_.newton);
     norm.observe(from.state.lambda);
     VecX r, x(n_ + 1);
@@ -357,7 +373,7 @@ class Follower {
 
   End end_at(double h, const Point& point) {
     const std::optional<CriticalMode> mode =
-        critical_mode(system_, plain_, point.state, guess_, point.resultants);
+        critical_mode(system_, plain_, point.state, guess_, point.resultants, holds_);
     ++report_.counters.factorizations;
     if (!mode) return {h, 0.0, {}};
     return {h, mode->eigenvalue, mode->shape};
@@ -392,11 +408,20 @@ class Follower {
         if ((secant - left.h) * (secant - right.h) < 0.0) h = secant;
       }
       std::optional<Point> point;
-      if (same) point = between_off(found.shape, scale, from, h);
-      if (!point) point = between(from, h);
+      // Where the matrix is singular to the last bit there is no tangent; beside that there is.
+      for (const double aside : {0.0, 1e-6, -1e-6}) {
+        const double x = h + aside * (right.h - left.h);
+        if (same) point = between_off(found.shape, scale, from, x);
+        if (!point) point = between(from, x);
+        if (!point) continue;
+        h = x;
+        break;
+      }
       if (!point) break;
       point->index = index(*point);
       End middle = end_at(h, *point);
+      // Singular to the last bit: of the mode that crosses.
+      if (middle.shape.size() == 0 && same) middle.shape = found.shape;
       if (found.shape.size() == 0 || std::abs(middle.value) < std::abs(found.value)) {
         found = middle;
         best = *point;
@@ -416,14 +441,18 @@ class Follower {
       }
       last_side = side;
     }
-    if (found.shape.size() == 0 || !(singular || std::abs(found.value) <= located * scale ||
-                                     std::abs(right.h - left.h) <= located * std::abs(b - a)))
+    // Where the corrector leads to another path from some h on the eigenvalue jumps, and has no root.
+    const bool narrow = std::abs(right.h - left.h) <= located * std::abs(b - a) &&
+                        std::abs(found.value) <= no_jump * scale;
+    if (found.shape.size() == 0 ||
+        !(singular || narrow || std::abs(found.value) <= located * scale))
       return std::nullopt;
     // The matrix of (1) is singular here, and its tangent holds some of the mode: the tangents of the ends do
     // not.
     const double share = (found.h - a) / (b - a);
     best.tangent = (1.0 - share) * at_a.tangent + share * at_b.tangent;
     best.tangent /= std::sqrt(dot(best.tangent, best.tangent));
+    if (leap(from, best, found.h) == Leap::far) return std::nullopt;  // of another path
     return Event{found.h, PathEvent::bifurcation, false, best, found.shape, at_a.index, after};
   }
 
@@ -633,9 +662,12 @@ class Follower {
   }
 
   // Whether the motion of a step is not what the tangents of its ends make of it: another part of the path was met, or another
-  // path. The load does not tell, which is most of a step where loads move little of the scene.
-  bool is_leap(const Point& at, const Point& next, double h) const {
+  // path. The load does not tell, which is most of a step where loads move little of the scene. `far`: none that steps cut
+  // often enough may make, as they may where a law has a kink.
+  enum class Leap { none, near, far };
+  Leap leap(const Point& at, const Point& next, double h) const {
     constexpr double none = 1e-8;  // of the scene: the tolerance of Newton's iterations, and more
+    constexpr double far = 1e-3, longer = 3.0;
     const Index motions = 6 * (system_.nodes() - 1);
     VecX moved(motions);
     for (Index n = 0; n < motions; n += 6) {
@@ -646,8 +678,9 @@ class Follower {
     const auto size = [&](const VecX& x) {
       return std::sqrt(x.dot(w_.head(motions).cwiseProduct(x)));
     };
-    const double most = std::max(size(moved), size(foretold));
-    return most > none && size(moved - foretold) > most_of_a_leap * most;
+    const double way = size(moved), most = std::max(way, size(foretold));
+    if (!(most > none && size(moved - foretold) > most_of_a_leap * most)) return Leap::none;
+    return way > far && way > longer * size(foretold) ? Leap::far : Leap::near;
   }
 
   void note_not_located(const Point& at, const Point& next) {
@@ -690,6 +723,21 @@ class Follower {
     return true;
   }
 
+  // A step from `at` for one of h that failed. False where none is left: the report says why.
+  bool shorten(const Point& at, double& h, int& leaps) {
+    h *= 0.5;
+    if (h >= smallest_step * options_.max_step) return true;
+    // Within round-off of a singular point small steps do not converge; a large one may get past it.
+    if (leaps < most_leaps) {
+      h = options_.max_step / std::pow(4.0, ++leaps);
+      return true;
+    }
+    report_.failure = fmt::format(
+        "the path cannot be followed beyond load factor {:.9g}: {}", at.state.load_factor,
+        why_.empty() ? "the corrector does not converge in the smallest step" : why_);
+    return false;
+  }
+
   void trace(Point at, int branch, const std::string& who) {
     sign_of_branch_ = branch < 0 ? -1.0 : 1.0;
     double h = first_step(at, branch);
@@ -705,24 +753,14 @@ class Follower {
       std::optional<Point> next = step(at, h, iterations, turn);
       if (!next) {
         ++report_.counters.retries;
-        h *= 0.5;
-        // Within round-off of a singular point small steps do not converge; a large one may get past it.
-        if (h < smallest_step * options_.max_step && leaps < most_leaps) {
-          h = options_.max_step / std::pow(4.0, ++leaps);
-          continue;
-        }
-        if (h < smallest_step * options_.max_step) {
-          report_.failure = fmt::format(
-              "the path cannot be followed beyond load factor {:.9g}: {}", at.state.load_factor,
-              why_.empty() ? "the corrector does not converge in the smallest step" : why_);
-          return;
-        }
+        if (!shorten(at, h, leaps)) return;
         continue;
       }
-      if (!at.is_branching && refused < most_refused && is_leap(at, *next, h)) {
+      const Leap leaps_off = at.is_branching ? Leap::none : leap(at, *next, h);
+      if (leaps_off == Leap::far || (leaps_off == Leap::near && refused < most_refused)) {
         ++refused;
         ++report_.counters.retries;
-        h *= 0.5;
+        if (!shorten(at, h, leaps)) return;
         continue;
       }
       next->index = index(*next);
@@ -797,6 +835,7 @@ class Follower {
   VecX w_;
   double c2_ = 1.0, sign_of_branch_ = 1.0, asymmetry_ = 0.0, stiffness_ = 0.0;
   VecX rate_, guess_;
+  Holds holds_;  // of neutral motions
   VecX deflated_;       // mode along which the corrector does not move; usually empty
   double scale_ = 0.0;  // of its eigenvalue
   State last_;

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <utility>
 
 #include "solvers/constraints/parts.hpp"
 #include "solvers/newton/increments.hpp"
+#include "solvers/statics/equilibrium.hpp"
 
 namespace mbd {
 
@@ -34,24 +37,27 @@ StabilityCount::StabilityCount(const System& system, LinearSolver& solver)
 
 namespace {
 
+// The slot of each node's own block.
+std::vector<const Slot*> own_slots(const System& system, std::span<const Slot> slots) {
+  std::vector<const Slot*> own(static_cast<std::size_t>(system.nodes()) - 1, nullptr);
+  const auto& contributions = system.graph().contributions;
+  for (std::size_t i = 0; i < contributions.size(); ++i) {
+    const auto [row, column] = contributions[i];
+    if (row >= 0 && row == column && static_cast<std::size_t>(row) < own.size())
+      own[static_cast<std::size_t>(row)] = &slots[i];
+  }
+  return own;
+}
+
 // s W of stability.hpp on the diagonal of what has been added to slots; false if a node has no place for it.
 bool add_springs(const System& system, std::span<const Slot> slots, double s) {
   const VecX w = motion_weights(system);
-  const auto nodes = static_cast<std::size_t>(system.nodes()) - 1;
-  std::vector<char> done(nodes, 0);
-  std::size_t left = nodes;
-  const auto& contributions = system.graph().contributions;
-  for (std::size_t i = 0; i < contributions.size() && left > 0; ++i) {
-    const auto [row, column] = contributions[i];
-    if (row < 0 || row != column || static_cast<std::size_t>(row) >= nodes) continue;
-    const auto n = static_cast<std::size_t>(row);
-    if (done[n] != 0) continue;
-    done[n] = 1;
-    --left;
-    for (Index k = 0; k < 6; ++k)
-      slots[i].data[k * (slots[i].ld + 1)] += s * w(6 * static_cast<Index>(n) + k);
+  Index row = 0;
+  for (const Slot* const slot : own_slots(system, slots)) {
+    if (slot == nullptr) return false;
+    for (Index k = 0; k < 6; ++k, ++row) slot->data[k * (slot->ld + 1)] += s * w(row);
   }
-  return left == 0;
+  return true;
 }
 
 // Where nothing is stiff, as a wheel on its axle, any will do.
@@ -91,6 +97,42 @@ bool strains_beams(const System& system, const State& state, const VecX& x) {
   }
   return false;
 }
+
+namespace {
+
+// Whether what moves far along x from an equilibrium is in equilibrium still, up to multipliers: at a critical point it is not.
+// (Neutral motions, rigid ones and spins, are the same all the way as increments in the nodes' own axes.) `solver` has the
+// factors of S + s W at the state.
+bool keeps_equilibrium(const System& system, const LinearSolver& solver, const State& state,
+                       const NeutralMotions& found, const VecX& x) {
+  constexpr double far = 0.1;  // of the scene, or [rad]
+  constexpr double in_equilibrium = 1e-7, aside = 1e-4, along = 0.1;
+  const VecX w = motion_weights(system);
+  VecX r;
+  // What brings a state to equilibrium, along x and aside, of motions.
+  const auto corrections = [&](const State& at) -> std::pair<double, double> {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    if (!system.residual(at, r)) return {infinite, infinite};
+    VecX y = r.tail(w.size());
+    solver.solve({y.data(), static_cast<std::size_t>(y.size())});
+    found.take_out(w, y);
+    const double part = y.dot(w.cwiseProduct(x));
+    y -= part * x;
+    const double rest = std::sqrt(y.dot(w.cwiseProduct(y)));
+    if (!std::isfinite(part + rest)) return {infinite, infinite};
+    return {std::abs(part), rest};
+  };
+  if (corrections(state).second > in_equilibrium) return false;
+  for (const double share : {far, -far}) {
+    State moved = state;
+    retract(system, moved, x, share);
+    const auto [part, rest] = corrections(moved);
+    if (part > along * far || rest > aside * far) return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state,
                                     std::span<const Vec6> resultants) {
@@ -136,17 +178,64 @@ NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, 
     }
     if (!(std::abs(eigenvalue) < 2.0 * s)) return found;
     if (!take_out_all(x)) return found;
-    if (strains_beams(system, state, x)) return found;
+    if (strains_beams(system, state, x) && !keeps_equilibrium(system, solver, state, found, x))
+      return found;
     if (found.count() == most) return none;
     found.shapes.conservativeResize(Eigen::NoChange, found.count() + 1);
     found.shapes.col(found.count() - 1) = x;
   }
 }
 
-std::optional<Index> StabilityCount::operator()(const State& equilibrium, bool neutral,
+bool drives(const System& system, const State& state, const NeutralMotions& neutral) {
+  constexpr double none = 1e-9;  // of the loads
+  if (neutral.count() == 0) return false;
+  VecX rate;
+  system.load_rate(state, rate);
+  const Index motions = 6 * (system.nodes() - 1);
+  // Loads are energies of a motion of unit size.
+  VecX loads = rate.segment(6, motions);
+  double size = 0.0;
+  for (Index i = 0; i < motions; ++i)
+    size = std::max(size, std::abs(loads(i)) * (i % 6 < 3 ? system.length_scale() : 1.0));
+  const VecX work = neutral.shapes.topRows(motions).transpose() * loads;
+  return !(work.norm() <= none * size);
+}
+
+Holds holds_of(const VecX& weights, const NeutralMotions& neutral) {
+  Holds holds;
+  Eigen::MatrixXd left = weights.cwiseSqrt().asDiagonal() * neutral.shapes;
+  for (Index k = 0; k < neutral.count(); ++k) {  // elimination with pivots from all that is left
+    Index row = 0, column = 0;
+    const double pivot = left.cwiseAbs().maxCoeff(&row, &column) > 0.0 ? left(row, column) : 0.0;
+    if (pivot == 0.0) break;
+    holds.rows.push_back(row);
+    const Eigen::RowVectorXd shares = left.row(row) / pivot;
+    const VecX taken = left.col(column);
+    left -= taken * shares;
+  }
+  return holds;
+}
+
+void add_holds(const System& system, std::span<const Slot> slots, const Holds& holds) {
+  if (holds.rows.empty()) return;
+  const std::vector<const Slot*> own = own_slots(system, slots);
+  const double L = system.length_scale(), stiffness = largest_stiffness(system, slots);
+  for (const Index row : holds.rows) {
+    const Slot* const slot = own[static_cast<std::size_t>(row / 6)];
+    if (slot == nullptr) continue;
+    const Index k = row % 6, first = k < 3 ? 0 : 3;
+    double there = 0.0;
+    for (Index j = first; j < first + 3; ++j)
+      there = std::max(there, std::abs(slot->data[j * (slot->ld + 1)]));
+    if (there == 0.0) there = stiffness > 0.0 ? stiffness * (first == 0 ? 1.0 : L * L) : 1.0;
+    slot->data[k * (slot->ld + 1)] += there;
+  }
+}
+
+std::optional<Index> StabilityCount::operator()(const State& equilibrium, const Holds& holds,
                                                 std::span<const Vec6> resultants) {
   system_.linearize_mixed(equilibrium, resultants, r_, *solver_);
-  if (neutral) add_springs(system_, solver_->slots(), spring_of(system_, *solver_));
+  add_holds(system_, solver_->slots(), holds);
   if (solver_->factor() != FactorStatus::ok) return std::nullopt;
   const std::optional<Index> negative = solver_->negative_eigenvalues();
   // Fewer than constraints: they are not independent, and the count means nothing.
@@ -156,11 +245,12 @@ std::optional<Index> StabilityCount::operator()(const State& equilibrium, bool n
 
 std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& solver,
                                           const State& state, const VecX& guess,
-                                          std::span<const Vec6> resultants) {
+                                          std::span<const Vec6> resultants, const Holds& holds) {
   constexpr int most_iterations = 60;
   constexpr double converged = 1e-13;  // of the eigenvalue, relative; twice in a row
   VecX r;
   system.linearize_mixed(state, resultants, r, solver);
+  add_holds(system, solver.slots(), holds);
   if (solver.factor() != FactorStatus::ok) return std::nullopt;
   const VecX w = motion_weights(system);
   CriticalMode mode;

@@ -58,17 +58,22 @@ std::string reason(const System& system, LinearSolver& solver, const State& star
       name_of_motion(system, mode->shape));
 }
 
-// Of a load step, so that what prescribed motions turn is less than half a turn: beyond that another turn would do as well.
+// Of a load step, so that what prescribed motions turn is less than half a turn, each and all together, as what joins two of
+// them sees it: beyond that another turn would do as well.
 double most_ahead(const System& system, const State& state) {
-  constexpr double most_turned = 2.0;  // [rad]
+  constexpr double most_turned = 2.0, most_of_all = 3.0;  // [rad]
   VecX rate;
   system.load_rate(state, rate);
-  double turned = 0.0;
-  for (const ConstraintInfo& c : system.constraints())
+  double most = 0.0, all = 0.0;
+  for (const ConstraintInfo& c : system.constraints()) {
+    double turned = 0.0;
     for (Index i = 0; i < c.rows; ++i)
       if (!c.is_position[static_cast<std::size_t>(i)])
-        turned = std::max(turned, std::abs(rate(6 * system.nodes() + c.first_row + i)));
-  return turned > most_turned ? most_turned / turned : 1.0;
+        turned = std::hypot(turned, rate(6 * system.nodes() + c.first_row + i));
+    most = std::max(most, turned);
+    all += turned;
+  }
+  return 1.0 / std::max({1.0, most / most_turned, all / most_of_all});
 }
 
 using Resultants = std::vector<Vec6>;
@@ -178,6 +183,7 @@ struct LoadSteps {
   StabilityCount* count = nullptr;  // null where there is no potential
   int sign = 0;                     // of the determinant at the last equilibrium; 0: not known
   std::optional<Index> negative{};  // eigenvalues there
+  NeutralMotions free{};            // motions there
   bool cut = false;                 // the last step was
   bool judges_rates = true;
   double whole = 0.0;  // the increment before it was cut where the path was left; 0: it was not
@@ -224,13 +230,14 @@ struct LoadSteps {
     std::optional<Index> negative;  // eigenvalues there
   };
 
-  std::optional<Index> negative_at(const State& at, const Resultants& S) {
+  std::optional<Index> negative_at(const State& at, const Resultants& S,
+                                   const NeutralMotions& motions) {
     ++report.counters.tangents;
-    return count ? (*count)(at, false, S) : std::nullopt;
+    return count ? (*count)(at, holds_of(weights, motions), S) : std::nullopt;
   }
 
-  // The rate of the path without load, where there is an equilibrium to start from and nothing is neutral, and the sign of
-  // the determinant there.
+  // The rate of the path without load, where there is an equilibrium to start from and loads drive nothing that is neutral, and
+  // the sign of the determinant there.
   void begin() {
     constexpr double most =
         1.0;  // [rad] of a first prediction; Newton's own increments are shortened beyond
@@ -243,13 +250,16 @@ struct LoadSteps {
     newton.line_search = false;
     if (!newton_equilibrium(system, solver, newton, unloaded, report.counters, failure, &neutral,
                             &mixed) ||
-        neutral.count() > 0)
+        (neutral.count() > 0 && drives(system, start, neutral)))
       return;
     sign = mixed.sign;
     VecX rate = motion_per_load(system, solver, unloaded);
+    if (neutral.count() > 0 && rate.size() > 0) neutral.take_out(weights, rate);
+    free = neutral;
     if (rate.size() == 0 || largest_rotation_in(system, rate) / std::max(1, options.steps) < most)
       path = path.next(unloaded, std::move(rate), mixed, 1.0);
-    if (sign != 0) negative = negative_at(start, path.resultants());
+    if (sign != 0 || neutral.count() > 0)
+      negative = negative_at(start, path.resultants(), neutral);
   }
 
   Step attempt(const State& state) {
@@ -268,6 +278,7 @@ struct LoadSteps {
     newton.line_search = false;
     const bool by_newton = options.solver == StaticSolver::newton;
     const auto equilibrium = by_newton ? newton_equilibrium : kinsol_equilibrium;
+    if (!drives(system, state, free)) step.neutral = free;
     step.found = equilibrium(system, solver, newton, step.state, report.counters, step.failure,
                              &step.neutral, &step.mixed);
     // Beyond the range of its metric an element is wound the other way round.
@@ -277,6 +288,7 @@ struct LoadSteps {
     }
     if (!step.found && options.newton.line_search && by_newton) {
       newton.line_search = true;
+      step.neutral = {};
       step.state = state;
       step.state.load_factor = next;
       step.mixed = {};
@@ -294,7 +306,8 @@ struct LoadSteps {
     VecX rate = motion_per_load(system, solver, step.state);
     if (step.neutral.count() > 0 && rate.size() > 0) step.neutral.take_out(weights, rate);
     step.path = path.next(step.state, std::move(rate), step.mixed, step.ahead);
-    if (step.neutral.count() == 0) step.negative = negative_at(step.state, step.mixed.resultants);
+    step.negative = negative_at(step.state, step.mixed.resultants, step.neutral);
+    if (step.neutral.count() != free.count()) negative.reset();  // of other motions
     const bool signs = options.conservative && sign != 0 && step.mixed.sign != 0;
     return (signs && (step.mixed.sign != sign || step.mixed.sign_varied)) ||
            (negative && step.negative && *negative != *step.negative) ||
@@ -344,6 +357,7 @@ struct LoadSteps {
     path = std::move(*step.path);
     sign = step.mixed.sign;
     negative = report.negative = step.negative;
+    free = std::move(step.neutral);
     report.searched += step.searched ? 1 : 0;
     report.neutral.clear();
     for (Index i = 0; i < step.neutral.count(); ++i)
@@ -362,8 +376,8 @@ StaticReport solve_statics(const System& system, LinearSolver& solver, const Sta
   solver.analyze(system.graph());
   std::optional<StabilityCount> count;
   if (options.has_potential) count.emplace(system, solver);
+  state.load_factor = 0.0;
   State start = state;
-  start.load_factor = 0.0;
   return LoadSteps{.system = system,
                    .solver = solver,
                    .options = options,
