@@ -499,7 +499,7 @@ forces and moments at the ends of beams need no multipliers.
 
 Usual supports of a beam `b`: clamped, `<fixed between="ground b.start" …/>`; a hinge about i2,
 `<revolute between="ground b.start" axis="0 1 0" …/>`; a roller along i1, `<point_on_line
-between="ground b.end" axis="1 0 0" …/>`, which leaves all rotations free.
+between="b.end ground" axis="1 0 0" …/>` (a point of the beam on a line of the ground), which leaves all rotations free.
 
 A drive or motion that starts at a rate needs bodies that move with it: give them `velocity` and
 `angular_velocity`, or let the drive start from rest (`rate="1 > t ? 6*t : 6"`); beams start at rest.

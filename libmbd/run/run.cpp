@@ -580,7 +580,8 @@ class Run {
   void note_neutral(const std::vector<std::string>& motions, const std::string& of) {
     if (motions.empty()) return;
     report_.notes.push_back(fmt::format(
-        "nothing answers {} {} ({}): it is left where it is, and any other is an equilibrium too; a "
+        "nothing answers {} {} ({}): it is left where it is, and any other is an equilibrium too; "
+        "a "
         "joint or a spring would hold it",
         motions.size() == 1 ? std::string("one motion") : fmt::format("{} motions", motions.size()),
         of, fmt::join(motions, "; ")));

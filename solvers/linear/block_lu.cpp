@@ -682,7 +682,7 @@ void backward_pivot(const BlockLuPlan& plan, const BlockLuPlan::Pivot& pivot, co
       x[0].im -= sums_of<n>(part);
     }
 #else
-    double sum[parts * registers * lane_count] = {};
+    double sum[static_cast<std::size_t>(parts * registers * lane_count)] = {};
     for (int c = 0; c < n; ++c) put(sum + c, registers * lane_count, sums[c].sum());
     for (int r = 0; r < registers; ++r) {
       Lanes<T> part;

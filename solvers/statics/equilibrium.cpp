@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "libmbd/core/stop.hpp"
 #include "solvers/constraints/redundancy.hpp"
@@ -108,7 +109,8 @@ struct Newton {
         stiffness = largest_stiffness(system, solver);
         norm.set_floor(state, stiffness);
       }
-      const FactorStatus status = factor(k == 0);
+      FactorStatus status = factor(k == 0);
+      if (k == 0 && !is_held()) status = factor_under_load();
       if (!is_held() || !is_regular(status)) return false;
       if (k == 0 && rests()) return is_admissible();
       x = -r.tail(x.size());
@@ -170,6 +172,19 @@ struct Newton {
     free = find_neutral_motions(system, solver, state, mixed.resultants);
     ++counters.factorizations;
     return free.count() > 0 ? FactorStatus::ok : FactorStatus::singular;
+  }
+
+  // With the multipliers that loads ask for: a weight on a rod is held by the tension that it makes itself.
+  FactorStatus factor_under_load() {
+    x = -r.tail(x.size());
+    solver.solve({x.data(), static_cast<std::size_t>(x.size())});
+    if (!x.tail(state.lambda.size()).allFinite()) return FactorStatus::ok;
+    state.lambda += x.tail(state.lambda.size());
+    linearize();
+    ++counters.tangents;
+    ++counters.factorizations;
+    free = {};
+    return factor(true);
   }
 
   // Loads drive none of the neutral motions.
@@ -275,6 +290,21 @@ std::vector<Vec6> rates_of_resultants(const System& system, const State& state,
   return rate;
 }
 
+bool find_equilibrium(const System& system, LinearSolver& solver, NewtonOptions options,
+                      State& state, Counters& counters, std::string& failure,
+                      NeutralMotions* neutral, MixedIterate* mixed) {
+  const State start = state;
+  const bool searches = std::exchange(options.line_search, false);
+  if (newton_equilibrium(system, solver, options, state, counters, failure, neutral, mixed))
+    return true;
+  state = start;
+  if (!searches) return false;
+  options.line_search = true;
+  if (neutral != nullptr) *neutral = {};
+  if (mixed != nullptr) *mixed = {};
+  return newton_equilibrium(system, solver, options, state, counters, failure, neutral, mixed);
+}
+
 bool newton_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,
                         State& state, Counters& counters, std::string& failure,
                         NeutralMotions* neutral, MixedIterate* mixed) {
@@ -284,8 +314,9 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
     holds = holds_of(motion_weights(system), *neutral);
     *neutral = {};
   }
-  Newton newton{system, solver,  options, state,
-                counters, failure, mixed != nullptr ? *mixed : own, std::move(holds)};
+  Newton newton{
+      system,          solver, options, state, counters, failure, mixed != nullptr ? *mixed : own,
+      std::move(holds)};
   if (!newton.iterate()) return false;
   if (neutral != nullptr && (newton.free.count() > 0 || !newton.holds.rows.empty())) {
     NeutralMotions there = find_neutral_motions(system, solver, state, newton.mixed.resultants);

@@ -58,6 +58,12 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
                         State& state, Counters& counters, std::string& failure,
                         NeutralMotions* neutral = nullptr, MixedIterate* mixed = nullptr);
 
+// The same without line search, and where that does not lead to one with it, if the options have it. `state` is the solution, or as
+// it was.
+bool find_equilibrium(const System& system, LinearSolver& solver, NewtonOptions options,
+                      State& state, Counters& counters, std::string& failure,
+                      NeutralMotions* neutral = nullptr, MixedIterate* mixed = nullptr);
+
 // KINSOL (SUNDIALS) with its line search on the scaled norm of the residual, the same tangent and linear
 // solver; a last Newton iteration by ours measures what is left in the same units.
 bool kinsol_equilibrium(const System& system, LinearSolver& solver, const NewtonOptions& options,

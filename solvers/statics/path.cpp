@@ -22,8 +22,8 @@ constexpr double located = 1e-6;  // what remains of a root's bracket, of the st
 // A root of what is continuous, not a pole: what is left there, of its change. Its bracket is at round-off; t_mu is
 // known to 1e-5 where shear is 1e9 times as stiff as bending.
 constexpr double continuous = 1e-4;
-constexpr double no_jump = 1e-4;  // of the eigenvalue at a root's bracket, of that at the ends
-constexpr double balanced = 1e-8;          // force along a mode, of the change of its eigenvalue
+constexpr double no_jump = 1e-4;   // of the eigenvalue at a root's bracket, of that at the ends
+constexpr double balanced = 1e-8;  // force along a mode, of the change of its eigenvalue
 constexpr double most_first_steps = 20.0;  // of the load, in a step that moves nothing
 constexpr int most_halvings = 10;          // of a step in which an event could not be located
 constexpr int most_leaps = 4;
@@ -62,8 +62,8 @@ class Follower {
     state.load_factor = 0.0;
     MixedIterate mixed;
     NeutralMotions neutral;
-    if (!newton_equilibrium(system_, plain_, options_.newton, state, report_.counters,
-                            report_.failure, &neutral, &mixed)) {
+    if (!find_equilibrium(system_, plain_, options_.newton, state, report_.counters,
+                          report_.failure, &neutral, &mixed)) {
       report_.failure = "there is no equilibrium without load to start from: " + report_.failure;
       return std::move(report_);
     }
@@ -452,7 +452,6 @@ class Follower {
     const double share = (found.h - a) / (b - a);
     best.tangent = (1.0 - share) * at_a.tangent + share * at_b.tangent;
     best.tangent /= std::sqrt(dot(best.tangent, best.tangent));
-    if (leap(from, best, found.h) == Leap::far) return std::nullopt;  // of another path
     return Event{found.h, PathEvent::bifurcation, false, best, found.shape, at_a.index, after};
   }
 
@@ -835,7 +834,7 @@ class Follower {
   VecX w_;
   double c2_ = 1.0, sign_of_branch_ = 1.0, asymmetry_ = 0.0, stiffness_ = 0.0;
   VecX rate_, guess_;
-  Holds holds_;  // of neutral motions
+  Holds holds_;         // of neutral motions
   VecX deflated_;       // mode along which the corrector does not move; usually empty
   double scale_ = 0.0;  // of its eigenvalue
   State last_;

@@ -77,7 +77,7 @@ struct PathReport {
   double least_load = 0.0, most_load = 0.0;
   std::vector<std::string> notes;    // what was not located
   std::vector<std::string> neutral;  // motions that nothing answers, held on the way, in words
-  double asymmetry = 0.0;          // largest of the tangent at counted points, relative
+  double asymmetry = 0.0;            // largest of the tangent at counted points, relative
   std::vector<SpecialPoint> special;
 };
 

@@ -58,22 +58,20 @@ std::string reason(const System& system, LinearSolver& solver, const State& star
       name_of_motion(system, mode->shape));
 }
 
-// Of a load step, so that what prescribed motions turn is less than half a turn, each and all together, as what joins two of
-// them sees it: beyond that another turn would do as well.
+// Of a load step, so that what prescribed motions turn is less than half a turn: beyond that another turn would do as well.
 double most_ahead(const System& system, const State& state) {
-  constexpr double most_turned = 2.0, most_of_all = 3.0;  // [rad]
+  constexpr double most_turned = 2.0;  // [rad]
   VecX rate;
   system.load_rate(state, rate);
-  double most = 0.0, all = 0.0;
+  double most = 0.0;
   for (const ConstraintInfo& c : system.constraints()) {
     double turned = 0.0;
     for (Index i = 0; i < c.rows; ++i)
       if (!c.is_position[static_cast<std::size_t>(i)])
         turned = std::hypot(turned, rate(6 * system.nodes() + c.first_row + i));
     most = std::max(most, turned);
-    all += turned;
   }
-  return 1.0 / std::max({1.0, most / most_turned, all / most_of_all});
+  return most > most_turned ? most_turned / most : 1.0;
 }
 
 using Resultants = std::vector<Vec6>;
@@ -190,7 +188,7 @@ struct LoadSteps {
   StaticReport report{};
 
   StaticReport run(State& state) {
-    begin();
+    begin(state);
     while (report.load_factor < 1.0) {
       Step step = attempt(state);
       const bool leaves = step.found && leaves_path(state, step);
@@ -238,28 +236,26 @@ struct LoadSteps {
 
   // The rate of the path without load, where there is an equilibrium to start from and loads drive nothing that is neutral, and
   // the sign of the determinant there.
-  void begin() {
+  void begin(State& state) {
     constexpr double most =
         1.0;  // [rad] of a first prediction; Newton's own increments are shortened beyond
     State unloaded = start;
     MixedIterate mixed;
     NeutralMotions neutral;
     std::string failure;
-    NewtonOptions newton = options.newton;
-    newton.max_iterations = 1;
-    newton.line_search = false;
-    if (!newton_equilibrium(system, solver, newton, unloaded, report.counters, failure, &neutral,
-                            &mixed) ||
-        (neutral.count() > 0 && drives(system, start, neutral)))
+    if (!find_equilibrium(system, solver, options.newton, unloaded, report.counters, failure,
+                          &neutral, &mixed) ||
+        (neutral.count() > 0 && drives(system, unloaded, neutral)))
       return;
+    if (motion_between(system, start, unloaded) > 0.0) system.follow_angles(unloaded);
+    start = state = unloaded;
     sign = mixed.sign;
     VecX rate = motion_per_load(system, solver, unloaded);
     if (neutral.count() > 0 && rate.size() > 0) neutral.take_out(weights, rate);
     free = neutral;
     if (rate.size() == 0 || largest_rotation_in(system, rate) / std::max(1, options.steps) < most)
       path = path.next(unloaded, std::move(rate), mixed, 1.0);
-    if (sign != 0 || neutral.count() > 0)
-      negative = negative_at(start, path.resultants(), neutral);
+    if (sign != 0 || neutral.count() > 0) negative = negative_at(start, path.resultants(), neutral);
   }
 
   Step attempt(const State& state) {
