@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -231,8 +232,8 @@ class Follower {
     return rates_of_resultants(system_, point.state, point.tangent.head(n_));
   }
 
-  // The point at h from another, by mixed Newton (equilibrium.hpp). Empty if the corrector does not converge quickly.
-  std::optional<Point> correct(const Point& from, double h, int& iterations) {
+  // Where the tangent and how it bends lead to from a point, with the resultants there.
+  Point foretold(const Point& from, double h) const {
     Point point;
     point.state = from.state;
     point.arc = from.arc + sign_of_branch_ * std::abs(h);
@@ -246,6 +247,13 @@ class Follower {
       resultants[i] = from.resultants[i] + h * resultants[i];
     for (std::size_t i = 0; i < from.bend_of_resultants.size(); ++i)
       resultants[i] += (0.5 * h * h) * from.bend_of_resultants[i];
+    return point;
+  }
+
+  // The point at h from another, by mixed Newton (equilibrium.hpp). Empty if the corrector does not converge quickly.
+  std::optional<Point> correct(const Point& from, double h, int& iterations) {
+    Point point = foretold(from, h);
+    std::vector<Vec6>& resultants = point.resultants;
     // Where nothing moves the cylinder is a line, and the step one of the load.
     constexpr double moves = 1e-6;
     const double moved = displacement(from.tangent);
@@ -365,6 +373,38 @@ class Follower {
     return point;
   }
 
+  // At h, or beside it: where the matrix is singular to the last bit there is no tangent. `off`: away from this mode, if any.
+  std::optional<Point> between_near(const VecX& off, double scale, const Point& from, double& h,
+                                    double bracket) {
+    for (const double aside : {0.0, 1e-6, -1e-6}) {
+      const double x = h + aside * bracket;
+      std::optional<Point> point;
+      if (off.size() > 0) point = between_off(off, scale, from, x);
+      if (!point) point = between(from, x);
+      if (!point) continue;
+      h = x;
+      return point;
+    }
+    return std::nullopt;
+  }
+
+  // Where the load is extreme, near h. It is known to more digits than its rate along the path, in which resultants of what is
+  // stiff are: by differences over a thousandth of the step.
+  double extreme_load(const Point& from, double h, double whole) {
+    const double d = 1e-3 * whole;
+    std::array<double, 5> mu{};
+    for (int k = -2; k <= 2; ++k) {
+      int iterations = 0;
+      const std::optional<Point> point = correct(from, h + k * d, iterations);
+      if (!point) return h;
+      mu[static_cast<std::size_t>(k + 2)] = point->state.load_factor;
+    }
+    const double slope = (8.0 * (mu[3] - mu[1]) - (mu[4] - mu[0])) / 12.0,
+                 curvature = (16.0 * (mu[3] + mu[1]) - (mu[4] + mu[0]) - 30.0 * mu[2]) / 12.0;
+    const double step = -slope / curvature;
+    return std::abs(step) < 0.1 ? h + step * d : h;
+  }
+
   // Of a bracket of a singular point: its measure from the last point, and the eigenvalue nearest to 0 with its mode.
   struct End {
     double h, value;
@@ -407,16 +447,8 @@ class Follower {
         const double secant = right.h - f_right * (right.h - left.h) / (f_right - f_left);
         if ((secant - left.h) * (secant - right.h) < 0.0) h = secant;
       }
-      std::optional<Point> point;
-      // Where the matrix is singular to the last bit there is no tangent; beside that there is.
-      for (const double aside : {0.0, 1e-6, -1e-6}) {
-        const double x = h + aside * (right.h - left.h);
-        if (same) point = between_off(found.shape, scale, from, x);
-        if (!point) point = between(from, x);
-        if (!point) continue;
-        h = x;
-        break;
-      }
+      std::optional<Point> point =
+          between_near(same ? found.shape : VecX(), scale, from, h, right.h - left.h);
       if (!point) break;
       point->index = index(*point);
       End middle = end_at(h, *point);
@@ -467,13 +499,15 @@ class Follower {
     // Roots of t_mu.
     std::vector<double> limits;
     if (from.tangent(n_) * to.tangent(n_) < 0.0 && !from.is_branching) {
-      const double h = find_root(
-          [&](double x) -> std::optional<double> {
-            const std::optional<Point> point = between(from, x);
-            if (!point) return std::nullopt;
-            return point->tangent(n_);
-          },
-          0.0, from.tangent(n_), whole, to.tangent(n_), tolerance);
+      const double h = extreme_load(from,
+                                    find_root(
+                                        [&](double x) -> std::optional<double> {
+                                          const std::optional<Point> point = between(from, x);
+                                          if (!point) return std::nullopt;
+                                          return point->tangent(n_);
+                                        },
+                                        0.0, from.tangent(n_), whole, to.tangent(n_), tolerance),
+                                    whole);
       std::optional<Point> point = between(from, h);
       const double change = std::abs(from.tangent(n_) - to.tangent(n_));
       if (point && std::abs(point->tangent(n_)) <= continuous * change) {

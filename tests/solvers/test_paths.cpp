@@ -194,8 +194,9 @@ TEST(LeeFramePathSlow, LimitPointsByBothMethods) {
     const auto& event = history.table["event"];
     const auto at =
         static_cast<std::size_t>(std::find(event.begin(), event.end(), 1.0) - event.begin());
-    EXPECT_NEAR(history.table["load.displacement.1"][at], 26.8805730, 5e-6);
-    EXPECT_NEAR(history.table["load.displacement.2"][at], -48.7351434, 5e-6);
+    // Mutation: the root of the rate of the load along the path, which round-off of resultants makes 5e-6 m off.
+    EXPECT_NEAR(history.table["load.displacement.1"][at], 26.8805730, 6e-8);
+    EXPECT_NEAR(history.table["load.displacement.2"][at], -48.7351434, 6e-8);
   }
   Scene stiffer = with_entry(coarse_lee_frame(), 5, 1.1);
   const auto limits =
