@@ -113,6 +113,10 @@ class Audit {
     double passed = 0.0,
            most_passed = 0.0;  // sum of the sizes of impulses; the largest of an account
     double size = 0.0;         // largest sum of the sizes of the nodes' shares
+    Vec3 second =
+        Vec3::Zero();  // what the trapezium of the last piece was corrected by, where it was
+    bool has_second = false;
+    double unsure = 0.0;  // of the impulse of the last piece, until the next is known
     Worst drift;
   };
   struct Outside {  // the right sides of (1), and sizes of what they sum up
@@ -128,6 +132,9 @@ class Audit {
   Vec3 point_of(int part, const State& state, Vec3* velocity = nullptr) const;
   bool goes_on(const DenseStep& step) const;
   void outside(const State& state, std::vector<Outside>& all) const;
+  void add_impulse(const std::vector<Outside>& all, double weight);
+  void impulse_of_ends(const DenseStep& step);
+  void correct_impulse(bool goes, double h);
   bool moves() const;
   void add_momenta(Certificate& all) const;
   double reciprocal_condition(double h) const;
@@ -160,12 +167,15 @@ class Audit {
   double fastest_ = 0.0, quickest_ = 0.0;  // [rad/s], [rad/s2]
   double energy_begin_ = 0.0, energy_end_ = 0.0;  // less works [J]
   double least_ = 0.0, most_ = 0.0;               // total energy [J]
+  double energy_size_ = 0.0;                      // largest sum of the sizes of its kinds [J]
   double energy_moved_ = 0.0;  // largest of kinetic energy, change of the total and works [J]
   Worst put_in_;               // energy [J]
   double farthest_ = 0.0, largest_force_ = 0.0;  // [m], of multipliers [N]
   double largest_outside_ = 0.0;                 // force on a part from outside [N]
   std::vector<Kept> kept_;                       // by part
   std::vector<Outside> outside_begin_, outside_middle_, outside_end_;
+  std::vector<Outside> outside_before_;  // of the piece before, at its beginning
+  double length_before_ = 0.0;           // of it [s]
   std::vector<int> holds_;  // by constraint: the part that it ties to the ground; -1: none
   double outside_at_ =
       0.0;  // when outside_end_ was found [s]; before the first piece: not a number

@@ -519,8 +519,9 @@ std::optional<std::string> idle_rows_open(const System& system, const State& sta
       break;
     }
   return fmt::format(
-      "constraints that repeated each other contradict each other: {} is open by {:.3g}, and opens "
-      "at {:.3g}/s, while the others hold{}{}",
+      "constraints that repeated each other contradict each other, or repeated each other in one "
+      "position only (a change point, which radau and generalized_alpha pass): {} is open by "
+      "{:.3g}, and opens at {:.3g}/s, while the others hold{}{}",
       row_in_words(system, worst), std::abs(g(worst)), std::abs(gdot(worst)),
       others.empty() ? "" : "; ", others);
 }

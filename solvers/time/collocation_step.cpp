@@ -84,6 +84,16 @@ void CollocationStep::prepare() const {
   prepared_ = true;
 }
 
+DenseStep::Balance CollocationStep::balance() const {
+  Balance balance;
+  balance.size = inside_.tableau->stages;
+  for (std::size_t j = 0; j < balance.size; ++j) {
+    balance.states[j] = inside_.stage[j];
+    balance.weights[j] = inside_.tableau->b[j];
+  }
+  return balance;
+}
+
 void CollocationStep::at(double t, State& out) const {
   if (!prepared_) prepare();
   const std::size_t s = inside_.tableau->stages;

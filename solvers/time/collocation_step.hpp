@@ -37,6 +37,7 @@ class CollocationStep final : public StepBetween {
   void set(const State& begin, const State& end, const Inside& inside);
 
   void at(double t, State& out) const override;
+  Balance balance() const override;
 
  private:
   static constexpr std::size_t most = RadauTableau::most_stages + 1;

@@ -17,6 +17,7 @@ void make_room(const State& begin, State& out) {
 }
 
 void HermiteStep::set(const State& begin, const State& end, std::span<const Vec6> Q) {
+  balance_ = {};
   set_ends(begin, end);
   Q_ = Q;
   inner_ = {};

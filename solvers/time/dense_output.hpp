@@ -76,8 +76,11 @@ class HermiteStep final : public StepBetween {
   // them, linearly between both ends), and powers. Refers to the multipliers.
   void set_inside(const std::array<double, 2>& times, const std::array<const VecX*, 2>& multipliers,
                   const std::array<Work, 2>& powers);
+  // Until the next call of set().
+  void set_balance(const Balance& balance) { balance_ = balance; }
 
   void at(double t, State& out) const override;
+  Balance balance() const override { return balance_; }
 
  private:
   void prepare() const;
@@ -85,6 +88,7 @@ class HermiteStep final : public StepBetween {
   const System& system_;
   Degree degree_;
   std::span<const Vec6> Q_;
+  Balance balance_;
   std::array<double, 2> times_{};
   std::array<const VecX*, 2> inner_{};
   std::array<Work, 2> inner_powers_{};

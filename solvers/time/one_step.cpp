@@ -320,7 +320,9 @@ bool OneStep::is_too_short(double h, double t, const std::string& unusable,
   report.failure = fmt::format(
       "at t = {:.9g} s the step has shrunk to {:.3g} s, where times are round-off: {}", t, h,
       report.failure.empty()
-          ? "the estimated error stays too large at " + system_.name_of(error_norm_->worst_row())
+          ? fmt::format("the estimated error stays too large at {}; look for a lock, a jump or an "
+                        "instability there",
+                        system_.name_of(error_norm_->worst_row()))
           : report.failure);
   if (report.kind == Failure::none) report.kind = Failure::step_size;
   return true;

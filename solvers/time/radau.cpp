@@ -766,6 +766,8 @@ void Radau::show(const std::array<Work, most>& power) {
     dense_.set(begin_, end_, Q_);
     dense_.set_inside({time_of(0), time_of(1)}, {&stage_[0].lambda, &stage_[1].lambda},
                       {power[0], power[1]});
+    dense_.set_balance(
+        {{&stage_[0], &stage_[1], &end_}, {t_->b[0], t_->b[1], t_->b[2]}, t_->stages});
     observer_(dense_);
     return;
   }

@@ -1,6 +1,7 @@
 // What advances a State over a System in time: generalized-alpha, Radau IIA, IDA.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -28,6 +29,16 @@ class DenseStep {
   // The states at both ends, of steppers that keep them while the step is shown; else nullptr, and at() tells.
   virtual const State* first() const { return nullptr; }
   virtual const State* last() const { return nullptr; }
+
+  // States at which the method balances forces, with weights: what they sum to, times the length of the step, is the change of
+  // momentum in it but for what the axes of bodies turn. None: of methods that balance them otherwise.
+  struct Balance {
+    static constexpr std::size_t most = 7;
+    std::array<const State*, most> states{};
+    std::array<double, most> weights{};
+    std::size_t size = 0;
+  };
+  virtual Balance balance() const { return {}; }
 };
 
 // The whole of a stepper between two steps, and its state: made by Stepper::save(), for this program on this kind of machine.

@@ -9,6 +9,7 @@
 
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/study/trust/transform.hpp"
+#include "solvers/linear/block_columns.hpp"
 
 namespace mbd {
 namespace {
@@ -42,6 +43,60 @@ Scene with_other_tolerance(const Scene& scene) {
   }
   return s;
 }
+
+// [kg], what moves with the nodes in straight motion; added mass with it.
+double mass_of(const Model& model) {
+  State state = model.initial;
+  for (std::size_t n = 0; n < state.V.size(); ++n) {
+    state.V[n].setZero();
+    state.V[n].head<3>() = state.pose[n].R().transpose() * Vec3::UnitX();
+  }
+  std::vector<Vec6> momenta(state.pose.size(), Vec6::Zero());
+  model.system->momenta(state, momenta);
+  double mass = 0.0;
+  for (std::size_t n = 1; n < momenta.size(); ++n)
+    mass += (state.pose[n].R() * momenta[n].head<3>())(0);
+  return mass;
+}
+
+// What a quantity of this unit would be in a scene of this size, mass and energy, and beside what else is recorded: one that is zero in
+// truth is round-off, however it is measured by itself. 0: of this unit nothing is known.
+class NaturalSizes {
+ public:
+  NaturalSizes(const Findings& findings, double length, double mass, double duration) : L_(length) {
+    const auto of = [&](std::string_view unit) {
+      double most = 0.0;
+      for (std::size_t c = 0; c < findings.units.size(); ++c)
+        if (findings.units[c] == unit)
+          for (const auto& row : findings.rows) most = std::max(most, std::abs(row[c]));
+      return most;
+    };
+    const double E = findings.energy;
+    v_ = std::max({of("m/s"), L_ * of("rad/s"), mass > 0.0 ? std::sqrt(2.0 * E / mass) : 0.0});
+    const double between_rows =
+        duration / static_cast<double>(std::max<std::size_t>(findings.at.size(), 2));
+    a_ = std::max({of("m/s2"), L_ * of("rad/s2"), v_ * v_ / L_,
+                   between_rows > 0.0 ? v_ / between_rows : 0.0});
+    F_ = std::max({of("N"), of("N.m") / L_, mass * a_, E / L_});
+    p_ = std::max({of("N.s"), of("N.m.s") / L_, mass * v_});
+  }
+
+  double of(std::string_view unit) const {
+    if (unit == "m/s") return v_;
+    if (unit == "rad/s") return v_ / L_;
+    if (unit == "m/s2") return a_;
+    if (unit == "rad/s2") return a_ / L_;
+    if (unit == "N") return F_;
+    if (unit == "N.m") return F_ * L_;
+    if (unit == "N.s") return p_;
+    if (unit == "N.m.s") return p_ * L_;
+    if (unit == "W") return F_ * v_;
+    return 0.0;
+  }
+
+ private:
+  double L_, v_ = 0.0, a_ = 0.0, F_ = 0.0, p_ = 0.0;
+};
 
 bool is_under_multipliers(std::string_view unit) {
   return unit == "N" || unit == "N.m" || unit == "m/s2" || unit == "J" || unit == "W";
@@ -118,16 +173,39 @@ Twins::Twins(const Scene& scene, const TrialOptions& options) : scene_(with_prob
     failure_ = base_.failure;
     return;
   }
-  length_ = compile(scene_).system->length_scale();
+  const Model model = compile(scene_);
+  length_ = model.system->length_scale();
   const Findings& a = base_.findings;
+  const double mass = mass_of(model);
+  set_round_off(model, mass);
+  const NaturalSizes natural(a, length_, mass, scene_.transient ? scene_.transient->duration : 0.0);
   add_components(quantities_, a, {}, "the run");
   for (const Components& q : quantities_) {
-    const double size = scale_of(q, a, a.at.size(), zero_beside, Measure::value).value;
+    const Scale scale = scale_of(q, a, a.at.size(), zero_beside, Measure::value);
+    double size = scale.value;
+    if (const double usual = natural.of(q.unit);
+        usual > 0.0 && (scale.is_zero || size <= zero_beside * usual))
+      size = usual;
     // Of a total energy that is conserved, the number is arbitrary and its changes are errors.
     scales_.push_back(q.unit == "J" ? std::max(size, a.energy) : size);
   }
   noise_.assign(quantities_.size(), std::vector<double>(a.at.size(), 0.0));
   growth_ = noise_;
+  if (!run_twins(once)) return;
+  for (std::size_t q = 0; q < noise_.size(); ++q)
+    for (std::size_t k = 0; k < noise_[q].size(); ++k) {
+      noise_[q][k] += growth_[q][k];
+      growth_[q][k] /= relative_perturbation;
+    }
+  for (std::vector<double>& growth : growth_)
+    for (std::size_t k = 1; k < growth.size(); ++k) growth[k] = std::max(growth[k], growth[k - 1]);
+  for (std::vector<double>& noise : noise_)
+    for (std::size_t k = 1; k < noise.size(); ++k) noise[k] = std::max(noise[k], noise[k - 1]);
+}
+
+// Measures what another tolerance and other numbers change; false where one of the runs does not end: failure_ says why.
+bool Twins::run_twins(const TrialOptions& once) {
+  const Findings& a = base_.findings;
   for (std::uint64_t twin = 0; twin <= perturbations; ++twin) {
     const bool tolerance = twin == 0;
     const Trial run =
@@ -140,7 +218,7 @@ Twins::Twins(const Scene& scene, const TrialOptions& options) : scene_(with_prob
           "{}: {}",
           tolerance ? "with another tolerance" : "with numbers changed in the twelfth digit",
           run.failure);
-      return;
+      return false;
     }
     // A twin that finds other special points says that they are not well determined.
     const bool fits = run.findings.at.size() == a.at.size();
@@ -152,15 +230,14 @@ Twins::Twins(const Scene& scene, const TrialOptions& options) : scene_(with_prob
         to = std::max(to, d);
       }
   }
-  for (std::size_t q = 0; q < noise_.size(); ++q)
-    for (std::size_t k = 0; k < noise_[q].size(); ++k) {
-      noise_[q][k] += growth_[q][k];
-      growth_[q][k] /= relative_perturbation;
-    }
-  for (std::vector<double>& growth : growth_)
-    for (std::size_t k = 1; k < growth.size(); ++k) growth[k] = std::max(growth[k], growth[k - 1]);
-  for (std::vector<double>& noise : noise_)
-    for (std::size_t k = 1; k < noise.size(); ++k) noise[k] = std::max(noise[k], noise[k - 1]);
+  return true;
+}
+
+void Twins::set_round_off(const Model& model, double mass) {
+  const double stiffness =
+      largest_stiffness(*model.system, model.initial, {.U = 1.0, .V = 0.0, .A = 0.0, .T_inv = {}});
+  force_unit_ = pose_unit * length_ * stiffness;
+  if (mass > 0.0) acceleration_unit_ = force_unit_ * static_cast<double>(base_.nodes) / mass;
 }
 
 double Twins::floor_of(const Components& quantity, double scale) const {
@@ -169,7 +246,12 @@ double Twins::floor_of(const Components& quantity, double scale) const {
   const TransientScene& t = *scene_.transient;
   if (t.tolerance) return noise_safety * *t.tolerance;
   const NewtonOptions newton = newton_options(t);
-  if (is_under_multipliers(quantity.unit)) return noise_safety * newton.multiplier_tolerance;
+  if (is_under_multipliers(quantity.unit)) {
+    const double unit = quantity.unit == "N"      ? force_unit_
+                        : quantity.unit == "m/s2" ? acceleration_unit_
+                                                  : 0.0;
+    return noise_safety * (newton.multiplier_tolerance + unit / scale);
+  }
   // Each step leaves a tolerance, as in a random walk.
   const double walk =
       std::max(noise_safety, std::sqrt(static_cast<double>(base_.counters.substeps)));

@@ -66,6 +66,8 @@ class Twins {
 
  private:
   Sameness compare(const Findings& other, const FarNoise& far, std::optional<double> fixed) const;
+  bool run_twins(const TrialOptions& once);
+  void set_round_off(const Model& model, double mass);
   double floor_of(const Components& quantity, double scale) const;
   // Over its scale; nothing: not to be compared there.
   std::optional<double> far_noise(const Components& quantity, double scale, std::size_t place,
@@ -74,6 +76,8 @@ class Twins {
   Scene scene_;
   Trial base_;
   double length_ = 1.0;  // of the scene [m]
+  // What round-off of poses makes by the largest stiffness [N], and of a node of the mean mass [m/s2].
+  double force_unit_ = 0.0, acceleration_unit_ = 0.0;
   std::vector<Components> quantities_;
   std::vector<double> scales_;
   // By quantity and place: noise_q(k) of (1), and what a relative change of the numbers becomes.
