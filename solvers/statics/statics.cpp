@@ -304,12 +304,18 @@ struct LoadSteps {
     step.path = path.next(step.state, std::move(rate), step.mixed, step.ahead);
     step.negative = negative_at(step.state, step.mixed.resultants, step.neutral);
     if (step.neutral.count() != free.count()) negative.reset();  // of other motions
-    const bool signs = options.conservative && sign != 0 && step.mixed.sign != 0;
-    return (signs && (step.mixed.sign != sign || step.mixed.sign_varied)) ||
-           (negative && step.negative && *negative != *step.negative) ||
+    return changes_stability(step) || (has_signs(step) && step.mixed.sign_varied) ||
            (judges_rates &&
             !(path.leads_to(*step.path, step.ahead) &&
               (step.searched || is_near(system, state, step.foretold, step.state))));
+  }
+
+  bool has_signs(const Step& step) const {
+    return options.conservative && sign != 0 && step.mixed.sign != 0;
+  }
+  bool changes_stability(const Step& step) const {
+    return (has_signs(step) && step.mixed.sign != sign) ||
+           (negative && step.negative && *negative != *step.negative);
   }
 
   // Goes on where a step too small to be cut leaves the path, unless it jumps.
@@ -317,7 +323,7 @@ struct LoadSteps {
     if (motion_between(system, state, step.state) > jump) {
       step.found = false;
       increment = 0.0;
-    } else if ((options.conservative && sign != step.mixed.sign) || negative != step.negative) {
+    } else if (changes_stability(step)) {
       report.passed.push_back(words_of_passing(system, solver, step.state, step.mixed.resultants,
                                                report.load_factor, negative, step.negative));
       increment = std::max(increment, whole);

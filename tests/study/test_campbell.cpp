@@ -284,6 +284,56 @@ TEST(CampbellSlow, TwoDisksOfRossOnUnequalBearings) {
   for (const SpecialSpeed& special : result.special) EXPECT_EQ(special.kind, Kind::critical);
 }
 
+// A rigid rotor on two bearings, stiffer across than along and free to slide in one: nothing holds that bearing, and beside how it answers
+// at the slowest rate nothing else was seen, so that axes that turn were taken. Its first critical speed is sqrt(2 k / m), m with the housings.
+// Mutation: answers at the slow shift alone.
+TEST(Campbell, OfAnisotropicBearingsThatSlide) {
+  const Scene scene = read(R"(
+      <body name="d" mass="10" inertia="2 1.5 1.5"/>
+      <body name="h1" at="-0.5 0 0" mass="1e-3" inertia="1e-6 1e-6 1e-6"/>
+      <body name="h2" at="0.5 0 0" mass="1e-3" inertia="1e-6 1e-6 1e-6"/>
+      <bushing name="k1" between="ground h1" stiffness="1e7 4e5 9e5" angular_stiffness="1e4 1e4 1e4"/>
+      <bushing name="k2" between="ground h2" stiffness="0 4e5 9e5" angular_stiffness="1e4 1e4 1e4"/>
+      <spherical name="j1" between="h1 d" at="-0.5 0 0"/>
+      <point_on_line name="j2" between="h2 d" at="0.5 0 0" axis="1 0 0"/>)");
+  const CampbellStudy result = study(scene, 330.0, 12, 8, {"h1", "h2"});
+  EXPECT_EQ(result.axes, ModeAxes::resting);
+  double nearest = 1e9;
+  for (const SpecialSpeed& special : result.special)
+    nearest = std::min(nearest, std::abs(special.rate / std::sqrt(2.0 * 4e5 / 10.002) - 1.0));
+  EXPECT_LT(nearest, 1e-7);
+}
+
+// A hub that turns freely about (1, 2, 2) with a blade: its axis through any of its points. Mutation: a free spin held at another coordinate at
+// each angle, as round-off chooses, which answers otherwise.
+TEST(Campbell, AxisThroughAnyOfItsPoints) {
+  const Scene scene = read(R"(
+      <section name="s"><stiffness EA="1e7" GA2="1e7" GA3="1e7" GJ="1e3" EI2="100" EI3="260"/>
+        <mass per_length="1.5" inertia="2e-3 1e-3 1e-3"/></section>
+      <body name="hub" mass="1" inertia="1 1 1"/><revolute name="a" between="ground hub" axis="1 2 2"/>
+      <beam name="b" section="s" from="0.2 0.1 -0.2" to="1.2 0.6 -1.2" normal="1 2 2" elements="2" order="5"/>
+      <rigid_link name="l" between="hub b.start"/>)");
+  std::vector<double> first;
+  for (const double along : {0.0, 0.1, 0.2, -0.37}) {
+    CampbellOptions options;
+    options.to = 95.0;
+    options.points = 8;
+    options.count = 4;
+    options.rotation.axis = Vec3(1.0, 2.0, 2.0).normalized();
+    options.rotation.through = along * Vec3(1.0, 2.0, 2.0);
+    const CampbellStudy result = study_campbell(scene, options);
+    EXPECT_NEAR(result.rates.back(), 95.0, 1e-9) << along;
+    EXPECT_EQ(result.axes, ModeAxes::turning) << along;
+    std::vector<double> last;
+    for (const CampbellBranch& branch : result.branches)
+      last.push_back(std::abs(branch.points.back().eigenvalue.imag()));
+    if (first.empty()) first = last;
+    ASSERT_EQ(last.size(), first.size());
+    for (std::size_t k = 0; k < last.size(); ++k)
+      EXPECT_NEAR(last[k], first[k], 1e-6 * std::max(1.0, first[k])) << along;
+  }
+}
+
 TEST(Campbell, RefusesRatesThatDoNotRise) {
   EXPECT_THROW(study(balanced_shaft(), 0.0, 5, 3), Error);
   EXPECT_THROW(study(balanced_shaft(), 10.0, 1, 3), Error);
