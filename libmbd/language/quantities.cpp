@@ -61,11 +61,13 @@ constexpr Quantity of_places[] = {
      [](const Place& at, const State&, Out out) {
        put(at.H.p * Vec3(linear(at.Vdot) + angular(at.V).cross(linear(at.V))), out);
      }},
-    {"force", "N", 3, "resultants N1 Q2 Q3 of a beam, section axes", Of::beam_place, Axes::own,
-     Moved::unchanged, From::strain,
+    {"force", "N", 3,
+     "resultants N1 Q2 Q3 of a beam, section axes; where elements meet under a load or mass, the "
+     "mean of both sides",
+     Of::beam_place, Axes::own, Moved::unchanged, From::strain,
      [](const Place& at, const State&, Out out) { put(linear(at.resultants), out); }},
-    {"moment", "N.m", 3, "resultants M1 M2 M3 of a beam, section axes", Of::beam_place, Axes::own,
-     Moved::unchanged, From::strain,
+    {"moment", "N.m", 3, "resultants M1 M2 M3 of a beam, section axes; as of force", Of::beam_place,
+     Axes::own, Moved::unchanged, From::strain,
      [](const Place& at, const State&, Out out) { put(angular(at.resultants), out); }},
     {"ply_stress", "Pa", 3, "normal stresses LL TT NN at the record's point, axes of its ply",
      Of::section_point, Axes::of_ply, Moved::unchanged, From::strain,

@@ -1669,9 +1669,10 @@ class Scene(Element):
                                  section or body
           acceleration           [m/s2] 3 columns, inertial axes
           force                  [N] 3 columns, resultants N1 Q2 Q3 of a beam, section
-                                 axes
+                                 axes; where elements meet under a load or mass, the
+                                 mean of both sides
           moment                 [N.m] 3 columns, resultants M1 M2 M3 of a beam, section
-                                 axes
+                                 axes; as of force
           ply_stress             [Pa] 3 columns, normal stresses LL TT NN at the
                                  record's point, axes of its ply
           ply_shear_stress       [Pa] 3 columns, shear stresses TN LN LT there, axes of
