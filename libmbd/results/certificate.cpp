@@ -353,8 +353,8 @@ void Audit::correct_impulse(bool goes, double h) {
       account.second = h / (6.0 * (1.0 + 1.0 / ratio)) * (change - before);
       account.unsure = 0.5 * account.second.norm();
       const Vec3 now_before = account.second / (ratio * ratio * ratio);
-      account.impulse -= account.second;
-      account.impulse -= has_before ? Vec3(0.5 * (now_before - second_before)) : now_before;
+      account.bend += account.second;
+      account.bend += has_before ? Vec3(0.5 * (now_before - second_before)) : now_before;
     }
   length_before_ = h;
 }
@@ -383,11 +383,14 @@ void Audit::sample_momenta(const State& state) {
     if (samples_ == 0) account.begin = now;
     account.size = std::max(account.size, size_now);
     account.most_passed = std::max(account.most_passed, account.passed);
-    const double off = (now - account.begin - account.impulse).norm();
-    account.drift.look(off != off ? off : std::max(0.0, off - account.unsure), state.t);
+    // Of steps that are too long for either, it is not told which of both quadratures errs.
+    const Vec3 gap = now - account.begin - account.impulse;
+    const double off = gap.norm(), corrected = (gap + account.bend).norm() - account.unsure;
+    account.drift.look(off != off ? off : std::clamp(corrected, 0.0, off), state.t);
     if (!(account.passed > account_of * account.size)) return;
     account.begin = now;
     account.impulse.setZero();
+    account.bend.setZero();
     account.passed = 0.0;
   };
   for (std::size_t k = 0; k < kept_.size(); ++k) {

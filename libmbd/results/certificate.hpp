@@ -113,10 +113,10 @@ class Audit {
     double passed = 0.0,
            most_passed = 0.0;  // sum of the sizes of impulses; the largest of an account
     double size = 0.0;         // largest sum of the sizes of the nodes' shares
-    Vec3 second =
-        Vec3::Zero();  // what the trapezium of the last piece was corrected by, where it was
+    // What trapezia are too large by where forces bend, in the last piece and in all; and what is unsure of it until the next.
+    Vec3 second = Vec3::Zero(), bend = Vec3::Zero();
     bool has_second = false;
-    double unsure = 0.0;  // of the impulse of the last piece, until the next is known
+    double unsure = 0.0;
     Worst drift;
   };
   struct Outside {  // the right sides of (1), and sizes of what they sum up

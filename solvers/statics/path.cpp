@@ -125,7 +125,8 @@ class Follower {
 
   // What nothing answers and loads do not drive would make tangents singular.
   void hold(const State& start, const NeutralMotions& neutral) {
-    if (drives(system_, start, neutral)) return;
+    if (drives(system_, start, neutral) || !lead_along_equilibria(system_, plain_, start, neutral))
+      return;
     holds_ = holds_of(w_, neutral);
     for (Index i = 0; i < neutral.count(); ++i)
       report_.neutral.push_back(name_of_motion(system_, neutral.shapes.col(i)));

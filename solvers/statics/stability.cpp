@@ -134,6 +134,13 @@ bool keeps_equilibrium(const System& system, const LinearSolver& solver, const S
 
 }  // namespace
 
+bool lead_along_equilibria(const System& system, const LinearSolver& solver, const State& state,
+                           const NeutralMotions& neutral) {
+  for (Index k = 0; k < neutral.count(); ++k)
+    if (!keeps_equilibrium(system, solver, state, neutral, neutral.shapes.col(k))) return false;
+  return true;
+}
+
 NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state,
                                     std::span<const Vec6> resultants) {
   constexpr Index most = 64;

@@ -95,6 +95,11 @@ bool strains_beams(const System& system, const State& state, const VecX& x);
 NeutralMotions find_neutral_motions(const System& system, LinearSolver& solver, const State& state,
                                     std::span<const Vec6> resultants = {});
 
+// Whether equilibria lead on along each of them, as of what is free to spin: a flat linkage's second motion to the first order leads
+// nowhere. `solver` has the factors that find_neutral_motions leaves at the state.
+bool lead_along_equilibria(const System& system, const LinearSolver& solver, const State& state,
+                           const NeutralMotions& neutral);
+
 // Whether what grows with the load factor does work on one of them.
 bool drives(const System& system, const State& state, const NeutralMotions& neutral);
 

@@ -245,7 +245,8 @@ struct LoadSteps {
     std::string failure;
     if (!find_equilibrium(system, solver, options.newton, unloaded, report.counters, failure,
                           &neutral, &mixed) ||
-        (neutral.count() > 0 && drives(system, unloaded, neutral)))
+        drives(system, unloaded, neutral) ||
+        !lead_along_equilibria(system, solver, unloaded, neutral))
       return;
     if (motion_between(system, start, unloaded) > 0.0) system.follow_angles(unloaded);
     start = state = unloaded;

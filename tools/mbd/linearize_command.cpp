@@ -66,7 +66,7 @@ void add_linearize_command(CLI::App& app, int& status) {
       ->type_name("DIR");
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but errors");
   set_examples(*command,
-               "mbd linearize models/cart_pole.xml\n"
+               "mbd linearize models/damped_oscillator.xml\n"
                "mbd linearize models/shaft.xml --rate 50 --axis 1 0 0 --without gravity\n"
                "mbd linearize models/four_bar.xml --at 6.5");
   command->callback([arguments, &status] { status = linearize_model(*arguments); });

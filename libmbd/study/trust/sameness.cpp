@@ -183,6 +183,7 @@ Twins::Twins(const Scene& scene, const TrialOptions& options) : scene_(with_prob
   for (const Components& q : quantities_) {
     const Scale scale = scale_of(q, a, a.at.size(), zero_beside, Measure::value);
     double size = scale.value;
+    own_scales_.push_back(size);
     if (const double usual = natural.of(q.unit);
         usual > 0.0 && (scale.is_zero || size <= zero_beside * usual))
       size = usual;
@@ -263,7 +264,7 @@ double Twins::floor_of(const Components& quantity, double scale) const {
   if (u == "N.s" || u == "N.m.s")  // mass times velocity
     for (std::size_t q = 0; q < quantities_.size(); ++q)
       if (quantities_[q].unit == "m/s") {
-        const double one = 2.0 * length_ / *t.step / scales_[q];
+        const double one = 2.0 * length_ / *t.step / own_scales_[q];
         of_rates = of_rates > 0.0 ? std::min(of_rates, one) : one;
       }
   // And round-off of poses, which are known to that of their own size, however little they change: 1 rad, the scene's length.

@@ -79,7 +79,8 @@ class Twins {
   // What round-off of poses makes by the largest stiffness [N], and of a node of the mean mass [m/s2].
   double force_unit_ = 0.0, acceleration_unit_ = 0.0;
   std::vector<Components> quantities_;
-  std::vector<double> scales_;
+  std::vector<double> scales_,
+      own_scales_;  // of what is zero beside the scene, by the scene and by itself
   // By quantity and place: noise_q(k) of (1), and what a relative change of the numbers becomes.
   std::vector<std::vector<double>> noise_, growth_;
   std::string failure_;
