@@ -360,11 +360,11 @@ struct LoadSteps {
     path = std::move(*step.path);
     sign = step.mixed.sign;
     negative = report.negative = step.negative;
-    free = std::move(step.neutral);
     report.searched += step.searched ? 1 : 0;
     report.neutral.clear();
     for (Index i = 0; i < step.neutral.count(); ++i)
       report.neutral.push_back(name_of_motion(system, step.neutral.shapes.col(i)));
+    free = std::move(step.neutral);
     system.follow_angles(state);
     report.load_factor = step.load_factor;
     ++report.counters.steps;
