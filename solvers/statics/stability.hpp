@@ -30,6 +30,7 @@ struct NeutralMotions {
   // Takes its part in the span of the shapes out of an increment of the unknowns, which is then the least.
   void take_out(const VecX& weights, Eigen::Ref<VecX> x) const;
 };
+
 // Coordinates of which a spring on each takes neutral motions away and nothing else: as K x = 0 of a neutral motion, in a basis
 // of it and of motions that leave its coordinate alone the spring has a place of its own. So any stiffness will do: equilibria
 // are the same, and the number of negative eigenvalues of all other motions.

@@ -7,8 +7,10 @@
 //   as many eigenvalues are negative as before, where they are counted,
 //   resultants change as their rates at both ends say:  |dS - h (S'_0 + S'_1)/2| < |dS|/2,              (1)
 //   forces and moments each, and the motion found is nearer to the one foretold than the last equilibrium. (2)
-// It is halved otherwise. No step turns what is prescribed by more than 2 rad: a whole turn is none to the constraint. A step that cannot be halved further passes a point where stability changes, if it moves
-// little: it is taken, and said. If it moves much, the structure gives way.
+// It is halved otherwise. No step turns what is prescribed by more than 2 rad: a whole turn is none to the constraint. A step that
+// cannot be halved further passes a point where stability changes, if it moves little: it is taken, and said. If it moves
+// much, the structure gives way.
+// The path begins in the equilibrium without load, to which what is stressed beforehand moves.
 #pragma once
 
 #include <functional>
