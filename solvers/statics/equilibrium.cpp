@@ -318,6 +318,7 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
       system,          solver, options, state, counters, failure, mixed != nullptr ? *mixed : own,
       std::move(holds)};
   if (!newton.iterate()) return false;
+  failure.clear();  // of a try before, or of what the load's own multipliers then held
   if (neutral != nullptr && (newton.free.count() > 0 || !newton.holds.rows.empty())) {
     NeutralMotions there = find_neutral_motions(system, solver, state, newton.mixed.resultants);
     ++counters.factorizations;

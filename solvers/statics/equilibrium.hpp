@@ -58,8 +58,8 @@ bool newton_equilibrium(const System& system, LinearSolver& solver, const Newton
                         State& state, Counters& counters, std::string& failure,
                         NeutralMotions* neutral = nullptr, MixedIterate* mixed = nullptr);
 
-// The same without line search, and where that does not lead to one with it, if the options have it. `state` is the solution, or as
-// it was.
+// The same without line search, and where that does not lead to one with it, if the options have it. `state` is the solution, or
+// where the last of them gave up.
 bool find_equilibrium(const System& system, LinearSolver& solver, NewtonOptions options,
                       State& state, Counters& counters, std::string& failure,
                       NeutralMotions* neutral = nullptr, MixedIterate* mixed = nullptr);
