@@ -210,6 +210,7 @@ bool drives(const System& system, const State& state, const NeutralMotions& neut
 
 Holds holds_of(const VecX& weights, const NeutralMotions& neutral) {
   Holds holds;
+  if (neutral.count() == 0) return holds;  // whose shapes have no rows
   Eigen::MatrixXd left = weights.cwiseSqrt().asDiagonal() * neutral.shapes;
   for (Index k = 0; k < neutral.count(); ++k) {  // elimination with pivots from all that is left
     Index row = 0, column = 0;
