@@ -729,13 +729,13 @@ steps that follow an estimated error (`tolerance`). The methods:
 
 - `generalized_alpha`, the default, is of order 2, with numerical damping by choice
   (`rho_infinity`). A step costs least. For a few digits, for very many unknowns, for fixed steps.
-- `radau`, Radau IIA with three stages, is of order 5 and damps what its steps do not resolve. A
-  step costs several times as much, and takes the place of the more steps of generalized-alpha the
-  more digits are wanted. For accuracy, and for fast and slow phases in one run.
-  `stages="5"` and `stages="7"`, of order 9 and 13, are for many digits of smooth motions: at a
-  tolerance of 1e-8 models/heavy_top.xml takes a third and a fifth of the time, models/chain.xml
-  three fifths. At 1e-4 the chain takes longer, and at 1e-8 models/shaft.xml, whose beams vibrate,
-  about as long. `stages="auto"` tries in its course which come farthest for their work.
+- `radau`, Radau IIA, damps what its steps do not resolve. A step costs several times as much, and
+  takes the place of the more steps of generalized-alpha the more digits are wanted. For accuracy,
+  and for fast and slow phases in one run. Steps have three, five or seven stages (`stages`), of
+  order 5, 9 and 13: those that follow a tolerance as many as come farthest for their work, which
+  they try as they go (`stages="auto"`), fixed ones three unless told otherwise. More than three
+  are for many digits of smooth motions, and make slower what passes singular positions at every
+  turn (models/windows.xml; `stages="3"` is there for it).
 - `ida`, IDA of SUNDIALS, is a multistep method of variable order, 1 to 5, always with a tolerance.
   An independent check of the others; best where motions are smooth for many steps.
 

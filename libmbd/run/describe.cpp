@@ -172,7 +172,7 @@ std::string error_limits(const TransientScene& transient) {
 std::string plan(const TransientScene& transient, long steps) {
   std::string text = fmt::format("transient of {} s by {}", shortest(transient.duration),
                                  name_of(transient.method));
-  if (transient.stages == StageCount::automatic)
+  if (transient.method == TimeMethod::radau && stages_of(transient) == StageCount::automatic)
     text += " of as many stages as come farthest";
   else if (transient.stages)
     text += fmt::format(" of {} stages", name_of(*transient.stages));

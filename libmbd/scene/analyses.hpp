@@ -157,7 +157,7 @@ struct TransientScene {
             "motion where all that is recorded follows from it, else velocities)"));
     f(Field(&S::stages, "stages", "", optional,
             "of radau: how many stages a step has, for order 5, 9 or 13, or chosen as it goes by "
-            "what comes farthest for its work (default: 3)"));
+            "what comes farthest for its work (default: auto; 3 of fixed steps)"));
     f(Field(&S::max_step, "max_step", "s", optional,
             "longest step that a tolerance may lead to (default: a part of the duration)",
             positive));

@@ -50,7 +50,7 @@ double rho_infinity_of(const TransientScene& transient) {
 }
 
 StageCount stages_of(const TransientScene& transient) {
-  return transient.stages.value_or(StageCount::three);
+  return transient.stages.value_or(transient.step ? StageCount::three : StageCount::automatic);
 }
 
 std::size_t radau_stages(const TransientScene& transient) {

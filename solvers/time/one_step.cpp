@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "libmbd/core/denormals.hpp"
 #include "libmbd/core/error.hpp"
 #include "solvers/constraints/redundancy.hpp"
 
@@ -183,6 +184,7 @@ StepReport OneStep::restart(State& state) {
 
 StepReport OneStep::step(State& state) {
   StepReport report;
+  const DenormalsAreZero fast;
   if (!may_step(system_, state, InputChange::jump, report)) return report;
   report = settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
   watch(state);
@@ -385,6 +387,7 @@ StepReport OneStep::adaptive_step(State& state) {
         return report;
       }
       if (h < creeping) shortened_by_ = report.failure;
+      pass_failure(h);
       controller_->failed(h);
       continue;
     }

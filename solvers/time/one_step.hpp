@@ -123,6 +123,8 @@ class OneStep : public Stepper {
   virtual void settle() = 0;
   // After an adaptive step that ended where a law has a kink: what follows from the past, before it, does not go on.
   virtual void pass_kink() {}
+  // After an adaptive step of h [s] whose iterations failed, which is tried shorter.
+  virtual void pass_failure(double) {}
   // Other rows are idle: neither tangents nor multipliers of the past are of use.
   virtual void forget() = 0;
   // The end of the step that has been solved.

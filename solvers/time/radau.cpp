@@ -761,6 +761,13 @@ void Radau::choose_stages() {
   change_error_order(error_order(t_->stages), choice_->step());
 }
 
+void Radau::pass_failure(double h) {
+  if (!choice_ || !choice_->failed()) return;
+  use_stages(choice_->stages());
+  factored_step_ = 0.0;
+  change_error_order(error_order(t_->stages), h);
+}
+
 void Radau::show(const std::array<Work, most>& power) {
   if (t_->stages == 3) {
     dense_.set(begin_, end_, Q_);

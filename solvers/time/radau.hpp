@@ -97,6 +97,7 @@ class Radau final : public OneStep {
   double longest_from(const State& state) const override;
   void settle() override;
   void forget() override;
+  void pass_failure(double h) override;
   const State& solved() const override { return stage_[last()]; }
 
   std::string signature() const override;

@@ -5,8 +5,8 @@
 namespace mbd {
 namespace {
 
-constexpr int window = 8, settling = 5;  // steps
-constexpr int longest_pause = 1024;      // windows
+constexpr int window = 8, settling = 5, detour = 6;  // steps
+constexpr int longest_pause = 1024;                  // windows
 constexpr double gain = 1.1;
 constexpr double tight = 1e-5;
 constexpr double changed = 2.0;  // the pace has: what was in vain may not be now
@@ -23,7 +23,26 @@ void RadauStages::begin_window() {
   time_ = work_ = 0.0;
 }
 
+bool RadauStages::failed() {
+  if (at_ == 0) {
+    if (away_ > 0) away_ = detour;
+    return false;
+  }
+  home_ = at_;
+  away_ = detour;
+  at_ = 0;
+  return true;
+}
+
 bool RadauStages::accepted(double h, double work) {
+  if (away_ > 0) {
+    time_ += h;
+    work_ += work;
+    step_ = h;
+    if (--away_ > 0) return false;
+    at_ = home_;
+    return true;
+  }
   last_step_[at_] = h;
   ++steps_;
   if (!trying_ || steps_ > settling) {

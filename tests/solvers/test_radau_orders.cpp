@@ -249,6 +249,37 @@ TEST(RadauStages, AreThoseThatComeFarthest) {
   EXPECT_GT(taken(even, {1.0, 1.05, 1.05}, 1000)[0], 900);
 }
 
+// Killed: no way back; a failure while it is away that does not lengthen its stay; its work left out.
+TEST(RadauStages, AreTheFewestAfterAFailure) {
+  RadauStages choice(1e-8);
+  taken(choice, {1.0, 2.0, 4.0}, 200);
+  ASSERT_EQ(choice.stages(), 7U);
+  EXPECT_TRUE(choice.failed());
+  EXPECT_EQ(choice.stages(), 3U);
+  const int stay = taken(choice, {1.0, 2.0, 4.0}, 20)[0];
+  EXPECT_GT(stay, 2);
+  EXPECT_LT(stay, 10);
+  EXPECT_EQ(choice.stages(), 7U);
+  EXPECT_TRUE(choice.failed());
+  choice.accepted(1.0, 1.0);
+  EXPECT_FALSE(choice.failed());
+  EXPECT_EQ(taken(choice, {1.0, 2.0, 4.0}, 20)[0], stay);
+  // Where steps of seven stages fail again and again, at great cost, five are better.
+  int of_seven = 0, of_five = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const std::size_t s = choice.stages();
+    if (s == 7 && choice.failed()) {
+      choice.accepted(1.0, 30.0);
+      ++of_seven;
+      continue;
+    }
+    of_five += s == 5 ? 1 : 0;
+    choice.accepted(s == 5 ? 2.0 : 1.0, 1.0);
+  }
+  EXPECT_GT(of_five, 3000);
+  EXPECT_LT(of_seven, 200);
+}
+
 // ---- what there is ------------------------------------------------------------------------------
 
 TEST(RadauOrders, AreThree) {
