@@ -1,5 +1,5 @@
 // Resultants of a batch of beams as iterates of Newton's method in time, with a tangent that is kept (NOTATION.md 5;
-// solvers/time/kept_resultants.hpp): what the elastic terms can do besides BeamElasticBatch.
+// solvers/newton/kept_resultants.hpp): what the elastic terms can do besides BeamElasticBatch.
 //
 // Numbers are kept by the stepper, in an order of the batch's own: of an iterate S and D E at the quadrature points of all
 // elements [N, N.m], section frames; of a tangent T0, the T^-1 of its pairs.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "libmbd/core/spectral.hpp"
 
@@ -9,6 +10,7 @@ namespace mbd {
 namespace {
 
 constexpr int gauss_points = 20, most_halvings = 30;
+constexpr std::size_t most_pieces = 2048;
 constexpr double agreement = 1e-13;
 
 struct Integral {
@@ -28,19 +30,43 @@ Integral gauss(const Expression& f, double a, double b) {
   return sum;
 }
 
-double halved(const Expression& f, double a, double b, const Integral& whole, double size,
-              int left) {
-  const double m = 0.5 * (a + b);
-  const Integral first = gauss(f, a, m), second = gauss(f, m, b);
-  const double both = first.value + second.value;
-  if (left == 0 || !(std::abs(both - whole.value) > agreement * size)) return both;
-  return halved(f, a, m, first, size, left - 1) + halved(f, m, b, second, size, left - 1);
-}
-
-// From a to b without a breakpoint between them.
+// From a to b without a breakpoint between them: all pieces that do not agree with their halves are halved, those at most, of
+// which the whole is known better each time. Of a narrow peak the first pieces see next to nothing, and to agree by that
+// measure they would be halved for ever.
 double smooth_integral(const Expression& f, double a, double b) {
-  const Integral whole = gauss(f, a, b);
-  return halved(f, a, b, whole, whole.size, most_halvings);
+  struct Piece {
+    double a, b;
+    Integral whole;
+  };
+  std::vector<Piece> pieces{{a, b, gauss(f, a, b)}}, halves;
+  double value = 0.0, done = 0.0, size = pieces.front().whole.size;
+  for (int k = 0; k < most_halvings && !pieces.empty() && pieces.size() <= most_pieces; ++k) {
+    halves.clear();
+    double all = done;
+    for (const Piece& p : pieces) {
+      const double m = 0.5 * (p.a + p.b);
+      halves.push_back({p.a, m, gauss(f, p.a, m)});
+      halves.push_back({m, p.b, gauss(f, m, p.b)});
+      all += halves.rbegin()[0].whole.size + halves.rbegin()[1].whole.size;
+    }
+    size = std::max(size, all);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const Piece first = halves[2 * i], second = halves[2 * i + 1];
+      const double both = first.whole.value + second.whole.value;
+      if (std::abs(both - pieces[i].whole.value) > agreement * size) {
+        halves[kept++] = first;
+        halves[kept++] = second;
+      } else {
+        value += both;
+        done += first.whole.size + second.whole.size;
+      }
+    }
+    halves.resize(kept);
+    std::swap(pieces, halves);
+  }
+  for (const Piece& p : pieces) value += p.whole.value;
+  return value;
 }
 
 double integral_of(const Expression& f, double x) {

@@ -141,6 +141,17 @@ Check check_of(const TimeError& error) {
       "rad), "
       "over the largest motion, from a second run in {}; compared up to {:.9g} s",
       error.displacement, error.rotation, error.how, error.until);
+  check = bounded_check(check);
+  if (check.verdict != Verdict::pass || error.recorded <= much_method_error) return check;
+  check.value = error.recorded;
+  check.warn = much_method_error;
+  check.fail = std::numeric_limits<double>::infinity();
+  check.where = fmt::format("{}, at {:.9g} s", error.record, error.recorded_time);
+  check.why = fmt::format(
+      "estimate of what steps in time make of what is recorded, over its own largest change "
+      "(over the largest motion of the scene {:.2g}), from a second run in {}; compared up to "
+      "{:.9g} s",
+      error.relative, error.how, error.until);
   return bounded_check(check);
 }
 

@@ -237,10 +237,15 @@ Json energy(const RunReport& report) {
 
 Json json(const TimeError& error) {
   if (!error.known) return {{"relative", nullptr}, {"why", error.why_not}};
-  return {{"relative", error.relative}, {"displacement", error.displacement},
-          {"rotation", error.rotation}, {"where", error.node},
-          {"time", error.time},         {"until", error.until},
-          {"from_a_run_in", error.how}};
+  Json all = {{"relative", error.relative}, {"displacement", error.displacement},
+              {"rotation", error.rotation}, {"where", error.node},
+              {"time", error.time},         {"until", error.until},
+              {"from_a_run_in", error.how}};
+  if (error.recorded >= 0.0)
+    all["recorded"] = {{"over_its_change", error.recorded},
+                       {"record", error.record},
+                       {"time", error.recorded_time}};
+  return all;
 }
 
 }  // namespace

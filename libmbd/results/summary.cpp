@@ -200,8 +200,13 @@ void energy(std::string& text, const RunReport& report) {
   std::size_t longest = 0;
   for (const Line& line : lines) longest = std::max(longest, line.number.size());
   text += "energy [J]\n";
-  for (const Line& line : lines)
-    text += fmt::format("  {:1} {:>{}}  {}\n", line.sign, line.number, longest, line.name);
+  for (const Line& line : lines) {
+    std::string row =
+        fmt::format("  {:1} {:>{}}  {}\n", line.sign, line.number, longest, line.name);
+    constexpr std::string_view article = "of the energy";
+    if (row.size() > 81) row.replace(row.find(article), article.size(), "of energy");
+    text += row;
+  }
 }
 
 // One line, or, of a run that was certified, one for each check and the reasons of those that do not pass.

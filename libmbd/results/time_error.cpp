@@ -17,7 +17,10 @@ constexpr double largest_tolerance = 0.01;  // that makes sense
 // Of a node in a fixed step [rad]: of a top with 0.3 (1) is right to a factor of 3, with 0.5 it says an eighth of the error,
 // with 1 a hundredth. Radau's terms of higher order are smaller.
 constexpr double most_turn_alpha = 0.4, most_turn_radau = 1.0;
-constexpr double same_steps = 0.9;   // of the run's own: the other one says nothing
+constexpr double same_steps = 0.9;  // of the run's own: the other one says nothing
+constexpr double as_many = 0.75;    // of fixed ones, where 1/r are meant
+constexpr double tiny_change =
+    1e-6;  // of what is recorded, of the largest motion: not judged by itself
 constexpr double no_motion = 1e-12;  // lengths of the scene, or rad
 
 double angle_between(const Pose<double>& a, const Pose<double>& b) {
@@ -40,20 +43,48 @@ TransientScene in_steps(TransientScene t, double times, double tolerance_times) 
   return t;
 }
 
+// The distance of two lists of numbers.
+double distance(std::span<const double> a, std::span<const double> b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum);
+}
+
 }  // namespace
 
-TimeErrorMeter::TimeErrorMeter(const System& system, const TransientScene& transient)
-    : system_(system), transient_(transient) {}
+TimeErrorMeter::TimeErrorMeter(const System& system, const TransientScene& transient,
+                               std::vector<Watched> watched)
+    : system_(system), transient_(transient), watched_(std::move(watched)) {}
 
-void TimeErrorMeter::start(const State& state) { start_ = state; }
+std::vector<double> TimeErrorMeter::recorded_in(const State& state) const {
+  std::vector<double> all;
+  for (const Watched& one : watched_) {
+    all.resize(all.size() + one.count);
+    one.read(state, std::span(all).last(one.count));
+  }
+  return all;
+}
+
+void TimeErrorMeter::start(const State& state) {
+  start_ = state;
+  recorded_at_start_ = recorded_in(state);
+  changes_.assign(watched_.size(), 0.0);
+}
 
 void TimeErrorMeter::sample(const State& state) {
   for (std::size_t n = 1; n < state.pose.size(); ++n) {
     farthest_ = std::max(farthest_, (state.pose[n].r - start_.pose[n].r).norm());
     turned_ = std::max(turned_, angle_between(state.pose[n], start_.pose[n]));
   }
-  if (state.t > start_.t && (samples_.empty() || state.t > samples_.back().t))
-    samples_.push_back({state.t, state.pose});
+  if (!(state.t > start_.t && (samples_.empty() || state.t > samples_.back().t))) return;
+  samples_.push_back({state.t, state.pose, recorded_in(state)});
+  std::span<const double> now = samples_.back().recorded, then = recorded_at_start_;
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    const std::size_t n = watched_[i].count;
+    changes_[i] = std::max(changes_[i], distance(now.first(n), then.first(n)));
+    now = now.subspan(n);
+    then = then.subspan(n);
+  }
 }
 
 // Why an estimate from steps in which a node turns that fast [rad/s] is none; empty if it is one.
@@ -77,6 +108,24 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
   std::size_t next = 0;
   State state = start_, at = start_;
   double worst = -1.0;
+  const auto look_at_records = [&](const Sample& sample) {
+    const std::vector<double> all = recorded_in(at);
+    std::span<const double> is = all, was = sample.recorded;
+    for (std::size_t i = 0; i < watched_.size(); ++i) {
+      const std::size_t n = watched_[i].count;
+      const double unit = watched_[i].is_length ? length : 1.0;
+      if (changes_[i] > tiny_change * motion * unit) {
+        const double one = factor * distance(is.first(n), was.first(n)) / changes_[i];
+        if (!(one <= error.recorded)) {
+          error.recorded = one;
+          error.record = watched_[i].name;
+          error.recorded_time = sample.t;
+        }
+      }
+      is = is.subspan(n);
+      was = was.subspan(n);
+    }
+  };
   const auto look = [&](const Sample& sample) {
     for (std::size_t n = 1; n < at.pose.size(); ++n) {
       const double u = factor * (at.pose[n].r - sample.pose[n].r).norm(),
@@ -92,6 +141,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
       }
     }
     error.until = sample.t;
+    look_at_records(sample);
   };
   try {
     const std::unique_ptr<Stepper> stepper = make_stepper(system_, other);
@@ -112,7 +162,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
       }
       const double before = state.t;
       report = stepper->step(state);
-      ++steps;
+      steps = stepper->counters().substeps;
       if (report.converged && !(state.t > before)) break;
       for (std::size_t n = 1; n < state.V.size(); ++n)
         if (const double w = state.V[n].tail<3>().norm(); w > spin) {
@@ -167,8 +217,9 @@ TimeError TimeErrorMeter::measure(long own_steps, const std::atomic<bool>* inter
     long taken = 0;
     const bool followed = follow(other, longer, factor, interrupted, error, taken);
     const bool stopped = interrupted != nullptr && *interrupted;
-    if (followed && !fixed && longer && !stopped &&
-        static_cast<double>(taken) > same_steps * static_cast<double>(own_steps))
+    if (followed && longer && !stopped &&
+        static_cast<double>(taken) >
+            (fixed ? as_many : same_steps) * static_cast<double>(own_steps))
       continue;
     if (followed) {
       error.known = error.why_not.empty();

@@ -14,8 +14,11 @@
 //
 //   error = max |d| / min(1, max over nodes and times of max(|u|/L, |psi|))                             (2)
 //
-// Where instants of controllers or points of tables end nearly all steps, a larger tolerance changes none: the other run
-// then goes in shorter steps.
+// What is recorded may be far smaller than that (a spring's length, while all of it flies): lengths, places and angles that
+// are recorded are measured by their own largest change as well, those that change by 1e-6 of the largest motion or more.
+//
+// Where instants of controllers or points of tables end nearly all steps, a larger tolerance, or steps that are longer, change
+// few: the other run then goes in shorter steps.
 //
 // An estimate: of the first order of what steps do. Where both runs do not resolve what happens (a load shorter than
 // all steps, vibrations that both damp away), both are wrong alike, and (1) does not tell.
@@ -25,6 +28,8 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +37,14 @@
 #include "libmbd/scene/transient.hpp"
 
 namespace mbd {
+
+// Some neighbouring numbers that are recorded and follow from the motion: a vector, or one.
+struct Watched {
+  std::string name;  // "tip.displacement"
+  bool is_length;    // else an angle
+  std::size_t count;
+  std::function<void(const State&, std::span<double>)> read;
+};
 
 struct TimeError {
   bool known = false;
@@ -41,26 +54,34 @@ struct TimeError {
   std::string node = {};      // "body 'bob'"
   double time = 0.0;          // [s]
   double until = 0.0;         // compared from the start up to there [s]
-  std::string how = {};       // "steps 1.75 times as long"
-  std::string why_not = {};   // if it is not known
+  // The largest of those of what is recorded, over its own change; none is known: negative.
+  double recorded = -1.0;
+  std::string record = {};     // which, "tip.displacement"
+  double recorded_time = 0.0;  // [s]
+  std::string how = {};        // "steps 1.75 times as long"
+  std::string why_not = {};    // if it is not known
 };
 
 class TimeErrorMeter {
  public:
   // Refers to both. What the run of `transient` does is told by sample().
-  TimeErrorMeter(const System& system, const TransientScene& transient);
+  TimeErrorMeter(const System& system, const TransientScene& transient,
+                 std::vector<Watched> watched = {});
 
   void start(const State& state);   // what the run starts from, before the stepper's start()
   void sample(const State& state);  // some accepted states, in the order of time
 
-  // Makes the second run. `own_steps`: how many the run took. `interrupted`: looked at after each step; true ends it.
+  // Makes the second run. `own_steps`: how many the run took, pieces of fixed ones each. `interrupted`: looked at after each
+  // step; true ends it.
   TimeError measure(long own_steps, const std::atomic<bool>* interrupted = nullptr) const;
 
  private:
   struct Sample {
     double t;
     std::vector<Pose<double>> pose;
+    std::vector<double> recorded;
   };
+  std::vector<double> recorded_in(const State& state) const;
   bool follow(const TransientScene& other, bool longer, double factor,
               const std::atomic<bool>* interrupted, TimeError& error, long& steps) const;
   std::string turns_too_far(double spin, std::size_t node) const;
@@ -71,6 +92,8 @@ class TimeErrorMeter {
   std::vector<Sample> samples_;
   double farthest_ = 0.0;  // way of a node [m]
   double turned_ = 0.0;    // [rad]
+  const std::vector<Watched> watched_;
+  std::vector<double> recorded_at_start_, changes_;  // the second, of each of watched_
 };
 
 }  // namespace mbd

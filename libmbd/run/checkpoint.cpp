@@ -15,7 +15,7 @@
 namespace mbd {
 namespace {
 
-constexpr std::string_view format = "mbd run checkpoint 2";
+constexpr std::string_view format = "mbd run checkpoint 3";
 
 }  // namespace
 

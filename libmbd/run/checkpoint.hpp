@@ -27,7 +27,7 @@ CheckpointEvery checkpoint_every(const std::string& text);
 
 struct RunCheckpoint {
   std::string columns;  // names and units of history.csv
-  std::string model;    // its parameters, and a checksum of its file
+  std::string model;    // its parameters, and checksums of its file and of those it includes
   std::string output;   // when rows are written
   CheckpointEvery every;
   std::string history;  // the file, as far as it goes

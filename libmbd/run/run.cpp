@@ -336,9 +336,14 @@ class Run {
     std::string text;
     for (const auto& [name, value] : scene_.parameters)
       text += fmt::format("{}={:.17g} ", name, value);
-    std::ifstream stream(scene_.source.file, std::ios::binary);
-    const std::string file{std::istreambuf_iterator<char>(stream), {}};
-    return text + fmt::format("{:016x}", checksum(file));
+    const auto add = [&text](const std::string& name) {
+      std::ifstream stream(name, std::ios::binary);
+      const std::string file{std::istreambuf_iterator<char>(stream), {}};
+      text += fmt::format("{:016x} ", checksum(file));
+    };
+    add(scene_.source.file);
+    for (const std::string& file : scene_.includes) add(file);
+    return text;
   }
   std::string output_in_words() const {
     const TransientScene& t = *scene_.transient;
@@ -723,8 +728,23 @@ class Run {
           "the error of steps in time is not estimated: the run has checkpoints");
       return;
     }
-    time_error_.emplace(*model_.system, asked);
+    time_error_.emplace(*model_.system, asked, watched());
     time_error_->start(state);
+  }
+
+  // Places, lengths and angles that are recorded. Not rotations, whose vectors go round.
+  std::vector<Watched> watched() const {
+    std::vector<Watched> all;
+    for (const Channel& channel : model_.channels) {
+      std::string name = channel.columns.front().name;
+      const std::string& unit = channel.columns.front().unit;
+      if (channel.columns.size() > 1) name.resize(name.rfind('.'));
+      const schema::Recorded of = schema::recorded_in(scene_, name);
+      if (of.quantity == nullptr || !follows_from_motion(*of.quantity)) continue;
+      if (unit == "m" || (unit == "rad" && channel.columns.size() == 1))
+        all.push_back({name, unit == "m", channel.columns.size(), channel.sample});
+    }
+    return all;
   }
 
   // The first row of a motion. False ends the run.
@@ -975,7 +995,7 @@ class Run {
   void estimate_time_error() {
     if (!time_error_ || !report_.complete()) return;
     report_.time_error =
-        time_error_->measure(report_.transient_counters.steps, options_.interrupted);
+        time_error_->measure(report_.transient_counters.substeps, options_.interrupted);
     report_.estimate = watch_.lap();
   }
 

@@ -59,10 +59,10 @@
 #include <vector>
 
 #include "libmbd/core/system.hpp"
+#include "solvers/newton/kept_resultants.hpp"
 #include "solvers/newton/kept_tangent.hpp"
 #include "solvers/time/dense_output.hpp"
 #include "solvers/time/free_momenta.hpp"
-#include "solvers/time/kept_resultants.hpp"
 #include "solvers/time/one_step.hpp"
 
 namespace mbd {

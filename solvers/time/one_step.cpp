@@ -304,7 +304,8 @@ StepReport OneStep::fixed_step(State& state) {
       ++halvings_;
       ++counters_.retries;
     }
-    if (landing.restart && !restart_at(landing.restart_at, state, slack_, report)) return report;
+    if (landing.restart && !restart_at(landing.restart_at, state, slack_, report, landing.sampled))
+      return report;
   }
   ++count_;
   ++counters_.steps;
@@ -355,6 +356,14 @@ void OneStep::record_error(double error) {
   sizes_.velocity_left = std::max(sizes_.velocity_left, error_norm_->velocity_left());
 }
 
+StepReport OneStep::past_the_end(double t) const {
+  StepReport report;
+  report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", t,
+                               stop_ < settings_.end ? " (Stepper::stop_at)" : "");
+  report.kind = Failure::end;
+  return report;
+}
+
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const double end = std::min(settings_.end, stop_);
@@ -362,12 +371,7 @@ StepReport OneStep::adaptive_step(State& state) {
   std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
   bool again = false, contradicted = false;
   const double creeping = 100.0 * short_step * slack_;  // of longer ones none asks why
-  if (!(landing.t - state.t > slack_)) {
-    report.failure = fmt::format("t = {:.9g} s is the end of the integration{}", state.t,
-                                 end < settings_.end ? " (Stepper::stop_at)" : "");
-    report.kind = Failure::end;
-    return report;
-  }
+  if (!(landing.t - state.t > slack_)) return past_the_end(state.t);
   for (;;) {
     const double rest = landing.t - state.t;
     usual_ = wanted_step(*controller_, laws_, cells_, state.t, longest_from(state));
@@ -409,7 +413,8 @@ StepReport OneStep::adaptive_step(State& state) {
     record_error(report.error);
     take_step(state);
     ++counters_.steps;
-    if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))
+    if (last && landing.restart &&
+        !restart_at(landing.restart_at, state, slack_, report, landing.sampled))
       return report;
     if (last && landing.breakpoint && !landing.restart) pass_kink();
     report.converged = true;

@@ -135,6 +135,7 @@ class OneStep : public Stepper {
   void prepare();
   StepReport fixed_step(State& state);
   StepReport adaptive_step(State& state);
+  StepReport past_the_end(double t) const;
   static double fitted(double wanted, double rest);
   void record_error(double error);
   // Of a step of h to be tried at t, and of one that was taken: whether that ends the run, and report.failure says why.

@@ -49,10 +49,10 @@
 #include "libmbd/core/choices.hpp"
 #include "libmbd/core/system.hpp"
 #include "solvers/linear/pencil_solver.hpp"
+#include "solvers/newton/kept_resultants.hpp"
 #include "solvers/newton/kept_tangent.hpp"
 #include "solvers/time/collocation_step.hpp"
 #include "solvers/time/dense_output.hpp"
-#include "solvers/time/kept_resultants.hpp"
 #include "solvers/time/one_step.hpp"
 #include "solvers/time/radau_tableau.hpp"
 

@@ -43,17 +43,26 @@ bool is_consistent(const System& system, const State& state, StepReport& report)
 
 }  // namespace
 
-bool Stepper::restart_at(double t, State& state, double slack, StepReport& report) {
+bool Stepper::restart_at(double t, State& state, double slack, StepReport& report, bool sampled) {
   const double reached = state.t;
   state.t = t;
   std::string wrong;
-  if (system().sample(state, slack, wrong)) inputs_ = state.inputs;
+  bool goes_on = sampled;
+  if (system().sample(state, slack, wrong)) {
+    for (std::size_t i = 0; goes_on && i < inputs_.size(); ++i) {
+      const InputValue &was = inputs_[i], &is = state.inputs[i];
+      const bool held = was.fdot == 0.0 && was.fddot == 0.0 && is.fdot == 0.0 && is.fddot == 0.0;
+      goes_on = was.f == is.f && held;
+    }
+    inputs_ = state.inputs;
+  }
   if (!wrong.empty()) {
     report.converged = false;
     report.failure = fmt::format("at t = {:.9g} s: {}", reached, wrong);
     report.kind = Failure::law;
     return false;
   }
+  if (goes_on) return true;
   const StepReport again = restart(state);
   ++counters_.restarts;
   if (again.converged) return true;
@@ -90,7 +99,9 @@ Landing Stepper::landing_of(const System& system, const State& state, double end
   const double instant = system.next_instant(state, slack);
   if (instant > landing.t + slack) return landing;
   if (instant < landing.t - slack)
-    return {.t = instant, .breakpoint = true, .restart = true, .restart_at = instant};
+    return {
+        .t = instant, .breakpoint = true, .restart = true, .restart_at = instant, .sampled = true};
+  landing.sampled = !landing.breakpoint;
   landing.breakpoint = landing.restart = true;
   landing.restart_at = std::max(landing.restart_at, instant);
   return landing;

@@ -134,8 +134,9 @@ class Stepper {
                             double apart);
   // Of step(), after it.
   void watch(const State& state) { watched_ = state.t; }
-  // At the end of a step that landed on breakpoints, of which the last is at t. False: `report` says why.
-  bool restart_at(double t, State& state, double slack, StepReport& report);
+  // At the end of a step that landed on breakpoints, of which the last is at t. `sampled` as in Landing. False: `report`
+  // says why.
+  bool restart_at(double t, State& state, double slack, StepReport& report, bool sampled = false);
   // Of an accepted step, `cut` by a breakpoint or the end.
   void record_size(double h, bool cut);
 
@@ -173,6 +174,8 @@ struct Landing {
   bool breakpoint = false;  // it is one
   bool restart = false;     // what accelerates jumps there, at the time that follows:
   double restart_at = 0.0;  // the last of the breakpoints that are one but for `slack`
+  bool sampled =
+      false;  // by an instant of controllers alone: nothing jumps where their outputs stay as they are
 };
 // `slack` is the round-off of times: breakpoints closer than that to the start have been passed.
 // Smooth ones count where no other breakpoint is nearer to them than `apart`, the step that is wanted: not the points of a

@@ -183,7 +183,7 @@ TEST(Rigid, GroupIsTheBodyWithItsMassInEveryTerm) {
          <load at="Q" force="2 0 1" follower_moment="0 0.5 0.2" offset="0 0.1 0.3"/>
          <gravity acceleration="0 0 -9.81"/>
          <spring name="S" between="ground Q" at_a="0 0 2" stiffness="40" damping="3"/>
-         <transient duration="1" method="radau" tolerance="1e-10"/>
+         <transient duration="1" method="radau" stages="3" tolerance="1e-10"/>
          <record name="Q" at="Q" quantities="position displacement displacement_local rotation velocity velocity_local
             angular_velocity angular_velocity_local acceleration"/>
          <record name="E" quantities="kinetic_energy linear_momentum angular_momentum"/>)";

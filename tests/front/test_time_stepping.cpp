@@ -442,8 +442,10 @@ TEST(TransientReport, CheckAndExplainTellThePlan) {
   EXPECT_HAS(plan(pendulum(R"(method="radau" step="0.01" output="0.005")")),
              "transient of 1 s by radau in 100 steps of 0.01 s, rows every 0.005 s");
   const Scene adaptive = pendulum(R"(method="radau" tolerance="1e-6" output="steps")");
-  EXPECT_HAS(plan(adaptive),
-             "transient of 1 s by radau, steps for a tolerance of 1e-06, rows where they end");
+  EXPECT_HAS(
+      plan(adaptive),
+      "transient of 1 s by radau of as many stages as come farthest, steps for a tolerance of "
+      "1e-06, rows where they end");
   const nlohmann::json json =
       nlohmann::json::parse(to_json(check_model(adaptive, compile(adaptive))));
   EXPECT_EQ(json["settings"]["transient"]["method"], "radau");

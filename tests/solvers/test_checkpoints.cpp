@@ -113,7 +113,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Way{"alpha_rings", "chain", "", 5e-3, 0.0, 1.0, 30, 40},
                     Way{"alpha_redundant", "windows", "", 1e-3, 0.0, 0.9, 40, 40},
                     Way{"radau", "double_pendulum", "radau", 1e-2, 0.0, 0.0, 37, 60},
-                    Way{"radau_adaptive", "double_pendulum", "radau", 0.0, 1e-6, 0.0, 37, 60},
+                    Way{"radau_adaptive", "double_pendulum", "radau", 0.0, 1e-6, 0.0, 37, 60, "",
+                        StageCount::three},
                     Way{"radau_beams", "four_bar", "radau", 0.0, 1e-4, 0.0, 30, 30},
                     // In the first trial of other stages, and before it.
                     Way{"radau_auto", "double_pendulum", "radau", 0.0, 1e-6, 0.0, 19, 60, "",

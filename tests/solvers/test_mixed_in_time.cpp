@@ -1,4 +1,4 @@
-// Mixed Newton in time (solvers/time/kept_resultants.hpp): its residual and tangent, its rate, and that stretching and shear
+// Mixed Newton in time (solvers/newton/kept_resultants.hpp): its residual and tangent, its rate, and that stretching and shear
 // cost steps nothing however stiff they are.
 //
 // Mutations tried, in kept_resultants.cpp: no advance fails AtTheStateOfTheTangent and ResidualIsThatOfTheSaddle; no geometric
@@ -14,8 +14,8 @@
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/pack.hpp"
 #include "libmbd/core/spectral.hpp"
+#include "solvers/newton/kept_resultants.hpp"
 #include "solvers/statics/equilibrium.hpp"
-#include "solvers/time/kept_resultants.hpp"
 #include "tests/support/dense.hpp"
 #include "tests/support/dense_solver.hpp"
 #include "tests/support/increments.hpp"
@@ -232,7 +232,7 @@ struct Method {
 TEST(MixedInTime, StiffStretchingCostsNothing) {
   for (const Method& method : {Method{R"(step="1e-3" rho_infinity="0.5")", 200, 3.5},
                                Method{R"(step="1e-3" method="radau")", 200, 7.0},
-                               Method{R"(tolerance="1e-4" method="radau")", 0, 3.0}}) {
+                               Method{R"(tolerance="1e-4" method="radau" stages="3")", 0, 3.0}}) {
     SCOPED_TRACE(method.transient);
     for (const double f : {1.0, 1e2, 1e4, 1e6}) {
       const Counters c = run(f, method.transient).counters;

@@ -62,6 +62,7 @@ class Follower {
     bool ok = false;
     std::vector<Candidate> now;  // by branch
     std::vector<double> overlaps;
+    double growth = 0.0;  // the largest of all motions that were looked at, followed or not [1/s]
     double least() const {
       return overlaps.empty() ? 1.0 : *std::min_element(overlaps.begin(), overlaps.end());
     }
@@ -108,8 +109,10 @@ class Follower {
   Found follow(const std::vector<Candidate>& last);
   CampbellPoint point(double rate, const Candidate& c, double overlap) const;
   using EventFunction = double (*)(Complex eigenvalue, double rate);
-  double locate(double a, double b, const std::vector<Candidate>& at_a,
-                const std::vector<Candidate>& at_b, std::size_t branch, EventFunction f_of);
+  std::optional<double> locate(double a, double b, const std::vector<Candidate>& at_a,
+                               const std::vector<Candidate>& at_b, std::size_t branch,
+                               EventFunction f_of);
+  void look_at_growth(double rate, double next, const Found& found);
   void refine(double a, double b, const std::vector<Candidate>& at_a,
               const std::vector<Candidate>& at_b, std::size_t branch);
 
@@ -120,6 +123,7 @@ class Follower {
   FreeMotions free_motions_ = FreeMotions::looked_for;
   double fastest_ = 0.0;                 // [1/s] at the first rate
   double least_ = 1.0, least_at_ = 0.0;  // overlap, and the rate there
+  double growth_ = 0.0;                  // of the last rate, as of Found
   CampbellStudy study_;
 };
 
@@ -160,6 +164,8 @@ Follower::Found Follower::follow(const std::vector<Candidate>& last) {
       found.now[match.branch] = all[match.candidate];
       found.overlaps[match.branch] = match.overlap;
     }
+    found.growth = 0.0;
+    for (const Candidate& c : all) found.growth = std::max(found.growth, c.eigenvalue.real());
     found.ok = std::all_of(has.begin(), has.end(), [](char one) { return one != 0; });
     if (found.ok && found.least() > lost) break;
   }
@@ -199,6 +205,9 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   const F synchronous = [](Complex l, double rate) { return std::abs(l.imag()) - rate; };
   const F square = [](Complex l, double) { return (l * l).real(); };
   const F growth = [](Complex l, double) { return l.real(); };
+  const double zero = nothing * fastest_;
+  if (motions_.axes() != ModeAxes::resting && std::abs(lb) <= zero && std::abs(la) > zero)
+    study_.special.push_back({SpecialSpeed::Kind::critical, b, branch});
   if (motions_.axes() == ModeAxes::resting) {
     if (at_a[branch].has_orbit && synchronous(la, a) * synchronous(lb, b) < 0.0)
       events.push_back({SpecialSpeed::Kind::critical, synchronous});
@@ -214,7 +223,9 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
         {la.real() < 0.0 ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
          growth});
   for (const Event& event : events) {
-    SpecialSpeed special{event.kind, locate(a, b, at_a, at_b, branch, event.f), branch};
+    const std::optional<double> at = locate(a, b, at_a, at_b, branch, event.f);
+    if (!at) continue;
+    SpecialSpeed special{event.kind, *at, branch};
     // What is unknown of l^2, or of growth, over how it changes with the rate.
     const double unknown = at_b[branch].round_off;
     special.round_off =
@@ -225,12 +236,17 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   }
 }
 
-// The root of f of a branch's eigenvalue between two rates, to round-off.
-double Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
-                        const std::vector<Candidate>& at_b, std::size_t branch,
-                        EventFunction f_of) {
+// The root of f of a branch's eigenvalue between two rates, to round-off; none where f leaps over zero, because the branch goes
+// over to another mode.
+std::optional<double> Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
+                                       const std::vector<Candidate>& at_b, std::size_t branch,
+                                       EventFunction f_of) {
+  constexpr double root = 1e-3;  // f there, of what it is at the ends
+  constexpr double aside =
+      1e-7;  // of the interval: where a mode at rest is not found, it is near by
   double x0 = a, x1 = b, f0 = f_of(at_a[branch].eigenvalue, a),
          f1 = f_of(at_b[branch].eigenvalue, b);
+  const double ends = std::max(std::abs(f0), std::abs(f1));
   std::vector<Candidate> from = at_a;
   constexpr int most = 60;
   int same_side = 0;
@@ -241,7 +257,12 @@ double Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
       if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) break;
     }
     turn(x);
-    const Found found = follow(from);
+    Found found = follow(from);
+    if (!found.ok) {
+      x += aside * (b - a);
+      turn(x);
+      found = follow(from);
+    }
     if (!found.ok) break;
     from = found.now;
     const double f = f_of(found.now[branch].eigenvalue, x);
@@ -258,7 +279,26 @@ double Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
       same_side = 0;
     }
   }
-  return std::abs(f1) < std::abs(f0) ? x1 : x0;
+  const bool is_second = std::abs(f1) < std::abs(f0);
+  if (!(std::abs(is_second ? f1 : f0) <= root * ends)) return std::nullopt;
+  return is_second ? x1 : x0;
+}
+
+// Growth that begins or ends between two rates, and at no limit that was found: the mode that grows is none of those followed.
+void Follower::look_at_growth(double rate, double next, const Found& found) {
+  const double least = 1e-6 * fastest_;
+  const bool was = growth_ > least, is = found.growth > least;
+  const double largest = std::max(growth_, found.growth);
+  growth_ = found.growth;
+  if (was == is) return;
+  for (const SpecialSpeed& special : study_.special)
+    if (special.kind != SpecialSpeed::Kind::critical && special.rate >= rate &&
+        special.rate <= next)
+      return;
+  study_.notes.push_back(fmt::format(
+      "between {:.6g} and {:.6g} rad/s a motion that is none of those followed {} to grow (by "
+      "{:.4g} 1/s): follow more modes, in smaller steps, to find the limit of stability",
+      rate, next, is ? "begins" : "ceases", largest));
 }
 
 std::vector<Candidate> Follower::begin(double rate) {
@@ -278,6 +318,7 @@ std::vector<Candidate> Follower::begin(double rate) {
   std::vector<Candidate> first = candidates(count + spare, 0.0);
   if (first.empty())
     throw Error(scene_.source, "nothing but free motions: there are no modes to follow");
+  for (const Candidate& c : first) growth_ = std::max(growth_, c.eigenvalue.real());
   if (first.size() > count) first.resize(count);
   for (const Candidate& c : first) {
     fastest_ = std::max(fastest_, std::abs(c.eigenvalue));
@@ -374,6 +415,7 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
     }
     if (found->least() < least_) least_ = found->least(), least_at_ = next;
     take(rate, next, last, *found);
+    look_at_growth(rate, next, *found);
     step = next == goal ? between : 2.0 * step;
     if (next == goal) {
       ++k;

@@ -236,6 +236,27 @@ void name_modes(const Scene& scene, const System& system, FoundMotion& found, in
                     modes.size()));
 }
 
+// What a reader would take for an exact multiplier.
+void say_what_is_not_in_it(const System& system, const PeriodicMotion& motion,
+                           FloquetStudy& study) {
+  if (!system.controllers().empty())
+    study.notes.push_back(
+        "outputs of controllers are held at what they are: small motions do not change them, and "
+        "the verdict is not that of the controlled motion");
+  const double slack = 1e-9 * study.period;
+  for (const Breakpoint& b : system.breakpoints()) {
+    if (!b.restart || b.t < study.begin - slack || b.t > study.begin + study.period + slack)
+      continue;
+    study.uncertain = 1.0 / static_cast<double>(motion.instants());
+    study.notes.push_back(
+        fmt::format("a law jumps at {:.9g} s, between two of {} instants: multipliers are known to "
+                    "about {:.1g} "
+                    "(more --harmonics, or an integration over the period, say more)",
+                    b.t, motion.instants(), study.uncertain));
+    return;
+  }
+}
+
 void write_motion(const std::filesystem::path& file, const Scene& scene, const Model& model,
                   const PeriodicMotion& motion) {
   const MotionBlocks blocks = motion_blocks(model);
@@ -270,6 +291,7 @@ FloquetStudy study_from_run(const Scene& given, const FloquetOptions& options,
   const RunOfPeriod run = run_period(scene, model, start, study.begin, options);
   FoundMotion found = find_motion(scene, system, run, options, study);
   name_modes(scene, system, found, options.count, study);
+  say_what_is_not_in_it(system, *found.motion, study);
   apart = motion_between(system, run.states.front(), found.motion->states().front());
   if (!motion_file.empty()) write_motion(motion_file, scene, model, *found.motion);
   return study;
@@ -320,12 +342,21 @@ std::string verdict(const FloquetStudy& study) {
       return fmt::format("unstable: what disturbs it grows by a factor {:.6g} in a period",
                          std::exp(study.growth()));
     case Stability::stable:
-      return fmt::format("stable: what disturbs it shrinks to {:.6g} or less in a period",
-                         std::exp(study.growth()));
+      return fmt::format(
+          "stable, of motions up to {:.4g} Hz ({} harmonics): what disturbs it shrinks to {:.6g} "
+          "or less in a period",
+          study.fastest(), study.harmonics, std::exp(study.growth()));
     case Stability::neutral:
       break;
   }
-  return "neutral: some disturbance neither grows nor decays";
+  if (std::abs(study.growth()) > neutral_growth)
+    return fmt::format(
+        "not decided: what disturbs it changes by a factor {:.6g} in a period, and laws that jump "
+        "make that uncertain by about {:.1g}",
+        std::exp(study.growth()), study.uncertain);
+  return fmt::format(
+      "neutral: some disturbance neither grows nor decays, of motions up to {:.4g} Hz",
+      study.fastest());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // it (solvers/modes/periodic_motion.hpp).
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <optional>
@@ -46,14 +47,19 @@ struct FloquetStudy {
   std::vector<NamedFloquetMode> modes;  // the least stable first
   std::size_t resolved = 0;             // exponents that were found and are resolved
   bool all = false;                     // those of every motion that the harmonics resolve
+  // What is not known of growth over a period, where laws jump between the instants: of the first order of these.
+  double uncertain = 0.0;
   std::vector<std::string> notes;
 
-  // Largest growth over a period, Re l T; further from 0 than neutral_growth there is a verdict.
+  // The fastest motions that harmonics can be [Hz]: of faster ones nothing is said.
+  double fastest() const { return harmonics / period; }
+  // Largest growth over a period, Re l T; further from 0 than neutral_growth, and than what is not known, there is a verdict.
   double growth() const { return modes.empty() ? 0.0 : modes.front().exponent.real() * period; }
   Stability stability() const {
-    return growth() > neutral_growth    ? Stability::unstable
-           : growth() < -neutral_growth ? Stability::stable
-                                        : Stability::neutral;
+    const double least = std::max(neutral_growth, uncertain);
+    return growth() > least    ? Stability::unstable
+           : growth() < -least ? Stability::stable
+                               : Stability::neutral;
   }
 };
 

@@ -1,4 +1,4 @@
-#include "solvers/time/kept_resultants.hpp"
+#include "solvers/newton/kept_resultants.hpp"
 
 #include <algorithm>
 #include <cmath>
