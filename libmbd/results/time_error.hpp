@@ -15,7 +15,7 @@
 //   error = max |d| / min(1, max over nodes and times of max(|u|/L, |psi|))                             (2)
 //
 // What is recorded may be far smaller than that (a spring's length, while all of it flies): lengths, places and angles that
-// are recorded are measured by their own largest change as well, those that change by 1e-6 of the largest motion or more.
+// are recorded are measured by their own largest change as well, those that change by 1e-7 of the largest motion or more.
 //
 // Where instants of controllers or points of tables end nearly all steps, a larger tolerance, or steps that are longer, change
 // few: the other run then goes in shorter steps.

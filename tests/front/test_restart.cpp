@@ -106,6 +106,27 @@ TEST(Restart, IsTheSameToTheLastBit) {
     }
 }
 
+// Found by a reviewer: a stop that is stiffer in an included file was taken for the same. Mutation: the model's own file alone.
+TEST(Restart, LooksAtIncludedFiles) {
+  const TemporaryDirectory directory;
+  const fs::path file = directory.path() / "m.xml", results = directory.path() / "out";
+  std::ofstream(file) << R"(<mbd name="m"><body name="m" at="1 0 0" mass="1" inertia="1 1 1"/>
+      <revolute name="hinge" between="ground m" at="0 0 0" axis="0 1 0"/><include file="stop.xml"/>
+      <gravity acceleration="0 0 -9.81"/><transient duration="0.2" step="1e-3"/>
+      <record name="hinge" joint="hinge" quantities="angle"/></mbd>)";
+  const auto scene_with = [&](int stiffness) {
+    std::ofstream(directory.path() / "stop.xml") << fmt::format(
+        R"(<mbd><joint_spring name="stop" joint="hinge" moment="x > 1.5 ? {}*(x-1.5) : 0"/></mbd>)",
+        stiffness);
+    return read_model(file);
+  };
+  EXPECT_FALSE(run_in(results, scene_with(100), "5rows", false, 23).complete());
+  const Scene stiffer = scene_with(1000);
+  EXPECT_THROW(run_in(results, stiffer, "", true), Error);
+  const Scene same = scene_with(100);
+  EXPECT_TRUE(run_in(results, same, "", true).complete());
+}
+
 TEST(Restart, SaysWhatIsWrong) {
   const TemporaryDirectory directory;
   const fs::path& path = directory.path();

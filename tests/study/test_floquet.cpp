@@ -227,6 +227,77 @@ TEST(Floquet, IsOfTheMotionThatTheRunLeadsTo) {
       << study.notes.back();
 }
 
+// Found by a reviewer. A motion of 500 Hz that grows is beyond the harmonics of 1 Hz: the verdict says up to which frequency it
+// holds. Mutation: without its words.
+TEST(Floquet, SaysForWhichMotionsItHolds) {
+  const FloquetStudy study = floquet(read_model_text(R"(<mbd name="hidden">
+      <body name="slow" mass="2" inertia="1 1 1"/>
+      <prismatic name="rail" between="ground slow" axis="1 0 0"/>
+      <joint_spring name="k" joint="rail" stiffness="50" damping="0.4"/>
+      <load at="slow" force="cos(6*t) 0 0"/>
+      <body name="fast" at="0 1 0" mass="1" inertia="1 1 1"/>
+      <prismatic name="rail2" between="ground fast" axis="1 0 0"/>
+      <joint_spring name="k2" joint="rail2" stiffness="(1000*pi)^2" damping_force="-20*pi*v"/>
+      <transient duration="1" step="1e-4"/></mbd>)",
+                                                     "hidden.xml"),
+                                     6.0);
+  EXPECT_EQ(study.stability(), Stability::stable);
+  EXPECT_NE(to_text(study).find("stable, of motions up to 7.639 Hz (8 harmonics)"),
+            std::string::npos)
+      << to_text(study);
+}
+
+// Found by a reviewer. A pendulum whose weight jumps to and fro (Meissner's equation): multipliers are the eigenvalues of two matrix
+// exponentials, and of the first order of the instants here: no verdict where they are nearer to 1 than that.
+// Mutations: jumps that are not looked at; a verdict all the same.
+TEST(Floquet, DoesNotDecideWhatJumpsLeaveOpen) {
+  const auto of = [](double c) {
+    return floquet(read_model_text(fmt::format(R"(<mbd name="meissner">
+      <body name="bob" at="0 0 -1" mass="1" inertia="1e-9 1e-9 1e-9"/>
+      <revolute name="hinge" between="ground bob" at="0 0 0" axis="0 1 0"/>
+      <joint_spring name="d" joint="hinge" angular_damping="{}"/>
+      <gravity acceleration="0 0 -9.81"/>
+      <load at="bob" force="0 0 t&lt;0.5 ? 8 : t&lt;1 ? -8 : t&lt;1.5 ? 8 : t&lt;2 ? -8 : t&lt;2.5 ? 8 : -8"/>
+      <transient duration="3" step="1e-3"/></mbd>)",
+                                               c),
+                                   "meissner.xml"),
+                   2.0 * pi);
+  };
+  // Largest multiplier of x'' + c x' + (9.81 - f) x = 0 over f = 8, then -8, half a second each.
+  const auto exact = [](double c) {
+    const auto half = [c](double k) {
+      Eigen::MatrixXd a(2, 2);
+      a << 0.0, 1.0, -k, -c;
+      return dense::exponential(0.5 * a);
+    };
+    return dense::eigenpairs(Eigen::MatrixXd(half(17.81) * half(1.81)))
+        .values.cwiseAbs()
+        .maxCoeff();
+  };
+  const FloquetStudy open = of(1.598), wide = of(0.2);
+  EXPECT_LT(exact(1.598), 1.0);
+  EXPECT_EQ(open.stability(), Stability::neutral);
+  EXPECT_NE(to_text(open).find("not decided"), std::string::npos) << to_text(open);
+  EXPECT_EQ(wide.stability(), Stability::unstable);
+  EXPECT_NEAR(wide.growth(), std::log(exact(0.2)), wide.uncertain);
+  EXPECT_NE(to_text(wide).find("a law jumps at 0.5 s"), std::string::npos) << to_text(wide);
+}
+
+// Mutation: without the note.
+TEST(Floquet, SaysThatControllersAreHeld) {
+  const FloquetStudy study = floquet(read_model_text(R"(<mbd name="held">
+      <body name="m" mass="1" inertia="1 1 1"/>
+      <prismatic name="rail" between="ground m" axis="1 0 0"/>
+      <joint_spring name="k" joint="rail" stiffness="100" damping="0.2"/>
+      <controller name="c" period="0.05"><output name="u" value="3*rail.speed"/></controller>
+      <load at="m" force="u+cos(2*pi*t) 0 0"/>
+      <transient duration="20" step="1e-3"/></mbd>)",
+                                                     "held.xml"),
+                                     2.0 * pi);
+  EXPECT_NE(to_text(study).find("outputs of controllers are held"), std::string::npos)
+      << to_text(study);
+}
+
 // An unround flexible shaft on bearings that are alike in all directions: in turning axes its coefficients are constant, and
 // exponents are the eigenvalues there, but for multiples of i W. Frequencies of the largest harmonics are those of the modes.
 TEST(FloquetSlow, UnroundShaftHasItsEigenvalues) {

@@ -63,6 +63,7 @@ class Follower {
     std::vector<Candidate> now;  // by branch
     std::vector<double> overlaps;
     double growth = 0.0;  // the largest of all motions that were looked at, followed or not [1/s]
+    bool is_sure_of(std::size_t branch) const { return ok && overlaps[branch] > 0.7; }
     double least() const {
       return overlaps.empty() ? 1.0 : *std::min_element(overlaps.begin(), overlaps.end());
     }
@@ -112,6 +113,8 @@ class Follower {
   std::optional<double> locate(double a, double b, const std::vector<Candidate>& at_a,
                                const std::vector<Candidate>& at_b, std::size_t branch,
                                EventFunction f_of);
+  void go_aside(double rate, double step, const std::vector<Candidate>& last, double& next,
+                Found& found);
   void look_at_growth(double rate, double next, const Found& found);
   void refine(double a, double b, const std::vector<Candidate>& at_a,
               const std::vector<Candidate>& at_b, std::size_t branch);
@@ -218,7 +221,8 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   }
   const double least = std::max(1e-6 * fastest_, nothing * size);
   if (la.real() * lb.real() < 0.0 && std::max(std::abs(la.real()), std::abs(lb.real())) > least &&
-      oscillates(la) && oscillates(lb))
+      std::min(std::abs(la.real()), std::abs(lb.real())) > nothing * size && oscillates(la) &&
+      oscillates(lb))
     events.push_back(
         {la.real() < 0.0 ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
          growth});
@@ -250,6 +254,8 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
   std::vector<Candidate> from = at_a;
   constexpr int most = 60;
   int same_side = 0;
+  bool was_aside = false;
+  const auto is_root = [&] { return std::min(std::abs(f0), std::abs(f1)) <= root * ends; };
   for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
     double x = x1 - f1 * (x1 - x0) / (f1 - f0);
     if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
@@ -258,18 +264,17 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
     }
     turn(x);
     Found found = follow(from);
-    if (!found.ok) {
-      x += aside * (b - a);
+    if (!found.is_sure_of(branch)) {
+      if (was_aside && is_root()) return x;
+      was_aside = true;
+      x += aside * (b - x);
       turn(x);
       found = follow(from);
+      if (!found.is_sure_of(branch)) break;
     }
-    if (!found.ok) break;
     from = found.now;
     const double f = f_of(found.now[branch].eigenvalue, x);
-    if (f == 0.0) {
-      x0 = x1 = x;
-      break;
-    }
+    if (f == 0.0) return x;
     // Illinois: the end that stays is halved, so that both ends move.
     if (f * f1 > 0.0) {
       x1 = x, f1 = f;
@@ -279,9 +284,8 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
       same_side = 0;
     }
   }
-  const bool is_second = std::abs(f1) < std::abs(f0);
-  if (!(std::abs(is_second ? f1 : f0) <= root * ends)) return std::nullopt;
-  return is_second ? x1 : x0;
+  if (!is_root()) return std::nullopt;
+  return std::abs(f1) < std::abs(f0) ? x1 : x0;
 }
 
 // Growth that begins or ends between two rates, and at no limit that was found: the mode that grows is none of those followed.
@@ -396,6 +400,20 @@ void Follower::take(double rate, double next, const std::vector<Candidate>& last
   keep(next);
 }
 
+// A rate beside `next`, where modes are better told from each other: at a critical speed one is at rest and has no whirl.
+void Follower::go_aside(double rate, double step, const std::vector<Candidate>& last, double& next,
+                        Found& found) {
+  constexpr double aside = 1e-2;  // of the step
+  const double other = next - aside * step;
+  if (!(other > rate)) return;
+  const std::optional<Found> beside = found_at(other, rate, last);
+  if (beside && beside->least() > found.least()) {
+    next = other;
+    found = *beside;
+  }
+  turn(next);
+}
+
 // Steps from `rate` to where the points are, halved where modes change quickly; `rate` is the last that was taken.
 void Follower::go_through(std::vector<Candidate> last, double& rate) {
   const double range = options_.to - options_.from;
@@ -405,7 +423,7 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
   for (int k = 1; k < options_.points;) {
     stop::check();
     const double goal = options_.from + range * k / intervals;
-    const double next = rate + step < goal * (1.0 - 1e-12) ? rate + step : goal;
+    double next = rate + step < goal * (1.0 - 1e-12) ? rate + step : goal;
     std::optional<Found> found = found_at(next, rate, last);
     if (!found) return;
     if (found->least() < sure && step > smallest_step * between) {
@@ -413,11 +431,13 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
       turn(rate);
       continue;
     }
+    const bool reached = next == goal;
+    if (found->least() < sure) go_aside(rate, step, last, next, *found);
     if (found->least() < least_) least_ = found->least(), least_at_ = next;
     take(rate, next, last, *found);
     look_at_growth(rate, next, *found);
-    step = next == goal ? between : 2.0 * step;
-    if (next == goal) {
+    step = reached ? between : 2.0 * step;
+    if (reached) {
       ++k;
       if (options_.progress)
         options_.progress(static_cast<std::size_t>(k), static_cast<std::size_t>(options_.points));

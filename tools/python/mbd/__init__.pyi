@@ -1542,7 +1542,7 @@ class Scene(Element):
           stages             auto, 3, 5 or 7, optional
                              of radau: how many stages a step has, for order 5, 9 or 13,
                              or chosen as it goes by what comes farthest for its work
-                             (default: 3)
+                             (default: auto; 3 of fixed steps)
           max_step           number > 0 [s], optional
                              longest step that a tolerance may lead to (default: a part
                              of the duration)
