@@ -20,7 +20,7 @@ constexpr double most_turn_alpha = 0.4, most_turn_radau = 1.0;
 constexpr double same_steps = 0.9;  // of the run's own: the other one says nothing
 constexpr double as_many = 0.75;    // of fixed ones, where 1/r are meant
 constexpr double tiny_change =
-    1e-6;  // of what is recorded, of the largest motion: not judged by itself
+    1e-7;  // of what is recorded, of the largest motion: not judged by itself
 constexpr double no_motion = 1e-12;  // lengths of the scene, or rad
 
 double angle_between(const Pose<double>& a, const Pose<double>& b) {
