@@ -255,7 +255,8 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
   constexpr int most = 60;
   int same_side = 0;
   bool was_aside = false;
-  const auto is_root = [&] { return std::min(std::abs(f0), std::abs(f1)) <= root * ends; };
+  double least = ends;  // |f| so far, not halved
+  const auto is_root = [&] { return least <= root * ends; };
   for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
     double x = x1 - f1 * (x1 - x0) / (f1 - f0);
     if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
@@ -275,6 +276,7 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
     from = found.now;
     const double f = f_of(found.now[branch].eigenvalue, x);
     if (f == 0.0) return x;
+    least = std::min(least, std::abs(f));
     // Illinois: the end that stays is halved, so that both ends move.
     if (f * f1 > 0.0) {
       x1 = x, f1 = f;
