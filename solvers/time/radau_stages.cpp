@@ -35,22 +35,21 @@ bool RadauStages::failed() {
 }
 
 bool RadauStages::accepted(double h, double work) {
-  if (away_ > 0) {
-    time_ += h;
-    work_ += work;
+  const bool away = away_ > 0;
+  if (away) {
     step_ = h;
-    if (--away_ > 0) return false;
-    at_ = home_;
-    return true;
+    if (--away_ == 0) at_ = home_;
+  } else {
+    last_step_[at_] = h;
   }
-  last_step_[at_] = h;
   ++steps_;
   if (!trying_ || steps_ > settling) {
     time_ += h;
     work_ += work;
   }
-  if (steps_ < window + (trying_ ? settling : 0)) return false;
-  return trying_ ? judge() : try_others();
+  const bool back = away && away_ == 0;
+  if (away_ > 0 || steps_ < window + (trying_ ? settling : 0)) return back;
+  return (trying_ ? judge() : try_others()) || back;
 }
 
 // The end of a trial.

@@ -116,7 +116,7 @@ TEST(Restart, LooksAtIncludedFiles) {
       <record name="hinge" joint="hinge" quantities="angle"/></mbd>)";
   const auto scene_with = [&](int stiffness) {
     std::ofstream(directory.path() / "stop.xml") << fmt::format(
-        R"(<mbd><joint_spring name="stop" joint="hinge" moment="x > 1.5 ? {}*(x-1.5) : 0"/></mbd>)",
+        R"(<mbd name="stop"><joint_spring name="stop" joint="hinge" moment="x > 1.5 ? {}*(x-1.5) : 0"/></mbd>)",
         stiffness);
     return read_model(file);
   };

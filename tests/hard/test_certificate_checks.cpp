@@ -630,14 +630,14 @@ TEST(ErrorInTime, IsSeenWhereInstantsAreAsManyAsSteps) {
   const std::string body = R"(<body name="m" mass="1" inertia="1 1 1" velocity="1 0 0"/>
       <prismatic name="rail" between="ground m" axis="1 0 0"/>
       <joint_spring name="k" joint="rail" stiffness="100"/>
-      <load at="m" force="{} 0 0"/>{}
+      {}<load at="m" force="{} 0 0"/>
       <transient duration="2" step="0.01" rho_infinity="0.9"/>
       <record name="x" joint="rail" quantities="displacement"/>)";
   const auto of = [&](const std::string& force, const std::string& controller, double gain,
                       double constant) {
     TableMaker table(1);
     const RunReport report =
-        run(scene_of(fmt::format(fmt::runtime(body), force, controller)), {.observers = {&table}});
+        run(scene_of(fmt::format(fmt::runtime(body), controller, force)), {.observers = {&table}});
     EXPECT_TRUE(report.complete()) << report.failure;
     double x = 0.0, v = 1.0, error = 0.0;
     for (std::size_t i = 0; i < table.table.rows(); ++i) {

@@ -352,7 +352,7 @@ TEST(Campbell, IsWritten) {
 Scene disks(double c, const std::string& more) {
   return read_model_text(fmt::format(R"(<mbd name="disks">
       <body name="shaft" mass="1" inertia="1 1 1"/>
-      <revolute name="R" between="ground shaft" axis="0 0 1"/><drive name="drive" joint="R" rate="0"/>
+      <revolute name="R" between="ground shaft" axis="0 0 1"/><drive joint="R" rate="0"/>
       <body name="d1" mass="1" inertia="0.01 0.01 0.02"/>
       <bushing name="b1" between="shaft d1" axis="0 0 1" stiffness="{0} {0} 1e6" damping="{1} {1} 0"
         angular_stiffness="1e4 1e4 1e4"/>{2}

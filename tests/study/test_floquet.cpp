@@ -257,7 +257,7 @@ TEST(Floquet, DoesNotDecideWhatJumpsLeaveOpen) {
       <revolute name="hinge" between="ground bob" at="0 0 0" axis="0 1 0"/>
       <joint_spring name="d" joint="hinge" angular_damping="{}"/>
       <gravity acceleration="0 0 -9.81"/>
-      <load at="bob" force="0 0 t&lt;0.5 ? 8 : t&lt;1 ? -8 : t&lt;1.5 ? 8 : t&lt;2 ? -8 : t&lt;2.5 ? 8 : -8"/>
+      <load at="bob" force="0 0 t&lt;0.5?8:t&lt;1?-8:t&lt;1.5?8:t&lt;2?-8:t&lt;2.5?8:-8"/>
       <transient duration="3" step="1e-3"/></mbd>)",
                                                c),
                                    "meissner.xml"),
