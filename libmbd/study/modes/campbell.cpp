@@ -23,6 +23,7 @@ constexpr double first_rate =
 constexpr double is_slow =
     1e-3;  // of the largest frequency: that of a mode near its critical speed
 constexpr double nothing = 1e-8;  // growth beside the frequencies that is round-off
+constexpr double aside = 1e-2;    // of a step, where modes at its end are not told from each other
 constexpr std::size_t spare = 6;  // modes more than are followed
 
 // A mode of one rate, or its conjugate.
@@ -104,7 +105,7 @@ class Follower {
   void keep(double rate);
   void respond();
   void note_round_off();
-  std::optional<Found> found_at(double next, double rate, const std::vector<Candidate>& last);
+  std::optional<Found> found_at(double& next, double rate, const std::vector<Candidate>& last);
   void go_through(std::vector<Candidate> last, double& rate);
   void take(double rate, double next, const std::vector<Candidate>& last, const Found& found);
   Found follow(const std::vector<Candidate>& last);
@@ -268,7 +269,7 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
     if (!found.is_sure_of(branch)) {
       if (was_aside && is_root()) return x;
       was_aside = true;
-      x += aside * (b - x);
+      x += beside * (b - x);
       turn(x);
       found = follow(from);
       if (!found.is_sure_of(branch)) break;
@@ -367,12 +368,17 @@ void Follower::respond() {
   });
 }
 
-// The modes at `next` that go on from those at `rate`; none, with a note, where that ends.
-std::optional<Follower::Found> Follower::found_at(double next, double rate,
+// The modes at `next`, or, where one is at rest there and is not found, beside it, that go on from those at `rate`; none, with a
+// note, where that ends.
+std::optional<Follower::Found> Follower::found_at(double& next, double rate,
                                                   const std::vector<Candidate>& last) {
   try {
     turn(next);
     Found found = follow(last);
+    if (found.ok) return found;
+    next -= aside * (next - rate);
+    turn(next);
+    found = follow(last);
     if (found.ok) return found;
     study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: modes are lost there", rate));
   } catch (const Stopped&) {
@@ -405,13 +411,12 @@ void Follower::take(double rate, double next, const std::vector<Candidate>& last
 // A rate beside `next`, where modes are better told from each other: at a critical speed one is at rest and has no whirl.
 void Follower::go_aside(double rate, double step, const std::vector<Candidate>& last, double& next,
                         Found& found) {
-  constexpr double aside = 1e-2;  // of the step
-  const double other = next - aside * step;
+  double other = next - aside * step;
   if (!(other > rate)) return;
-  const std::optional<Found> beside = found_at(other, rate, last);
-  if (beside && beside->least() > found.least()) {
+  const std::optional<Found> there = found_at(other, rate, last);
+  if (there && there->least() > found.least()) {
     next = other;
-    found = *beside;
+    found = *there;
   }
   turn(next);
 }
@@ -425,7 +430,8 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
   for (int k = 1; k < options_.points;) {
     stop::check();
     const double goal = options_.from + range * k / intervals;
-    double next = rate + step < goal * (1.0 - 1e-12) ? rate + step : goal;
+    const bool reaches = !(rate + step < goal * (1.0 - 1e-12));
+    double next = reaches ? goal : rate + step;
     std::optional<Found> found = found_at(next, rate, last);
     if (!found) return;
     if (found->least() < sure && step > smallest_step * between) {
@@ -433,13 +439,12 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
       turn(rate);
       continue;
     }
-    const bool reached = next == goal;
     if (found->least() < sure) go_aside(rate, step, last, next, *found);
     if (found->least() < least_) least_ = found->least(), least_at_ = next;
     take(rate, next, last, *found);
     look_at_growth(rate, next, *found);
-    step = reached ? between : 2.0 * step;
-    if (reached) {
+    step = reaches ? between : 2.0 * step;
+    if (reaches) {
       ++k;
       if (options_.progress)
         options_.progress(static_cast<std::size_t>(k), static_cast<std::size_t>(options_.points));
