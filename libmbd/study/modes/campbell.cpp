@@ -247,8 +247,8 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
                                        const std::vector<Candidate>& at_b, std::size_t branch,
                                        EventFunction f_of) {
   constexpr double root = 1e-3;  // f there, of what it is at the ends
-  constexpr double aside =
-      1e-7;  // of the interval: where a mode at rest is not found, it is near by
+  // Of the way to the end: a mode that is at rest has no whirl, and is looked for beside that.
+  constexpr double beside = 1e-4;
   double x0 = a, x1 = b, f0 = f_of(at_a[branch].eigenvalue, a),
          f1 = f_of(at_b[branch].eigenvalue, b);
   const double ends = std::max(std::abs(f0), std::abs(f1));
