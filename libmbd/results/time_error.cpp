@@ -98,58 +98,57 @@ std::string TimeErrorMeter::turns_too_far(double spin, std::size_t node) const {
       system_.node_name(static_cast<Index>(node)), turn, most);
 }
 
+double TimeErrorMeter::length() const { return std::max(system_.length_scale(), farthest_); }
+double TimeErrorMeter::motion() const {
+  return std::min(1.0, std::max(farthest_ / length(), turned_));
+}
+
+// Of the other run, at the time of a sample; `factor` is that of (1).
+void TimeErrorMeter::compare(const State& at, const Sample& sample, double factor,
+                             TimeError& error) const {
+  for (std::size_t n = 1; n < at.pose.size(); ++n) {
+    const double u = factor * (at.pose[n].r - sample.pose[n].r).norm(),
+                 psi = factor * angle_between(at.pose[n], sample.pose[n]);
+    const double one = std::max(u / length(), psi) / motion();
+    if (error.node.empty() || !(one <= error.relative)) {  // or not a number
+      error.relative = u == u && psi == psi ? one : u + psi;
+      error.displacement = u;
+      error.rotation = psi;
+      error.node = system_.node_name(static_cast<Index>(n));
+      error.time = sample.t;
+    }
+  }
+  error.until = sample.t;
+  const std::vector<double> all = recorded_in(at);
+  std::span<const double> is = all, was = sample.recorded;
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    const std::size_t n = watched_[i].count;
+    const double unit = watched_[i].is_length ? length() : 1.0;
+    const double one = factor * distance(is.first(n), was.first(n)) / changes_[i];
+    if (changes_[i] > tiny_change * motion() * unit && !(one <= error.recorded)) {
+      error.recorded = one;
+      error.record = watched_[i].name;
+      error.recorded_time = sample.t;
+    }
+    is = is.subspan(n);
+    was = was.subspan(n);
+  }
+}
+
 // False if the other run ends early for a reason of its own.
 bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double factor,
                             const std::atomic<bool>* interrupted, TimeError& error,
                             long& steps) const {
-  const double length = std::max(system_.length_scale(), farthest_);
-  const double motion = std::min(1.0, std::max(farthest_ / length, turned_));
   const double last = samples_.back().t, slack = 1e-12 * (last - start_.t);
   std::size_t next = 0;
   State state = start_, at = start_;
-  double worst = -1.0;
-  const auto look_at_records = [&](const Sample& sample) {
-    const std::vector<double> all = recorded_in(at);
-    std::span<const double> is = all, was = sample.recorded;
-    for (std::size_t i = 0; i < watched_.size(); ++i) {
-      const std::size_t n = watched_[i].count;
-      const double unit = watched_[i].is_length ? length : 1.0;
-      if (changes_[i] > tiny_change * motion * unit) {
-        const double one = factor * distance(is.first(n), was.first(n)) / changes_[i];
-        if (!(one <= error.recorded)) {
-          error.recorded = one;
-          error.record = watched_[i].name;
-          error.recorded_time = sample.t;
-        }
-      }
-      is = is.subspan(n);
-      was = was.subspan(n);
-    }
-  };
-  const auto look = [&](const Sample& sample) {
-    for (std::size_t n = 1; n < at.pose.size(); ++n) {
-      const double u = factor * (at.pose[n].r - sample.pose[n].r).norm(),
-                   psi = factor * angle_between(at.pose[n], sample.pose[n]);
-      const double one = std::max(u / length, psi) / motion;
-      if (!(one <= worst)) {  // or not a number
-        worst = one;
-        error.relative = u == u && psi == psi ? one : u + psi;
-        error.displacement = u;
-        error.rotation = psi;
-        error.node = system_.node_name(static_cast<Index>(n));
-        error.time = sample.t;
-      }
-    }
-    error.until = sample.t;
-    look_at_records(sample);
-  };
   try {
     const std::unique_ptr<Stepper> stepper = make_stepper(system_, other);
     stepper->reach_over(longer ? LawSteps::reach + 1 : LawSteps::reach - 1);
     stepper->on_substep([&](const DenseStep& step) {
       for (; next < samples_.size() && samples_[next].t <= step.end() + slack; ++next) {
         step.at(std::clamp(samples_[next].t, step.begin(), step.end()), at);
-        look(samples_[next]);
+        compare(at, samples_[next], factor, error);
       }
     });
     double spin = 0.0;  // [rad/s]

@@ -82,6 +82,9 @@ class TimeErrorMeter {
     std::vector<double> recorded;
   };
   std::vector<double> recorded_in(const State& state) const;
+  double length() const;  // and the largest motion: what (2) divides by
+  double motion() const;
+  void compare(const State& at, const Sample& sample, double factor, TimeError& error) const;
   bool follow(const TransientScene& other, bool longer, double factor,
               const std::atomic<bool>* interrupted, TimeError& error, long& steps) const;
   std::string turns_too_far(double spin, std::size_t node) const;

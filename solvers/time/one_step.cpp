@@ -304,7 +304,8 @@ StepReport OneStep::fixed_step(State& state) {
       ++halvings_;
       ++counters_.retries;
     }
-    if (landing.restart && !restart_at(landing.restart_at, state, slack_, report, landing.sampled))
+    if (landing.restart && !restart_at(landing.restart_at, state, slack_, report,
+                                       landing.sampled && landing.t >= end - slack_))
       return report;
   }
   ++count_;
@@ -413,8 +414,7 @@ StepReport OneStep::adaptive_step(State& state) {
     record_error(report.error);
     take_step(state);
     ++counters_.steps;
-    if (last && landing.restart &&
-        !restart_at(landing.restart_at, state, slack_, report, landing.sampled))
+    if (last && landing.restart && !restart_at(landing.restart_at, state, slack_, report))
       return report;
     if (last && landing.breakpoint && !landing.restart) pass_kink();
     report.converged = true;

@@ -148,7 +148,7 @@ TEST_P(AllocationFree, StepsThatAreSampled) {
     stepper->on_substep(
         [&](const DenseStep& step) { step.at(0.5 * (step.begin() + step.end()), dense); });
     ASSERT_TRUE(stepper->start(state).converged);
-    for (int k = 0; k < 20; ++k) ASSERT_TRUE(stepper->step(state).converged);
+    for (int k = 0; k < 30; ++k) ASSERT_TRUE(stepper->step(state).converged);
     bool converged = true;
     const Count c = count([&] {
       for (int k = 0; k < 20; ++k) converged = converged && stepper->step(state).converged;
