@@ -38,7 +38,9 @@ double smooth_integral(const Expression& f, double a, double b) {
     double a, b;
     Integral whole;
   };
-  std::vector<Piece> pieces{{a, b, gauss(f, a, b)}}, halves;
+  // Kept, as nothing is allocated in steps.
+  thread_local std::vector<Piece> pieces, halves;
+  pieces.assign(1, {a, b, gauss(f, a, b)});
   double value = 0.0, done = 0.0, size = pieces.front().whole.size;
   for (int k = 0; k < most_halvings && !pieces.empty() && pieces.size() <= most_pieces; ++k) {
     halves.clear();

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -142,6 +143,7 @@ class Drawing {
     if (is_new) {
       std::ifstream stream(source.file, std::ios::binary);
       for (std::string line; std::getline(stream, line);) it->second.push_back(line);
+      if (stream.bad()) throw std::bad_alloc();  // which getline() keeps to itself
     }
     std::string text;
     const auto first = static_cast<std::size_t>(source.line - 1);

@@ -102,7 +102,8 @@ TEST(AccuracySlow, OrdersInTimeAreThoseOfTheory) {
   EXPECT_NEAR(slope_of(radau, Knob::step), 5.0, 0.3);
   EXPECT_EQ(*radau.fits[0].theory, 5.0);
   // Of one number of stages: where more come into play errors fall faster than tolerances.
-  scene.transient->stages = StageCount::three;
+  change_stepping(*scene.transient,
+                  {.method = TimeMethod::radau, .tolerance = 1e-6, .stages = StageCount::three});
   const AccuracyStudy adaptive = study_of(scene, {"method=radau", "tolerance=1e-3:1e-8"},
                                           {.budget = no_limit, .refinements = 8});
   EXPECT_NEAR(slope_of(adaptive, Knob::tolerance), 1.0, 0.15);
