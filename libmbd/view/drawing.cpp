@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -141,9 +142,11 @@ class Drawing {
     if (source.file.empty() || source.line <= 0) return {};
     auto [it, is_new] = files_.try_emplace(source.file);
     if (is_new) {
+      errno = 0;
       std::ifstream stream(source.file, std::ios::binary);
       for (std::string line; std::getline(stream, line);) it->second.push_back(line);
-      if (stream.bad()) throw std::bad_alloc();  // which getline() keeps to itself
+      // Streams keep it to themselves.
+      if (stream.bad() || (!stream.is_open() && errno == ENOMEM)) throw std::bad_alloc();
     }
     std::string text;
     const auto first = static_cast<std::size_t>(source.line - 1);
