@@ -204,7 +204,8 @@ void energy(std::string& text, const RunReport& report) {
     std::string row =
         fmt::format("  {:1} {:>{}}  {}\n", line.sign, line.number, longest, line.name);
     constexpr std::string_view article = "of the energy";
-    if (row.size() > 81) row.replace(row.find(article), article.size(), "of energy");
+    if (const std::size_t at = row.find(article); at != row.npos && row.size() > 81)
+      row.replace(at, article.size(), "of energy");
     text += row;
   }
 }

@@ -19,8 +19,8 @@ constexpr double largest_tolerance = 0.01;  // that makes sense
 constexpr double most_turn_alpha = 0.4, most_turn_radau = 1.0;
 constexpr double same_steps = 0.9;  // of the run's own: the other one says nothing
 constexpr double as_many = 0.75;    // of fixed ones, where 1/r are meant
-constexpr double tiny_change =
-    1e-7;  // of what is recorded, of the largest motion: not judged by itself
+// Of what is recorded, of the largest motion: smaller ones are not judged by themselves.
+constexpr double tiny_change = 1e-7;
 constexpr double no_motion = 1e-12;  // lengths of the scene, or rad
 
 double angle_between(const Pose<double>& a, const Pose<double>& b) {
@@ -106,10 +106,11 @@ double TimeErrorMeter::motion() const {
 // Of the other run, at the time of a sample; `factor` is that of (1).
 void TimeErrorMeter::compare(const State& at, const Sample& sample, double factor,
                              TimeError& error) const {
+  const double length = this->length(), motion = this->motion();
   for (std::size_t n = 1; n < at.pose.size(); ++n) {
     const double u = factor * (at.pose[n].r - sample.pose[n].r).norm(),
                  psi = factor * angle_between(at.pose[n], sample.pose[n]);
-    const double one = std::max(u / length(), psi) / motion();
+    const double one = std::max(u / length, psi) / motion;
     if (error.node.empty() || !(one <= error.relative)) {  // or not a number
       error.relative = u == u && psi == psi ? one : u + psi;
       error.displacement = u;
@@ -123,9 +124,9 @@ void TimeErrorMeter::compare(const State& at, const Sample& sample, double facto
   std::span<const double> is = all, was = sample.recorded;
   for (std::size_t i = 0; i < watched_.size(); ++i) {
     const std::size_t n = watched_[i].count;
-    const double unit = watched_[i].is_length ? length() : 1.0;
+    const double unit = watched_[i].is_length ? length : 1.0;
     const double one = factor * distance(is.first(n), was.first(n)) / changes_[i];
-    if (changes_[i] > tiny_change * motion() * unit && !(one <= error.recorded)) {
+    if (changes_[i] > tiny_change * motion * unit && !(one <= error.recorded)) {
       error.recorded = one;
       error.record = watched_[i].name;
       error.recorded_time = sample.t;
@@ -186,7 +187,7 @@ TimeError TimeErrorMeter::measure(long own_steps, const std::atomic<bool>* inter
     error.why_not = "there is no state to compare";
     return error;
   }
-  if (!(std::max(farthest_ / std::max(system_.length_scale(), farthest_), turned_) > no_motion)) {
+  if (!(motion() > no_motion)) {
     error.why_not = "nothing moves, and steps that miss what ought to move it look the same";
     return error;
   }

@@ -12,8 +12,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "libmbd/core/denormals.hpp"
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/flush_to_zero.hpp"
 #include "libmbd/core/stop.hpp"
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/linear/klu_solver.hpp"
@@ -414,7 +414,7 @@ StepReport Ida::restart(State& state) {
 // Where idle rows have parted from the others, or no step is found, which of them are idle is chosen anew at the start
 // of the step: those that determine the motion in one configuration may depend on each other in another.
 StepReport Ida::step(State& state) {
-  const DenormalsAreZero fast;
+  const FlushToZero fast;
   StepReport report;
   if (!may_step(system_, state, InputChange::any, report)) return report;
   report = one_step(state);

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "libmbd/core/denormals.hpp"
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/flush_to_zero.hpp"
 #include "solvers/constraints/redundancy.hpp"
 
 namespace mbd {
@@ -184,7 +184,7 @@ StepReport OneStep::restart(State& state) {
 
 StepReport OneStep::step(State& state) {
   StepReport report;
-  const DenormalsAreZero fast;
+  const FlushToZero fast;
   if (!may_step(system_, state, InputChange::jump, report)) return report;
   report = settings_.adaptive() ? adaptive_step(state) : fixed_step(state);
   watch(state);

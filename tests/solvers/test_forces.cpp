@@ -101,7 +101,7 @@ void expect_same(const VecX& a, const VecX& b, double tolerance) {
 
 #if defined(__SSE2__)
 // Numbers below 2.2e-308, with which processors are slow, are zero inside steps, and there alone.
-// Killed: steps without DenormalsAreZero; one that does not restore what was.
+// Killed: steps without FlushToZero; one that does not restore what was.
 TEST(Forces, SeeNoDenormalNumbersInSteps) {
   static double seen;
   class Probe final : public Force {

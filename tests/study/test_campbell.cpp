@@ -28,8 +28,11 @@ Scene shaft(const std::string& d, int elements, int order) {
 Scene balanced_shaft() { return shaft("0", 12, 5); }
 
 CampbellStudy study(const Scene& scene, double to, int points, int count,
-                    const std::vector<std::string>& at_rest = {}) {
+                    const std::vector<std::string>& at_rest = {}, double from = 0.0,
+                    const SteadyRotation& rotation = {}) {
   CampbellOptions options;
+  options.rotation = rotation;
+  options.from = from;
   options.to = to;
   options.points = points;
   options.count = count;
@@ -361,13 +364,7 @@ Scene disks(double k, double c, const std::string& more) {
                          "disks.xml");
 }
 CampbellStudy of_disks(const Scene& scene, double from, double to, int points, int count) {
-  CampbellOptions options;
-  options.rotation.axis = Vec3(0.0, 0.0, 1.0);
-  options.from = from;
-  options.to = to;
-  options.points = points;
-  options.count = count;
-  return study_campbell(scene, options);
+  return study(scene, to, points, count, {}, from, {.axis = Vec3(0.0, 0.0, 1.0)});
 }
 
 // sqrt(k/m), whether a rate of the diagram meets it or not: there the mode is at rest. Mutations: a step aside left out, on the way to

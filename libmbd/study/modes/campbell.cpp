@@ -105,7 +105,8 @@ class Follower {
   void keep(double rate);
   void respond();
   void note_round_off();
-  std::optional<Found> found_at(double& next, double rate, const std::vector<Candidate>& last);
+  std::optional<Found> found_at(double& next, double rate, const std::vector<Candidate>& last,
+                                bool is_smallest);
   void go_through(std::vector<Candidate> last, double& rate);
   void take(double rate, double next, const std::vector<Candidate>& last, const Found& found);
   Found follow(const std::vector<Candidate>& last);
@@ -114,8 +115,6 @@ class Follower {
   std::optional<double> locate(double a, double b, const std::vector<Candidate>& at_a,
                                const std::vector<Candidate>& at_b, std::size_t branch,
                                EventFunction f_of);
-  void go_aside(double rate, double step, const std::vector<Candidate>& last, double& next,
-                Found& found);
   void look_at_growth(double rate, double next, const Found& found);
   void refine(double a, double b, const std::vector<Candidate>& at_a,
               const std::vector<Candidate>& at_b, std::size_t branch);
@@ -210,11 +209,11 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   const F square = [](Complex l, double) { return (l * l).real(); };
   const F growth = [](Complex l, double) { return l.real(); };
   const double zero = nothing * fastest_;
-  if (motions_.axes() != ModeAxes::resting && std::abs(lb) <= zero && std::abs(la) > zero)
-    study_.special.push_back({SpecialSpeed::Kind::critical, b, branch});
   if (motions_.axes() == ModeAxes::resting) {
     if (at_a[branch].has_orbit && synchronous(la, a) * synchronous(lb, b) < 0.0)
       events.push_back({SpecialSpeed::Kind::critical, synchronous});
+  } else if (std::abs(lb) <= zero && std::abs(la) > zero) {
+    study_.special.push_back({SpecialSpeed::Kind::critical, b, branch});
   } else if (oscillates(la) && oscillates(lb) && la.imag() * lb.imag() < 0.0) {
     events.push_back({SpecialSpeed::Kind::critical, frequency});
   } else if (oscillates(la) != oscillates(lb) && square(la, a) * square(lb, b) < 0.0) {
@@ -368,17 +367,23 @@ void Follower::respond() {
   });
 }
 
-// The modes at `next`, or, where one is at rest there and is not found, beside it, that go on from those at `rate`; none, with a
-// note, where that ends.
+// The modes at `next`, or, where they are not found or in a smallest step not told from each other (at a critical speed one is at
+// rest and has no whirl), beside it, that go on from those at `rate`; none, with a note, where that ends.
 std::optional<Follower::Found> Follower::found_at(double& next, double rate,
-                                                  const std::vector<Candidate>& last) {
+                                                  const std::vector<Candidate>& last,
+                                                  bool is_smallest) {
   try {
     turn(next);
     Found found = follow(last);
-    if (found.ok) return found;
-    next -= aside * (next - rate);
-    turn(next);
-    found = follow(last);
+    if (!found.ok || (is_smallest && found.least() < sure)) {
+      const double other = next - aside * (next - rate);
+      turn(other);
+      Found beside = follow(last);
+      if (beside.ok && (!found.ok || beside.least() > found.least())) {
+        next = other;
+        found = std::move(beside);
+      }
+    }
     if (found.ok) return found;
     study_.notes.push_back(fmt::format("ends at {:.6g} rad/s: modes are lost there", rate));
   } catch (const Stopped&) {
@@ -408,19 +413,6 @@ void Follower::take(double rate, double next, const std::vector<Candidate>& last
   keep(next);
 }
 
-// A rate beside `next`, where modes are better told from each other: at a critical speed one is at rest and has no whirl.
-void Follower::go_aside(double rate, double step, const std::vector<Candidate>& last, double& next,
-                        Found& found) {
-  double other = next - aside * step;
-  if (!(other > rate)) return;
-  const std::optional<Found> there = found_at(other, rate, last);
-  if (there && there->least() > found.least()) {
-    next = other;
-    found = *there;
-  }
-  turn(next);
-}
-
 // Steps from `rate` to where the points are, halved where modes change quickly; `rate` is the last that was taken.
 void Follower::go_through(std::vector<Candidate> last, double& rate) {
   const double range = options_.to - options_.from;
@@ -432,14 +424,14 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
     const double goal = options_.from + range * k / intervals;
     const bool reaches = !(rate + step < goal * (1.0 - 1e-12));
     double next = reaches ? goal : rate + step;
-    std::optional<Found> found = found_at(next, rate, last);
+    const bool is_smallest = step <= smallest_step * between;
+    std::optional<Found> found = found_at(next, rate, last, is_smallest);
     if (!found) return;
-    if (found->least() < sure && step > smallest_step * between) {
+    if (found->least() < sure && !is_smallest) {
       step *= 0.5;
       turn(rate);
       continue;
     }
-    if (found->least() < sure) go_aside(rate, step, last, next, *found);
     if (found->least() < least_) least_ = found->least(), least_at_ = next;
     take(rate, next, last, *found);
     look_at_growth(rate, next, *found);

@@ -240,9 +240,8 @@ void name_modes(const Scene& scene, const System& system, FoundMotion& found, in
 void say_what_is_not_in_it(const System& system, const PeriodicMotion& motion,
                            FloquetStudy& study) {
   if (!system.controllers().empty())
-    study.notes.push_back(
-        "outputs of controllers are held at what they are: small motions do not change them, and "
-        "the verdict is not that of the controlled motion");
+    study.notes.push_back(std::string(controllers_are_held) +
+                          ", and the verdict is not that of the controlled motion");
   const double slack = 1e-9 * study.period;
   for (const Breakpoint& b : system.breakpoints()) {
     if (!b.restart || b.t < study.begin - slack || b.t > study.begin + study.period + slack)

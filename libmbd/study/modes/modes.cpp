@@ -137,9 +137,7 @@ MotionsOfScene::MotionsOfScene(const Scene& scene, std::optional<double> time)
     run_to(*time);
   else
     rest();
-  if (!scene_.controllers.empty())
-    notes_.push_back(
-        "outputs of controllers are held at what they are: small motions do not change them");
+  if (!scene_.controllers.empty()) notes_.push_back(std::string(controllers_are_held));
 
   const auto nodes = static_cast<std::size_t>(system.nodes());
   part_of_node_.assign(nodes, -1);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,10 @@
 #include "solvers/modes/steady_rotation.hpp"
 
 namespace mbd {
+
+// What linear studies say of a scene that has controllers.
+inline constexpr std::string_view controllers_are_held =
+    "outputs of controllers are held at what they are: small motions do not change them";
 
 // A mode, and what it is.
 struct NamedMode : Mode {

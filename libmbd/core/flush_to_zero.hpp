@@ -1,7 +1,7 @@
 // Results below 2.2e-308 are zero while one of these lives, in its thread.
 //
 // What a damped motion leaves in directions in which nothing moves shrinks step by step into such numbers, and processors take
-// up to a hundred times as long for them: a plane mechanism then steps three times slower. On x86 alone; others do well with them.
+// some ten times as long for them: a plane mechanism then steps three times slower. On x86 alone; others do well with them.
 // Numbers so small that are given, as 1e-308*exp(1000*t) has one, are what they are.
 #pragma once
 
@@ -11,20 +11,18 @@
 
 namespace mbd {
 
-class DenormalsAreZero {
+class FlushToZero {
  public:
 #if defined(__SSE2__)
-  DenormalsAreZero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | results_are_zero); }
+  FlushToZero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | results_are_zero); }
   // Exceptions that were raised meanwhile stay raised.
-  ~DenormalsAreZero() {
-    _mm_setcsr((_mm_getcsr() & ~results_are_zero) | (before_ & results_are_zero));
-  }
+  ~FlushToZero() { _mm_setcsr((_mm_getcsr() & ~results_are_zero) | (before_ & results_are_zero)); }
 #else
-  DenormalsAreZero() {}
-  ~DenormalsAreZero() {}
+  FlushToZero() {}
+  ~FlushToZero() {}
 #endif
-  DenormalsAreZero(const DenormalsAreZero&) = delete;
-  DenormalsAreZero& operator=(const DenormalsAreZero&) = delete;
+  FlushToZero(const FlushToZero&) = delete;
+  FlushToZero& operator=(const FlushToZero&) = delete;
 
  private:
 #if defined(__SSE2__)
