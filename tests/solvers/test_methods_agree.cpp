@@ -34,6 +34,7 @@ Motion motion(const AgreementCase& c, TimeMethod method, double tolerance) {
   transient.tolerance = tolerance;
   transient.output_steps = false;
   transient.rho_infinity = std::nullopt;
+  transient.stages = std::nullopt;
   transient.balance = std::nullopt;
   transient.newton_tolerance = std::nullopt;
   scene.expects.clear();
