@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "motion.bin has the least byte first");
 
-constexpr std::size_t most_kept = 1 << 17;  // numbers: 1 MB
+constexpr std::size_t most_kept = 1 << 13;  // numbers: 64 kB, which the processor still holds
 constexpr auto longest_kept = std::chrono::milliseconds(500);
 constexpr std::string_view format = "mbd motion 2";
 constexpr std::size_t most_in_a_row = 1ULL << 40;
@@ -102,11 +102,15 @@ void MotionWriter::write(std::span<const double> row) {
 }
 
 void MotionWriter::flush() {
-  const std::vector<double> rows = std::move(rows_);
-  rows_.clear();
   flushed_ = std::chrono::steady_clock::now();
-  if (!rows.empty())
-    file_.append({reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(double)});
+  if (rows_.empty()) return;
+  try {
+    file_.append({reinterpret_cast<const char*>(rows_.data()), rows_.size() * sizeof(double)});
+  } catch (...) {
+    rows_.clear();  // not tried again
+    throw;
+  }
+  rows_.clear();
 }
 
 void MotionWriter::close() {
