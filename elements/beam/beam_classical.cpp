@@ -52,7 +52,8 @@ class ClassicalBatch final : public ElementBatch<Classical<N>, BeamElasticBatch>
                        const MeshErrorRule& rule) const override {
     typename Base::NodeStates x;
     this->gather(state, static_cast<std::size_t>(element), x);
-    return mesh_error_of<Kernel>(this->shared(), this->data(element), x.data(), table_, rule);
+    return mesh_error_of<Kernel>(this->shared(), this->data(element), x.data(), table_, rule,
+                                 this->section_samples(element));
   }
 
   const std::string& name_of(Index element) const override { return this->name(element); }

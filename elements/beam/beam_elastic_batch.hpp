@@ -3,6 +3,8 @@
 // sectional forces from it.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -41,6 +43,22 @@ class BeamElasticBatch : public Batch {
   virtual beam::MeshError mesh_error(const State& state, Index element,
                                      const beam::MeshErrorRule& rule) const = 0;
   virtual const std::string& name_of(Index element) const = 0;
+
+  // The section of an element along which it varies, for mesh_error(); the function is called there.
+  using SectionSamples = std::function<std::vector<beam::SectionSample>()>;
+  void set_varying(Index element, SectionSamples samples) {
+    varying_[element] = std::move(samples);
+  }
+
+ protected:
+  // Empty where it does not vary.
+  std::vector<beam::SectionSample> section_samples(Index element) const {
+    const auto found = varying_.find(element);
+    return found == varying_.end() ? std::vector<beam::SectionSample>() : found->second();
+  }
+
+ private:
+  std::map<Index, SectionSamples> varying_;
 };
 
 namespace beam {
@@ -48,7 +66,8 @@ namespace beam {
 // BeamElasticBatch::mesh_error of an element of a kernel: its states, as ElementBatch gathers them.
 template <class Kernel, class Shared, class Data>
 MeshError mesh_error_of(const Shared& shared, const Data& data, const NodeState<double>* x,
-                        const SpectralTable& table, const MeshErrorRule& rule) {
+                        const SpectralTable& table, const MeshErrorRule& rule,
+                        std::span<const SectionSample> samples) {
   typename Kernel::template Output<double> out;
   Kernel::template evaluate<Want::residual>(shared, data, x, Environment{}, RateWeights{}, out);
   const std::vector<Vec6> still(table.nodes.points.size(), Vec6::Zero());
@@ -63,7 +82,7 @@ MeshError mesh_error_of(const Shared& shared, const Data& data, const NodeState<
     length += data.wJ[i];
   }
   const Vec6 begin = -out.r.template head<6>(), end = out.r.template segment<6>(6 * table.order);
-  return rule(length, S, compliance, begin, end);
+  return rule(length, S, compliance, begin, end, samples);
 }
 
 }  // namespace beam

@@ -8,7 +8,9 @@
 // e/u is the relative error of the energy, and so of the displacement that a load sees (Clapeyron), of small motions added
 // to the state: 1/4 for one element of order 1 of a cantilever with an end load, which is what it misses.
 //
-// S_h: the polynomial through the points of the element's own rule. F_0, F_N: forces of its end nodes [N, N.m].
+// S_h: the polynomial through the points of the element's own rule. Where the section varies within the element that is the
+// polynomial of the strains, and S_h = D(xi) E_h(xi) with the D of the section there: a linear moment of a tapered beam is known
+// exactly at the points while the element, which has few strains, is too stiff. F_0, F_N: forces of its end nodes [N, N.m].
 // Loads and inertia that the element puts on its end nodes are in F: what they do within an element is seen in part.
 #pragma once
 
@@ -26,17 +28,29 @@ struct MeshError {
   double unit = 0.0;    // of a stretch of 1 [J]: what round-off of energies is measured by
 };
 
+// A section that varies within an element: D [N, N.m, N.m2] at points of [-1, 1] with weights that sum to 2, exact for the
+// section's table between its stations.
+struct SectionSample {
+  double xi, weight;
+  Mat6 D;
+};
+
 // (1) and (2) of elements of one order and rule.
 class MeshErrorRule {
  public:
   explicit MeshErrorRule(const SpectralTable& table);
 
   // Of one element, of length `length` [m], with S_h and D^-1 at the points of its rule; `begin` and `end` are S*(-1) and
-  // S*(1) of (1).
+  // S*(1) of (1). `samples`: of a section that varies; empty: of one that does not.
   MeshError operator()(double length, std::span<const Vec6> S, std::span<const Mat6> compliance,
-                       const Vec6& begin, const Vec6& end) const;
+                       const Vec6& begin, const Vec6& end,
+                       std::span<const SectionSample> samples = {}) const;
 
  private:
+  VecX best(double xi) const;
+
+  const std::vector<double> points_, gauss_;
+  int order_;
   std::vector<double> weights_;  // of the quadrature of (2)
   std::vector<double> at_, P_;   // its points, P_N there
   std::vector<VecX> own_;        // S_h there, of S_h at the points of the rule

@@ -305,6 +305,23 @@ class Compiler {
     mass_damping_.try_emplace(node, Mat6::Zero()).first->second += P;
   }
 
+  // A table that stays, with what it is of.
+  struct KeptTable {
+    explicit KeptTable(const Section& of) : section(of), table(section) {}
+    KeptTable(const KeptTable&) = delete;
+    KeptTable& operator=(const KeptTable&) = delete;
+    const Section section;
+    const SectionTable table;
+  };
+  static std::vector<beam::SectionSample> samples_of(const SectionTable& table, double s0,
+                                                     double s1) {
+    std::vector<beam::SectionSample> all;
+    for (const auto& [s, weight] : table.rule(s0, s1))
+      all.push_back(
+          {2.0 * (s - s0) / (s1 - s0) - 1.0, 2.0 * weight / (s1 - s0), table.stiffness(s)});
+    return all;
+  }
+
   // A beam whose elements are being added. Indices are of the batches' stiffnesses and viscosities, -1 where they vary.
   struct Growing {
     CompiledBeam& compiled;
@@ -314,7 +331,8 @@ class Compiler {
     BeamDampingBatch* damping;  // null without damping
     int stiffness = -1, viscosity = -1;
     double mass_damping;
-    int count = 0;  // of nodes
+    std::shared_ptr<const KeptTable> table = {};  // of a section that varies
+    int count = 0;                                // of nodes
 
     const std::string& name() const { return compiled.scene->name; }
   };
@@ -362,6 +380,7 @@ class Compiler {
                     .elastic = batch,
                     .damping = damping,
                     .mass_damping = mass_proportional(scene_section)};
+    if (!section.is_uniform()) growing.table = std::make_shared<const KeptTable>(scene_section);
     if (section.is_uniform()) {
       const Mat6 D = section.stiffness(0.0);
       growing.stiffness = batch.add_stiffness(D);
@@ -428,6 +447,9 @@ class Compiler {
     const Index element = batch.add_element(Js, of.poses, of.nodes, stiffness, stride, name);
     const Index damped =
         damping ? damping->add_element(Js, of.poses, of.nodes, viscosity, stride, name) : -1;
+    if (!uniform)
+      batch.set_varying(element,
+                        [table = beam.table, s0, s1] { return samples_of(table->table, s0, s1); });
     if (!std::all_of(of.frames.begin(), of.frames.end(), is_none)) {
       batch.set_frames_of(element, of.frames);
       if (damping) damping->set_frames_of(damped, of.frames);
@@ -1252,7 +1274,7 @@ class Compiler {
       for (int i = 1; i <= q->components; ++i)
         c.columns.push_back({q->components == 1 ? fmt::format("{}.{}", record.name, q->name)
                                                 : fmt::format("{}.{}.{}", record.name, q->name, i),
-                             std::string(q->unit), std::string(in_words(q->axes))});
+                             std::string(q->unit), std::string(in_words(q->axes)), q});
     c.sample = std::move(sample);
     return c;
   }

@@ -10,6 +10,7 @@
 #include "elements/node/force.hpp"
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
+#include "libmbd/language/quantities.hpp"
 #include "libmbd/scene/scene.hpp"
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/newton/report.hpp"
@@ -20,7 +21,8 @@ namespace mbd {
 struct Column {
   std::string name;
   std::string unit;
-  std::string frame = {};  // along whose axes; empty: of no axes
+  std::string frame = {};                      // along whose axes; empty: of no axes
+  const schema::Quantity* quantity = nullptr;  // of a record; null: a number of a path's
 };
 
 // Some neighbouring columns, and how to read them from a state (a, of the model's System).

@@ -176,15 +176,15 @@ constexpr Quantity of_system[] = {
      [](const Whole& all, const State& s, Out out) { out[0] = all.system->energies(s).total(); }},
     {"work_of_loads", "J", 1, "since the start, gravity excepted", Of::whole_system, Axes::none,
      Moved::unchanged, From::velocity,
-     [](const Whole&, const State& s, Out out) { out[0] = s.work.loads; }},
+     [](const Whole&, const State& s, Out out) { out[0] = s.work.loads; }, true},
     {"work_of_drives", "J", 1, "of drives and motions since the start", Of::whole_system,
      Axes::none, Moved::unchanged, From::velocity,
-     [](const Whole&, const State& s, Out out) { out[0] = s.work.drives; }},
+     [](const Whole&, const State& s, Out out) { out[0] = s.work.drives; }, true},
     {"work_of_damping", "J", 1,
      "of damping, dampers and drag since the start: negative, or 0; of drag in a flow, of either "
      "sign",
      Of::whole_system, Axes::none, Moved::unchanged, From::velocity,
-     [](const Whole&, const State& s, Out out) { out[0] = s.work.damping; }},
+     [](const Whole&, const State& s, Out out) { out[0] = s.work.damping; }, true},
 };
 
 // Each table reads what its records are of, and has three components where they have axes.

@@ -101,6 +101,7 @@ struct Quantity {
   std::variant<SampleOf<PlaceReading>, SampleOf<JointReading>, SampleOf<SpringReading>,
                SampleOf<SystemReading>>
       sample;
+  bool is_integral = false;  // over time since the start: no function of poses and velocities
 
   constexpr bool of_section_point() const {
     return of == Of::section_point || of == Of::section_point_of_plies ||

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "libmbd/scene/files.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/reading_limits.hpp"
 #include "libmbd/section/airfoil.hpp"
@@ -316,8 +317,7 @@ class Shaped {
 
   // Of a file; its groups are given materials by regions, or by the mesh's own.
   section::Mesher meshed() {
-    std::filesystem::path file = s_.file;
-    if (file.is_relative()) file = std::filesystem::path(s_.source.file).parent_path() / file;
+    const std::filesystem::path file = file_beside(s_.source, s_.file);
     section::GmshMesh read;
     try {
       read = section::read_gmsh(file, s_.unit);

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "libmbd/material/mesh_file.hpp"
+#include "libmbd/scene/files.hpp"
 #include "libmbd/scene/label.hpp"
 
 namespace mbd {
@@ -112,10 +113,9 @@ MassProperties solid_of(const TriangleMesh& surface) {
 
 std::shared_ptr<const TriangleMesh> surface_of(const ShapeScene& shape, const std::string& of) {
   if (shape.surface) return shape.surface;
-  std::filesystem::path file = shape.mesh;
-  if (file.is_relative()) file = std::filesystem::path(shape.source.file).parent_path() / file;
   try {
-    return std::make_shared<const TriangleMesh>(read_mesh_file(file));
+    return std::make_shared<const TriangleMesh>(
+        read_mesh_file(file_beside(shape.source, shape.mesh)));
   } catch (const Error& error) {
     throw Error(shape.source, fmt::format("{}: mesh: {}", of, error.what()));
   }

@@ -508,6 +508,18 @@ void Audit::add_mesh(Certificate& all) const {
                "which says nothing of inertia; more or higher elements lessen it"});
 }
 
+void Audit::add_loads(Certificate& all) const {
+  if (!loads_.any) return;
+  all.add({.name = "distributed loads",
+           .value = loads_.error,
+           .warn = small_method_error,
+           .fail = certify_ ? much_method_error : std::numeric_limits<double>::max(),
+           .where = loads_.where,
+           .why = "forces on nodes, at which distributed loads are taken, against their integrals "
+                  "over the elements: about the relative error of what these loads do; more or "
+                  "higher elements lessen it, and ends of elements where the load jumps"});
+}
+
 void Audit::sample_components(const State& state) {
   for (Index k = 0; k < components_->size(); ++k) {
     const double turn = components_->largest_turn(state, k);
@@ -860,6 +872,7 @@ Certificate Audit::certificate(const RunReport& report) const {
   }
   if (!scene_.transient) add_equilibrium(all, report);
   add_mesh(all);
+  add_loads(all);
   add_components(all);
   add_round_off(all);
   return all;

@@ -33,6 +33,7 @@
 
 #include "libmbd/core/state.hpp"
 #include "libmbd/core/system.hpp"
+#include "libmbd/results/load_sampling.hpp"
 #include "libmbd/results/time_error.hpp"
 #include "solvers/constraints/parts.hpp"
 #include "solvers/newton/report.hpp"
@@ -89,6 +90,9 @@ class Audit {
   // `certify`: also what costs more than the samples that are taken anyhow. All arguments must outlive it.
   Audit(const Scene& scene, const System& system, bool certify);
   ~Audit();
+
+  // Of the loads of the scene, before the certificate is made.
+  void set_load_sampling(LoadSampling sampling) { loads_ = std::move(sampling); }
   Audit(const Audit&) = delete;
   Audit& operator=(const Audit&) = delete;
 
@@ -146,6 +150,7 @@ class Audit {
   void add_round_off(Certificate& all) const;
   void sample_mesh(const State& state);
   void add_mesh(Certificate& all) const;
+  void add_loads(Certificate& all) const;
   void sample_components(const State& state);
   void add_components(Certificate& all) const;
 
@@ -157,6 +162,7 @@ class Audit {
   std::vector<const Batch*> on_nodes_,
       between_;  // what may act from outside, on one node or between two
 
+  LoadSampling loads_;
   long steps_ = 0, slow_steps_ = 0, long_steps_ = 0;
   Worst contraction_, floor_;
   double last_time_ = 0.0;  // [s]

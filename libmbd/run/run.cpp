@@ -23,7 +23,9 @@
 #include "libmbd/results/build_facts.hpp"
 #include "libmbd/results/expect.hpp"
 #include "libmbd/results/history.hpp"
+#include "libmbd/results/load_sampling.hpp"
 #include "libmbd/results/time_error.hpp"
+#include "libmbd/scene/files.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/text/files.hpp"
@@ -240,6 +242,7 @@ class Run {
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
     if (keeps_motion_) shares_reactions_ = shares_reactions_ || !report_.redundant.empty();
     audit_.emplace(scene_, system, options.certify);
+    audit_->set_load_sampling(load_sampling(scene_, model_));
     for (const auto& batch : system.batches())
       report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
     report_.compile = watch_.lap();
@@ -336,13 +339,8 @@ class Run {
     std::string text;
     for (const auto& [name, value] : scene_.parameters)
       text += fmt::format("{}={:.17g} ", name, value);
-    const auto add = [&text](const std::string& name) {
-      std::ifstream stream(name, std::ios::binary);
-      const std::string file{std::istreambuf_iterator<char>(stream), {}};
-      text += fmt::format("{:016x} ", checksum(file));
-    };
-    add(scene_.source.file);
-    for (const std::string& file : scene_.includes) add(file);
+    for (const std::string& file : files_of(scene_))
+      text += fmt::format("{:016x} ", checksum_of_file(file));
     return text;
   }
   std::string output_in_words() const {
@@ -513,14 +511,13 @@ class Run {
 
   // What the run reads is not written over.
   void refuse_inputs(const std::filesystem::path& directory) const {
-    std::vector<std::string> inputs = scene_.includes;
-    inputs.push_back(scene_.file);
+    const std::vector<std::string> inputs = files_of(scene_);
     std::error_code code;
     for (const char* const name : result_files)
       for (const std::string& input : inputs)
         if (std::filesystem::equivalent(directory / name, input, code))
           throw Error((directory / name).string() +
-                      ": is the model, or a file it includes, and results would take its place; "
+                      ": is the model, or a file it is made of, and results would take its place; "
                       "choose another directory with --out");
   }
 

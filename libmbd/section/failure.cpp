@@ -21,13 +21,19 @@ double max_stress(const Vec6& s, const Strengths& of) {
 }
 
 double tsai_hill(const Vec6& s, const Strengths& of) {
-  const double x = 1.0 / square(s(0) >= 0.0 ? of.lt : of.lc),
-               y = 1.0 / square(s(1) >= 0.0 ? of.tt : of.tc),
-               z = 1.0 / square(s(2) >= 0.0 ? of.nt : of.nc);
+  const auto side = [](double stress, double tension, double compression) {
+    return 1.0 / square(stress >= 0.0 ? tension : compression);
+  };
+  const double x = side(s(0), of.lt, of.lc), y = side(s(1), of.tt, of.tc),
+               z = side(s(2), of.nt, of.nc);
+  // The third strength of a pair is of the side of the stress across the fibres: with that of its own, whose sign may be that of
+  // round-off, the index would jump, and sums be negative. Between both across, that along the weaker side.
+  const double z_beside_t = side(s(1), of.nt, of.nc), y_beside_n = side(s(2), of.tt, of.tc),
+               x_least = 1.0 / square(std::min(of.lt, of.lc));
   const double sum = x * s(0) * s(0) + y * s(1) * s(1) + z * s(2) * s(2) -
-                     (x + y - z) * s(0) * s(1) - (x + z - y) * s(0) * s(2) -
-                     (y + z - x) * s(1) * s(2) + square(s(3) / of.s_tn) + square(s(4) / of.s_ln) +
-                     square(s(5) / of.s_lt);
+                     (x + y - z_beside_t) * s(0) * s(1) - (x + z - y_beside_n) * s(0) * s(2) -
+                     (y + z - x_least) * s(1) * s(2) + square(s(3) / of.s_tn) +
+                     square(s(4) / of.s_ln) + square(s(5) / of.s_lt);
   return share(sum, 0.0);
 }
 

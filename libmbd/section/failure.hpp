@@ -21,7 +21,8 @@ struct Strengths {
 
 enum class Criterion {
   max_stress,  // the largest of the six components, each over its own strength
-  tsai_hill,  // Hill 1948 in three dimensions, with the strengths of the side on which each stress lies
+  tsai_hill,  // Hill 1948 in three dimensions, with the strengths of the side on which each stress lies; where strengths of T
+  // and N are alike, in plane stress that of Azzi and Tsai 1965: (s_L^2 - s_L s_T)/X^2 + s_T^2/Y^2 + s_LT^2/S^2
   tsai_wu,  // Tsai, Wu 1971; F_ij = -sqrt(F_ii F_jj)/2 between normal stresses
   hashin  // Hashin 1980, in three dimensions: the largest of fibre and matrix, tension and compression
 };

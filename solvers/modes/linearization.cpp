@@ -42,6 +42,13 @@ void check_kink(const System& system, const State& state, std::size_t input, std
   if (const auto kink = hidden_kink(slope, here)) refuse("kink of the slope", *kink);
 }
 
+void refuse_motion(const System& system, std::size_t input) {
+  throw Error(
+      fmt::format("the input \"{}\" prescribes a motion; linearise about a model in which it is "
+                  "a force (of the base, its acceleration), or hold it",
+                  system.inputs()[input].name));
+}
+
 // -dr/dw of one input: by a difference over much, which is exact where forces go linearly with laws, or over little.
 VecX force_of(const System& system, const State& state, std::size_t input) {
   // How laws go with the input, exactly: their rates as it has one, and has none.
@@ -53,6 +60,16 @@ VecX force_of(const System& system, const State& state, std::size_t input) {
   system.signals_at(state.t, Side::right, moved.inputs, with, &state);
   moved.inputs[input].fdot = 0.0;
   system.signals_at(state.t, Side::right, moved.inputs, without, &state);
+  // A law whose rate accelerates something.
+  moved.inputs[input].f += 1.0;
+  std::vector<SignalValue> beside;
+  system.signals_at(state.t, Side::right, moved.inputs, beside, &state);
+  for (std::size_t k = 0; k < with.size(); ++k)
+    if (system.signal_use(k) == SignalUse::drive &&
+        (with[k].fdot != without[k].fdot || with[k].fddot != without[k].fddot ||
+         beside[k].f != without[k].f || beside[k].fdot != without[k].fdot ||
+         beside[k].fddot != without[k].fddot))
+      refuse_motion(system, input);
   double size = 1.0, most = 0.0;
   std::vector<double> rate(with.size());
   for (std::size_t k = 0; k < with.size(); ++k) {
@@ -80,11 +97,7 @@ VecX force_of(const System& system, const State& state, std::size_t input) {
   force = difference(1.0);
   const VecX near = difference(little);
   if ((near - force).norm() > same * force.norm()) force = near;
-  if (!force.tail(system.multipliers()).isZero(0.0))
-    throw Error(
-        fmt::format("the input \"{}\" prescribes a motion; linearise about a model in which it is "
-                    "a force, or hold it",
-                    system.inputs()[input].name));
+  if (!force.tail(system.multipliers()).isZero(0.0)) refuse_motion(system, input);
   return force;
 }
 
@@ -147,12 +160,17 @@ LinearMotion linear_motion(const SmallMotions& motions) {
                    motions.stiffness_matrix(),
                    motions.constraint_gradient(),
                    {}};
-  const auto inputs = static_cast<Index>(system.inputs().size());
-  all.F.resize(motions.motions(), inputs);
-  for (Index i = 0; i < inputs; ++i)
-    all.F.col(i) = force_of(system, motions.state(), static_cast<std::size_t>(i))
-                       .segment(6, motions.motions());
+  all.F = input_forces(system, motions.state());
   return all;
+}
+
+MatX input_forces(const System& system, const State& state) {
+  const auto inputs = static_cast<Index>(system.inputs().size());
+  const Index motions = 6 * (system.nodes() - 1);
+  MatX F(motions, inputs);
+  for (Index i = 0; i < inputs; ++i)
+    F.col(i) = force_of(system, state, static_cast<std::size_t>(i)).segment(6, motions);
+  return F;
 }
 
 ReducedMotion reduced_motion(const System& system, const LinearMotion& all) {

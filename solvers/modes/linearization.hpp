@@ -29,6 +29,8 @@ struct LinearMotion {
 };
 // Of what small_motions is about. Throws Error for an input that prescribes a motion: it is no force.
 LinearMotion linear_motion(const SmallMotions& motions);
+// F alone.
+MatX input_forces(const System& system, const State& state);
 
 // (2) and (3).
 struct ReducedMotion {

@@ -278,6 +278,25 @@ std::string unsteady_drive(const SmallMotions& motions, const SteadyRotation& ro
 
 namespace {
 
+Pose<double> turned_pose(double angle, const SteadyRotation& rotation, const Pose<double>& H) {
+  const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, rotation.axis));
+  Pose<double> after = H;
+  after.r = rotation.through + by * (H.r - rotation.through);
+  after.p = by * H.p;
+  return after;
+}
+
+}  // namespace
+
+State turned_by(double angle, const SteadyRotation& rotation, const State& state) {
+  State turned = state;
+  for (std::size_t k = 1; k < state.pose.size(); ++k)
+    if (rotation.turns(k)) turned.pose[k] = turned_pose(angle, rotation, state.pose[k]);
+  return turned;
+}
+
+namespace {
+
 // A state turned about the axis.
 struct Turned {
   State state;
@@ -285,16 +304,11 @@ struct Turned {
 };
 
 Turned turned_by(double angle, const SteadyRotation& rotation, ModeAxes axes, const State& state) {
-  Turned turned{state, std::vector<Pose<double>>(state.pose.size())};
-  const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, rotation.axis));
-  for (std::size_t k = 1; k < state.pose.size(); ++k) {
-    const Pose<double>& H = state.pose[k];
-    Pose<double> after = H;
-    after.r = rotation.through + by * (H.r - rotation.through);
-    after.p = by * H.p;
-    if (rotation.turns(k)) turned.state.pose[k] = after;
-    turned.to_body[k] = relative(axes == ModeAxes::turning ? after : H, turned.state.pose[k]);
-  }
+  Turned turned{turned_by(angle, rotation, state), std::vector<Pose<double>>(state.pose.size())};
+  for (std::size_t k = 1; k < state.pose.size(); ++k)
+    turned.to_body[k] = relative(
+        axes == ModeAxes::turning ? turned_pose(angle, rotation, state.pose[k]) : state.pose[k],
+        turned.state.pose[k]);
   return turned;
 }
 

@@ -30,6 +30,9 @@ struct SteadyRotation {
 // those that turn, of a round rotor on any bearings those that rest.
 enum class ModeAxes { turning, resting };
 
+// The state with what turns turned by an angle [rad], and velocities with it; multipliers as they are.
+State turned_by(double angle, const SteadyRotation& rotation, const State& state);
+
 // Gives the state the velocities of the rotation, and no accelerations.
 void turn_steadily(const SteadyRotation& rotation, State& state);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
+#include "libmbd/scene/files.hpp"
 #include "libmbd/study/accuracy/accuracy.hpp"
 #include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "libmbd/study/accuracy/accuracy_report.hpp"
@@ -59,9 +60,7 @@ int study_model(const AccuracyArguments& arguments) {
       results_directory(arguments.output, arguments.model, "accuracy");
   make_directory(output);
   options.keep = output / "trials";
-  std::vector<std::string> files{scene.file};
-  files.insert(files.end(), scene.includes.begin(), scene.includes.end());
-  options.fingerprint = fingerprint(files, arguments.set);
+  options.fingerprint = fingerprint(files_of(scene), arguments.set);
   options.command = command_of(arguments);
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
   if (shown)

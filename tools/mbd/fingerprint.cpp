@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <functional>
-#include <sstream>
 
 #include "libmbd/results/build_facts.hpp"
+#include "libmbd/scene/files.hpp"
 
 namespace mbd {
 
@@ -15,12 +14,8 @@ std::string fingerprint(const std::vector<std::string>& files,
                         const std::vector<std::string>& set) {
   std::string all;
   for (const auto& [name, value] : to_lines(build_facts())) all += name + "=" + value + ";";
-  std::size_t sum = 0;
-  for (const std::string& file : files) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    sum = sum * 31 + std::hash<std::string>()(text.str());
-  }
+  std::uint64_t sum = 0;
+  for (const std::string& file : files) sum = sum * 31 + checksum_of_file(file);
   for (const std::string& one : set) all += one + ";";
   // The commit does not tell builds of a changed tree apart. The library may be a file of its own.
   const auto add = [&](const std::filesystem::path& file) {

@@ -6,7 +6,8 @@
 
 namespace mbd {
 
-// Of this program, the text of the files of a model, and the parameters that are set: another text where one has changed.
+// Of this program, what is in the files of a model (files_of()), and the parameters that are set: another text where one has
+// changed.
 std::string fingerprint(const std::vector<std::string>& files, const std::vector<std::string>& set);
 
 }  // namespace mbd

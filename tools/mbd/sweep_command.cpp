@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
+#include "libmbd/scene/files.hpp"
 #include "libmbd/study/sweep/sweep.hpp"
 #include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"
@@ -143,8 +144,7 @@ int sweep_model(const SweepArguments& arguments) {
     return read_model(arguments.model, with(set, values));
   };
   try {
-    const Scene scene = read({});
-    files.insert(files.end(), scene.includes.begin(), scene.includes.end());
+    files = files_of(read({}));
   } catch (const Error&) {  // the sweep says it, if its points do not mend it
   }
   const std::filesystem::path output =

@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -29,24 +30,85 @@ struct Along {
   VecX inputs;
 };
 
+// What outputs change by along a motion, and how far differences over other steps are from that.
+struct Change {
+  VecX rate, doubt;
+};
+
 class Outputs {
  public:
   Outputs(const Model& model, const Linearization& linear)
-      : model_(model), linear_(linear), size_(linear.outputs.size()) {}
+      : model_(model),
+        linear_(linear),
+        here_(linear.outputs),
+        size_(linear.outputs.size()),
+        turns_(rotation_vectors(model)) {}
 
-  // dy along a small motion.
-  VecX change(const Along& along) const {
+  // dy along a small motion: of each output its central difference over the step that suits it best. A mechanism may be much
+  // smaller than the scene, and a stress of von Mises near zero bends within what moves it from there; so steps go down until
+  // they agree, without their errors of even orders (Ridders 1982).
+  Change change(const Along& along) const {
     const double L = model_.system->length_scale();
     double size = 0.0;  // of the motion, in lengths of the scene, radians, and these over a second
     for (const VecX* x : {&along.u, &along.rate})
       for (Index i = 0; i < x->size(); ++i)
         size = std::max(size, std::abs((*x)(i)) / (i % 6 < 3 ? L : 1.0));
-    constexpr double part = 1e-5;
-    const double step = size > 0.0 ? part / size : 1.0;  // of inputs alone all outputs are linear
-    return (at(along, step) - at(along, -step)) / (2.0 * step);
+    // Of inputs alone nearly all outputs are linear.
+    double step = size > 0.0 ? largest_part / size : 1.0;
+    Change best{VecX::Zero(size_), VecX::Constant(size_, std::numeric_limits<double>::infinity())};
+    VecX most = VecX::Zero(size_);
+    std::vector<VecX> above, row;
+    for (int k = 0; k < most_steps; ++k, step /= ratio) {
+      row.assign(1, (at(along, step) - at(along, -step)) / (2.0 * step));
+      most = most.cwiseMax(row[0].cwiseAbs());
+      double power = 1.0;
+      for (std::size_t j = 0; j < above.size() && j < most_orders; ++j) {
+        power *= ratio * ratio;
+        row.push_back((power * row[j] - above[j]) / (power - 1.0));
+        take_better(row[j + 1], row[j], above[j], most, best);
+      }
+      above = std::move(row);
+      if (k > 0 &&
+          (best.doubt.array() <= agreed * best.rate.array().abs() + tiny * most.array()).all())
+        break;
+    }
+    return best;
   }
 
  private:
+  static constexpr double largest_part = 1e-4, ratio = 4.0, agreed = 1e-10, tiny = 1e-16;
+  static constexpr int most_steps = 16;
+  static constexpr std::size_t most_orders = 3;
+
+  // Where differences fall more slowly than they are themselves: over steps that are far too long they are as small as they are
+  // wrong, so what counts is how they agree beside their own size.
+  static void take_better(const VecX& rate, const VecX& of_this, const VecX& of_last,
+                          const VecX& most, Change& best) {
+    constexpr double is_zero = 1e-6;  // of the largest difference
+    for (Index i = 0; i < rate.size(); ++i) {
+      const double doubt = std::max(std::abs(rate(i) - of_this(i)), std::abs(rate(i) - of_last(i)));
+      const auto share = [&](double x, double of) {
+        return x / (std::abs(of) + is_zero * most(i) + std::numeric_limits<double>::min());
+      };
+      if (share(doubt, rate(i)) < share(best.doubt(i), best.rate(i)))
+        best.rate(i) = rate(i), best.doubt(i) = doubt;
+    }
+  }
+
+  // First components of rotation vectors.
+  static std::vector<Index> rotation_vectors(const Model& model) {
+    std::vector<Index> all;
+    Index at = 0;
+    for (const Channel& channel : model.channels)
+      for (const Column& column : channel.columns) {
+        const schema::Quantity* const q = column.quantity;
+        if (q != nullptr && q->components == 3 && q->unit == "rad" && column.name.ends_with(".1"))
+          all.push_back(at);
+        ++at;
+      }
+    return all;
+  }
+
   VecX at(const Along& along, double step) const {
     const System& system = *model_.system;
     State state = linear_.state;
@@ -65,13 +127,43 @@ class Outputs {
     system.set_time(state, state.t);
     VecX y(size_);
     outputs(model_, state, {y.data(), static_cast<std::size_t>(size_)});
+    // Beyond half a turn the other one of the two that are the same rotation would be a jump.
+    for (const Index i : turns_) {
+      const Vec3 v = y.segment<3>(i), near = here_.segment<3>(i);
+      const double angle = v.norm();
+      if (!(angle > 0.5 * std::numbers::pi)) continue;
+      const Vec3 other = v * (1.0 - 2.0 * std::numbers::pi / angle);
+      if ((other - near).norm() < (v - near).norm()) y.segment<3>(i) = other;
+    }
     return y;
   }
 
   const Model& model_;
   const Linearization& linear_;
+  const VecX& here_;
   Index size_;
+  std::vector<Index> turns_;
 };
+
+// Outputs whose differences over smaller and smaller steps do not approach each other.
+void note_doubt(Linearization& linear, const VecX& doubt) {
+  constexpr double believed = 1e-6;
+  constexpr std::size_t named = 3;
+  std::vector<std::string> names;
+  double worst = 0.0;
+  for (Index i = 0; i < doubt.size(); ++i) {
+    if (!(doubt(i) > believed)) continue;
+    names.push_back(linear.ports.outputs[static_cast<std::size_t>(i)].name);
+    worst = std::max(worst, doubt(i));
+  }
+  if (names.empty()) return;
+  const std::size_t more = names.size() > named ? names.size() - named : 0;
+  names.resize(names.size() - more);
+  linear.notes.push_back(fmt::format(
+      "C and D of {}{} are known to {:.0e} of the largest of a row only: differences over smaller "
+      "motions do not approach each other (round-off, or a kink)",
+      fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "", worst));
+}
 
 // C and D of a linearization whose motion on the constraints is there.
 void add_outputs(const Model& model, Linearization& linear) {
@@ -79,9 +171,11 @@ void add_outputs(const Model& model, Linearization& linear) {
   const LinearMotion& all = linear.motion;
   const Index m = r.N.cols(), n = all.M.rows(), inputs = all.F.cols();
   const Index outputs = linear.outputs.size();
-  linear.C.resize(outputs, 2 * m);
-  linear.D.resize(outputs, inputs);
-  if (outputs == 0) return;
+  if (outputs == 0) {
+    linear.C.resize(outputs, 2 * m);
+    linear.D.resize(outputs, inputs);
+    return;
+  }
   const Eigen::PartialPivLU<MatX> mass(r.E.bottomRightCorner(m, m));
 
   // Multipliers from what is left of (1), of the rows that are not idle.
@@ -109,14 +203,153 @@ void add_outputs(const Model& model, Linearization& linear) {
     return of.change(a);
   };
   const VecX none = VecX::Zero(m), no_input = VecX::Zero(inputs);
-  for (Index j = 0; j < m; ++j) {
-    linear.C.col(j) = along(VecX::Unit(m, j), none, no_input);
-    linear.C.col(m + j) = along(none, VecX::Unit(m, j), no_input);
+  MatX C(outputs, 2 * m), D(outputs, inputs);
+  VecX doubt = VecX::Zero(outputs);
+  const auto put = [&](auto column, const Change& change, const VecX& largest) {
+    column = change.rate;
+    for (Index i = 0; i < outputs; ++i)
+      if (largest(i) > 0.0) doubt(i) = std::max(doubt(i), change.doubt(i) / largest(i));
+  };
+  std::vector<Change> of_states, of_inputs;
+  for (Index j = 0; j < m; ++j) of_states.push_back(along(VecX::Unit(m, j), none, no_input));
+  for (Index j = 0; j < m; ++j) of_states.push_back(along(none, VecX::Unit(m, j), no_input));
+  for (Index j = 0; j < inputs; ++j) of_inputs.push_back(along(none, none, VecX::Unit(inputs, j)));
+  for (const bool is_input : {false, true}) {
+    std::vector<Change>& all_of = is_input ? of_inputs : of_states;
+    VecX largest = VecX::Zero(outputs);
+    for (const Change& change : all_of) largest = largest.cwiseMax(change.rate.cwiseAbs());
+    for (std::size_t j = 0; j < all_of.size(); ++j)
+      put((is_input ? D : C).col(static_cast<Index>(j)), all_of[j], largest);
   }
-  for (Index j = 0; j < inputs; ++j) linear.D.col(j) = along(none, none, VecX::Unit(inputs, j));
+  linear.C = std::move(C);
+  linear.D = std::move(D);
+  note_doubt(linear, doubt);
 }
 
-Linearization of_motions(const Model& model, const SmallMotions& motions, bool constant) {
+// Outputs that the matrices are not for, and why.
+struct LeftOut {
+  std::vector<bool> which;
+  std::string why;
+};
+
+void leave_out(Linearization& linear, const std::vector<LeftOut>& all) {
+  std::vector<Index> kept;
+  std::vector<std::vector<std::string>> names(all.size());
+  std::vector<Port> ports;
+  for (std::size_t i = 0; i < linear.ports.outputs.size(); ++i) {
+    const auto of = std::ranges::find_if(all, [i](const LeftOut& one) { return one.which[i]; });
+    if (of == all.end()) {
+      kept.push_back(static_cast<Index>(i));
+      ports.push_back(linear.ports.outputs[i]);
+    } else {
+      names[static_cast<std::size_t>(of - all.begin())].push_back(linear.ports.outputs[i].name);
+    }
+  }
+  linear.ports.outputs = std::move(ports);
+  linear.outputs = VecX(linear.outputs(kept));
+  if (linear.reduced) {
+    linear.C = MatX(linear.C(kept, Eigen::all));
+    linear.D = MatX(linear.D(kept, Eigen::all));
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!names[i].empty())
+      linear.notes.push_back(
+          fmt::format("outputs left out: {}: {}", fmt::join(names[i], ", "), all[i].why));
+}
+
+LeftOut integrals(const Model& model) {
+  LeftOut out{{}, "integrals over time, which the states do not tell"};
+  for (const Channel& channel : model.channels)
+    for (const Column& column : channel.columns)
+      out.which.push_back(column.quantity != nullptr && column.quantity->is_integral);
+  return out;
+}
+
+// Inputs and outputs in axes that turn with a steady rotation, in which the matrices are constant. Throws Error for an input
+// whose force does not turn along: broken_symmetry() sees the forces that act, and those of an input at 0 do not.
+class InTurningAxes {
+ public:
+  InTurningAxes(const Model& model, const SteadyRotation& rotation, const State& state)
+      : model_(model), rotation_(rotation), state_(state) {}
+
+  void check_inputs(const MatX& F) const {
+    for (const double angle : angles) {
+      const MatX turned = input_forces(*model_.system, turned_by(angle, rotation_, state_));
+      for (Index i = 0; i < F.cols(); ++i)
+        if ((turned.col(i) - F.col(i)).norm() > same * F.col(i).norm())
+          throw Error(fmt::format(
+              "the input \"{}\" is a force in inertial axes on what turns, whose coefficients are "
+              "constant in no axes; give it as follower_force or follower_moment",
+              model_.system->inputs()[static_cast<std::size_t>(i)].name));
+    }
+  }
+
+  // Outputs that are not the same at all angles, in axes that turn. (Of joints with reactions multipliers would have to turn too;
+  // a joint's angle goes on, and what small motions make of it does not.)
+  LeftOut not_constant(const Linearization& linear) const {
+    const VecX& y = linear.outputs;
+    LeftOut out{std::vector<bool>(static_cast<std::size_t>(y.size()), false),
+                "in axes that turn they change while nothing moves there"};
+    const VecX natural = natural_sizes(linear);
+    for (const double angle : angles) {
+      VecX turned(y.size());
+      outputs(model_, turned_by(angle, rotation_, state_),
+              {turned.data(), static_cast<std::size_t>(turned.size())});
+      Index i = 0;
+      for (const Channel& channel : model_.channels)
+        for (std::size_t k = 0; k < channel.columns.size();) {
+          const schema::Quantity* const q = channel.columns[k].quantity;
+          const Index n = q == nullptr ? 1 : q->components;
+          if (q != nullptr && !follows(*q, angle, y.segment(i, n), turned.segment(i, n),
+                                       natural.segment(i, n).maxCoeff()))
+            std::fill_n(out.which.begin() + i, n, true);
+          i += n;
+          k += static_cast<std::size_t>(n);
+        }
+    }
+    return out;
+  }
+
+ private:
+  static constexpr double angles[] = {0.7, -1.1}, same = 1e-6;
+
+  // What a motion as large as the scene, or of one radian, would change outputs by: what round-off is small beside.
+  VecX natural_sizes(const Linearization& linear) const {
+    VecX sizes = VecX::Zero(linear.C.rows());
+    for (Index j = 0; j < linear.C.cols(); ++j) {
+      const bool is_length = linear.states[static_cast<std::size_t>(j)].unit.starts_with("m"),
+                 is_rate = 2 * j >= linear.C.cols();
+      sizes = sizes.cwiseMax(linear.C.col(j).cwiseAbs() *
+                             (is_length ? model_.system->length_scale() : 1.0) *
+                             (is_rate ? std::abs(rotation_.rate) : 1.0));
+    }
+    return sizes;
+  }
+
+  bool follows(const schema::Quantity& q, double angle, VecX y, const VecX& turned,
+               double natural) const {
+    constexpr double round_off = 1e-10;
+    using Of = schema::Quantity::Of;
+    if (q.of == Of::any_joint || q.of == Of::joint_with_angle) return true;
+    double size = std::max(y.norm(), turned.norm());
+    if (q.axes == schema::Quantity::Axes::inertial) {
+      const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, rotation_.axis));
+      const bool is_point = q.moved == schema::Quantity::Moved::as_point;
+      const Vec3 through = is_point ? rotation_.through : Vec3(Vec3::Zero());
+      y = Vec3(through + by * Vec3(Vec3(y) - through));
+      size = std::max(size, through.norm());
+    }
+    return (turned - y).norm() <= same * size + round_off * natural;
+  }
+
+  const Model& model_;
+  const SteadyRotation& rotation_;
+  const State& state_;
+};
+
+// `rotation`: in whose axes; null: at rest, or about a state that moves.
+Linearization of_motions(const Model& model, const SmallMotions& motions, bool constant,
+                         const SteadyRotation* rotation = nullptr) {
   Linearization linear;
   const System& system = *model.system;
   linear.state = motions.state();
@@ -129,6 +362,7 @@ Linearization of_motions(const Model& model, const SmallMotions& motions, bool c
     linear.notes.emplace_back(
         "the state moves, and its constraints with it: there are the equations of all motions, and "
         "no matrices on the constraints");
+    leave_out(linear, {integrals(model)});
     return linear;
   }
   linear.reduced = reduced_motion(system, linear.motion);
@@ -138,6 +372,16 @@ Linearization of_motions(const Model& model, const SmallMotions& motions, bool c
                                std::string(motion % 6 < 3 ? "m" : "rad") + (rate ? "/s" : ""),
                                "axes of the node"});
   add_outputs(model, linear);
+  std::vector<LeftOut> left{integrals(model)};
+  if (rotation != nullptr) {
+    const InTurningAxes turning(model, *rotation, linear.state);
+    turning.check_inputs(linear.motion.F);
+    left.push_back(turning.not_constant(linear));
+    for (Port& port : linear.ports.outputs)
+      if (port.frame == schema::in_words(schema::Quantity::Axes::inertial))
+        port.frame = "axes that turn, at t = 0 inertial";
+  }
+  leave_out(linear, left);
   return linear;
 }
 
@@ -187,7 +431,8 @@ Linearization linearize(const Scene& scene, const ModesOptions& options) {
   }
   of_scene.require_linear();
   try {
-    Linearization linear = of_motions(of_scene.model(), of_scene.motions(), !options.time);
+    Linearization linear =
+        of_motions(of_scene.model(), of_scene.motions(), !options.time, of_scene.rotation());
     linear.model = scene.name;
     linear.file = scene.file;
     linear.rotation = options.rotation;

@@ -25,8 +25,9 @@ struct Linearization {
   std::vector<Port> states;
   Ports ports;
   VecX outputs;  // at the state
-  // dy = C x + D du, du in the units of the inputs. By central differences of the outputs along exact small motions: to about
-  // 1e-7 of the largest entry of a row.
+  // dy = C x + D du, du in the units of the inputs, of ports.outputs: without those that the states do not tell, and, about a steady
+  // rotation, that are not constant in axes that turn (`notes`). By central differences of the outputs along exact small motions, over
+  // steps that go down until they agree; of which they do not to 1e-6 of the largest entry of a row, `notes` say.
   MatX C, D;
   std::vector<std::string> notes;
 };

@@ -107,6 +107,8 @@ class MotionsOfScene {
   // constant coefficients there, else in resting ones; what is found at the first call holds for the next. Throws Error where
   // the rotation is not found, where a drive does not go with it (unsteady_drive()), and where coefficients are constant in neither.
   void turn(const SteadyRotation& rotation);
+  // Null: none.
+  const SteadyRotation* rotation() const { return rotation_ ? &*rotation_ : nullptr; }
   ModeAxes axes() const { return axes_.value_or(ModeAxes::turning); }
   // In a steady rotation that has been found elsewise, in the axes of turn(), which has been called. Throws Error where
   // coefficients are not constant in these: forces of unbalance show with the rate.
