@@ -33,7 +33,8 @@ constexpr double most_of_a_leap =
 constexpr int most_refused = 8;    // steps in a row, for that
 constexpr int most_in_a_step = 8;  // singular points
 constexpr double on_value = 1e-9;  // of a crossing's change in a step
-constexpr double smallest_step = 1e-9;    // of max_step
+constexpr double smallest_step = 1e-9;  // of max_step
+constexpr double corner_step = 1e-5;    // below which a step that turns too far does so at a corner
 constexpr double largest_rotation = 1.0;  // [rad] of a corrector's increment
 
 class Follower {
@@ -237,7 +238,6 @@ class Follower {
   Point foretold(const Point& from, double h) const {
     Point point;
     point.state = from.state;
-    point.arc = from.arc + sign_of_branch_ * std::abs(h);
     VecX ahead = h * from.tangent;
     if (from.bend.size() > 0) ahead += (0.5 * h * h) * from.bend;
     retract(system_, point.state, ahead);
@@ -297,12 +297,26 @@ class Follower {
           why_ = range_failure(system_.out_of_range(point.state));
           return std::nullopt;
         }
+        point.arc = from.arc + sign_of_branch_ * size_of(moved_between(from.state, point.state));
         return point;
       }
       if (k > patience && e > 0.9 * previous && e > 1e3) return std::nullopt;
       previous = e;
     }
     return std::nullopt;
+  }
+
+  // Motions of the nodes from one state to another, and of such their measure, rms (W).
+  VecX moved_between(const State& from, const State& to) const {
+    VecX moved(6 * (system_.nodes() - 1));
+    for (Index n = 0; n < moved.size(); n += 6) {
+      const auto k = static_cast<std::size_t>(n / 6 + 1);
+      moved.segment<6>(n) = log_se3<double>(relative(from.pose[k], to.pose[k]));
+    }
+    return moved;
+  }
+  double size_of(const VecX& moved) const {
+    return std::sqrt(moved.dot(w_.head(moved.size()).cwiseProduct(moved)));
   }
 
   double displacement(const VecX& x) const {
@@ -488,6 +502,18 @@ class Follower {
     return Event{found.h, PathEvent::bifurcation, false, best, found.shape, at_a.index, after};
   }
 
+  // Whether a quantity jumps over its value near h, as a rotation vector does at half a turn, rather than to cross it.
+  bool jumps(const PathCrossing& crossing, const Point& from, double h, double whole,
+             double change) {
+    constexpr double beside = 1e-7, all_of_it = 0.5;
+    int iterations = 0;
+    const std::optional<Point> before = correct(from, h - beside * whole, iterations),
+                               after = correct(from, h + beside * whole, iterations);
+    return before && after &&
+           std::abs(crossing.excess(after->state) - crossing.excess(before->state)) >
+               all_of_it * std::abs(change);
+  }
+
   // Events with 0 < h < whole, in order. `all` is false if one of them could not be located: in a shorter step
   // it can. A stop is always there, at the end of the step if not where it is.
   struct Met {
@@ -540,6 +566,7 @@ class Follower {
           0.0, f0, whole, f1, tolerance);
       std::optional<Point> point = between(from, h);
       if (!point || std::abs(crossing.excess(point->state)) > located * std::abs(f1 - f0)) {
+        if (jumps(crossing, from, h, whole, f1 - f0)) continue;
         met.all = false;
         point = to;
         h = whole;
@@ -702,19 +729,11 @@ class Follower {
   Leap leap(const Point& at, const Point& next, double h) const {
     constexpr double none = 1e-8;  // of the scene: the tolerance of Newton's iterations, and more
     constexpr double far = 1e-3, longer = 3.0;
-    const Index motions = 6 * (system_.nodes() - 1);
-    VecX moved(motions);
-    for (Index n = 0; n < motions; n += 6) {
-      const auto k = static_cast<std::size_t>(n / 6 + 1);
-      moved.segment<6>(n) = log_se3<double>(relative(at.state.pose[k], next.state.pose[k]));
-    }
-    const VecX foretold = 0.5 * h * (at.tangent + next.tangent).head(motions);
-    const auto size = [&](const VecX& x) {
-      return std::sqrt(x.dot(w_.head(motions).cwiseProduct(x)));
-    };
-    const double way = size(moved), most = std::max(way, size(foretold));
-    if (!(most > none && size(moved - foretold) > most_of_a_leap * most)) return Leap::none;
-    return way > far && way > longer * size(foretold) ? Leap::far : Leap::near;
+    const VecX moved = moved_between(at.state, next.state);
+    const VecX foretold = 0.5 * h * (at.tangent + next.tangent).head(moved.size());
+    const double way = size_of(moved), most = std::max(way, size_of(foretold));
+    if (!(most > none && size_of(moved - foretold) > most_of_a_leap * most)) return Leap::none;
+    return way > far && way > longer * size_of(foretold) ? Leap::far : Leap::near;
   }
 
   void note_not_located(const Point& at, const Point& next) {
@@ -772,19 +791,67 @@ class Follower {
     return false;
   }
 
+  // The path beyond a corner, as the kink of a law makes one, within h: no smaller step turns it less. Along the tangent that there
+  // is where the last one leads to, or against it: a path that turns by more than a right angle goes on that way.
+  std::optional<Point> past_corner(const Point& at, double h) {
+    constexpr double farther = 8.0, no_corner = 0.999;
+    Point there = foretold(at, h);
+    if (!tangent(there, at.tangent)) return std::nullopt;
+    if (std::abs(dot(there.tangent, at.tangent)) > no_corner) return std::nullopt;
+    for (const double sign : {1.0, -1.0}) {
+      Point from = at;
+      from.tangent = sign * there.tangent;
+      from.bend.resize(0);
+      from.bend_of_resultants.clear();
+      int iterations = 0;
+      double turn = 0.0;
+      std::optional<Point> next = step(from, farther * h, iterations, turn);
+      if (!next || leap(from, *next, farther * h) != Leap::none) continue;
+      next->index = index(*next);
+      std::string changes;
+      if (stability_ && at.index && next->index && at.index != next->index)
+        changes = fmt::format(", negative eigenvalues {} -> {}", *at.index, *next->index);
+      if (at.tangent(n_) * next->tangent(n_) < 0.0) changes += ", the load is extreme";
+      report_.notes.push_back(
+          fmt::format("at load factor {:.6g} the path has a corner, where a law "
+                      "has a kink{}",
+                      at.state.load_factor, changes));
+      system_.follow_angles(next->state);
+      return next;
+    }
+    return std::nullopt;
+  }
+
   void trace(Point at, int branch, const std::string& who) {
     sign_of_branch_ = branch < 0 ? -1.0 : 1.0;
     double h = first_step(at, branch);
     int halvings = 0, leaps = 0, refused = 0;
     bool passing = false;  // an event that cannot be located
     for (int count = 1; count < options_.points;) {
-      const double left = options_.length - std::abs(at.arc);
-      if (left <= 0.0) return finish(who, "the length asked for is reached");
-      h = std::min(h, left);
+      const double left = options_.length - std::abs(at.arc),
+                   moves = size_of(at.tangent.head(6 * (system_.nodes() - 1)));
+      if (std::isfinite(left) && left <= located * options_.length)
+        return finish(who, "the length asked for is reached");
+      if (std::isfinite(left) && h * moves > left) h = left / moves;
       int iterations = 0;
       why_.clear();
       double turn = 0.0;
       std::optional<Point> next = step(at, h, iterations, turn);
+      if (!next && h <= corner_step * options_.max_step && !at.is_branching) {
+        if (std::optional<Point> beyond = past_corner(at, h)) {
+          Met met;  // a step so short meets nothing else
+          for (const PathCrossing& crossing : options_.crossings)
+            if ((crossing.excess(at.state) < 0.0) != (crossing.excess(beyond->state) < 0.0))
+              met.events.push_back({h, PathEvent::crossing, crossing.stops, *beyond, {}, {}, {}});
+          if (!accept_events(met, branch, who, count)) return;
+          at = std::move(*beyond);
+          ++count;
+          ++report_.counters.steps;
+          if (!accept(at, PathEvent::none, branch)) return;
+          halvings = leaps = refused = 0;
+          continue;
+        }
+      }
       if (!next) {
         ++report_.counters.retries;
         if (!shorten(at, h, leaps)) return;

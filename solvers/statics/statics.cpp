@@ -339,7 +339,7 @@ struct LoadSteps {
     ++report.counters.retries;
     if (failure.starts_with("nothing holds the motion")) {  // nor under a smaller load
       report.failure = report.load_factor > 0.0
-                           ? fmt::format("no equilibrium beyond {:.9g} of the load: {}",
+                           ? fmt::format("no equilibrium was found beyond {:.9g} of the load: {}",
                                          report.load_factor, failure)
                            : failure;
       return false;
@@ -348,7 +348,7 @@ struct LoadSteps {
     cut = true;
     if (increment >= smallest_increment) return true;
     report.failure =
-        fmt::format("no equilibrium beyond {:.9g} of the load: {}", report.load_factor,
+        fmt::format("no equilibrium was found beyond {:.9g} of the load: {}", report.load_factor,
                     failure.empty() ? "what is found there does not lie on the path of equilibria "
                                       "that leads there, however small the step is"
                                     : reason(system, solver, start, state, failure));

@@ -263,14 +263,14 @@ TEST_F(Silence, OverflowIsNoResult) {
   // As large as may be said.
   ended = mbd({"run", model("statics_overflow"), "--set", "F=1e60"}, "statics");
   EXPECT_EQ(ended.status, 1);
-  expect_says(ended.err, {"statics_overflow.xml:12: static: no equilibrium beyond"});
+  expect_says(ended.err, {"statics_overflow.xml:12: static: no equilibrium was found beyond"});
   EXPECT_FALSE(fs::exists(directory_.path() / "statics"));
   EXPECT_EQ(mbd({"run", model("statics_overflow"), "--set", "F=1"}, "statics").status, 0);
   ended = mbd({"run", model("stretched_beyond_numbers")}, "stretched");
   EXPECT_EQ(ended.status, 1);
   // Whether a first load step finds one, and a later one whose energy overflows, is of the last bit.
   EXPECT_NE(ended.err.find("stretched_beyond_numbers"), std::string::npos) << ended.err;
-  EXPECT_TRUE(ended.err.find("no equilibrium beyond") != std::string::npos ||
+  EXPECT_TRUE(ended.err.find("no equilibrium was found beyond") != std::string::npos ||
               ended.err.find("the energy is not finite at load factor 0.") != std::string::npos)
       << ended.err;
   hard::record({.id = "9b",
@@ -352,7 +352,7 @@ TEST_F(Silence, TheLastStepCountsToo) {
 
   const Ended ended = mbd({"run", model("beyond_the_limit")}, "limit");
   EXPECT_EQ(ended.status, 1);
-  expect_says(ended.err, {"no equilibrium beyond 0.99", "gives way"});
+  expect_says(ended.err, {"no equilibrium was found beyond 0.99", "gives way"});
   const double reached = last_time(file("limit", "history.csv"));
   EXPECT_LT(reached, 0.999);
   EXPECT_GT(reached, 0.999 - 5e-6);
