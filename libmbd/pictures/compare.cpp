@@ -20,9 +20,13 @@ void check_times(const History& history) {
     if (!(t[i] > t[i - 1]))
       throw Error(
           Source{history.file.string(), history.lines[i]},
-          fmt::format("\"{}\" is {} after {}, must increase from row to row to be compared; "
-                      "sort the rows, or remove those that repeat",
-                      excerpt(history.columns[0].name), t[i], t[i - 1]));
+          fmt::format(
+              "\"{}\" is {} after {}, must increase from row to row to be compared; {}",
+              excerpt(history.columns[0].name), t[i], t[i - 1],
+              history.columns[0].name == "load_factor"
+                  ? "a path that turns back has more than one state at a load: compare parts "
+                    "of it in which the load rises"
+                  : "sort the rows, or remove those that repeat"));
 }
 
 std::optional<std::size_t> find(const History& history, const std::string& name) {

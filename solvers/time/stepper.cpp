@@ -245,8 +245,14 @@ std::uint64_t Stepper::fingerprint_of_model() const {
   return *fingerprint_;
 }
 
+// With the kind of the linear solver, on which last digits depend.
+std::string Stepper::signed_with_solver() const {
+  const std::string of = signature(), method = linear_facts().method;
+  return of.empty() || method.empty() ? of : of + ", " + method.substr(0, method.find(','));
+}
+
 Checkpoint Stepper::kept(const State& state) const {
-  const std::string of = signature();
+  const std::string of = signed_with_solver();
   if (of.empty())
     throw Error(
         "this method keeps a history that cannot be saved; keep the state, and start() from it");
@@ -283,8 +289,8 @@ void Stepper::resume(const Checkpoint& checkpoint, State& state) {
   a(signed_by, model);
   if (model != fingerprint_of_model())
     throw Error("the checkpoint is of another model, or of other values of its parameters");
-  if (signed_by != signature())
-    throw Error(fmt::format("the checkpoint is of {}, and this is {}", signed_by, signature()));
+  if (const std::string own = signed_with_solver(); signed_by != own)
+    throw Error(fmt::format("the checkpoint is of {}, and this is {}", signed_by, own));
   State read;
   a(read);
   check_sizes(system(), read);

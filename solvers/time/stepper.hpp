@@ -153,6 +153,7 @@ class Stepper {
   double stop_ = std::numeric_limits<double>::infinity();  // [s]
 
  private:
+  std::string signed_with_solver() const;
   Checkpoint kept(const State& state) const;
   void resume(const Checkpoint& checkpoint, State& state);
   std::uint64_t fingerprint_of_model() const;

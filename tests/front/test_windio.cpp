@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "libmbd/language/reader.hpp"
+#include "libmbd/scene/reference_line.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shell.hpp"
@@ -197,6 +199,26 @@ TEST_F(Windio, WeighsWhatItsLengthDoes) {
   EXPECT_NEAR(std::hypot(t["root.force.1"].back(),
                          std::hypot(t["root.force.2"].back(), t["root.force.3"].back())),
               d.mass * length * 9.80665, 1e-3 * d.mass * length);
+}
+
+// Prebend and twist given at few places: the line stays within what is given, as monotone curves do; a spline through those places
+// alone leaves it by more than all of it. Mutation: points at the places of the grids only.
+TEST_F(Windio, FewPlacesMakeNoOvershoot) {
+  Data d;
+  std::string yaml = layout_1(d);
+  const std::string x = "x: {grid: [0.0, 1.0], values: [0.0, 0.0]}";
+  const std::size_t at = yaml.find(x);
+  ASSERT_NE(at, std::string::npos);
+  yaml.replace(at, x.size(), "x: {grid: [0.0, 0.4, 0.5, 1.0], values: [0.0, 0.0, 1.0, 1.0]}");
+  const ReferenceLine line = make_reference_line(read_model_text(model(yaml)).beams.at(0));
+  double least = 1.0, most = 0.0;
+  for (int i = 0; i <= 1000; ++i) {
+    const double here = line.at(i / 1000.0).r.x();
+    least = std::min(least, here);
+    most = std::max(most, here);
+  }
+  EXPECT_GT(least, -0.01);
+  EXPECT_LT(most, 1.01);
 }
 
 // Damping in proportion to stiffness is taken over where it is one number, else left out, which is said.

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "tests/hard/hard_case.hpp"
 #include "tests/support/certificates.hpp"
@@ -27,6 +30,83 @@ std::string beam(const std::string& rest) {
       <mass per_length="1.3" inertia="0.1 0.04 0.06"/></section>
       <beam name="b" section="s" from="0 0 0" to="2 0 0" normal="0 0 1" elements="2" order="4"/>)" +
          rest + "</mbd>";
+}
+
+// A section that varies within an element: a linear moment is known exactly, and the deflection is not. Rotation of a tip by a moment
+// M: M/L int ds/EI, of EI falling linearly from 100 to e: M ln(100/e)/(100 - e); the check is about its error. And a step of the
+// section in one element. Mutation: D of the points of the rule for that of the section.
+TEST(CertificateFound, MeshesOfSectionsThatVary) {
+  const auto report = [](const std::string& stations, int elements, int order) {
+    return run_to_table(read_model_text(fmt::format(
+        R"(<mbd name="m"><section name="s">{}</section>
+        <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="{}" order="{}"/>
+        <fixed name="w" between="ground b.start"/><load at="b.end" moment="0 1e-3 0"/><static/>
+        <record name="t" at="b.end" quantities="rotation"/></mbd>)",
+        stations, elements, order)));
+  };
+  const auto station = [](double at, double EI) {
+    return fmt::format(
+        R"(<station at="{}"><stiffness EA="1e7" GA2="5e6" GA3="5e6" GJ="80" EI2="{}" EI3="120"/></station>)",
+        at, EI);
+  };
+  struct Case {
+    double e;
+    int elements, order;
+  };
+  for (const auto& [e, elements, order] : {Case{10, 1, 3}, Case{10, 1, 2}, Case{1, 1, 3},
+                                           Case{1, 4, 3}, Case{50, 1, 2}, Case{1, 8, 4}}) {
+    const History history = report(station(0, 100) + station(1, e), elements, order);
+    const double exact = 1e-3 * std::log(100 / e) / (100 - e),
+                 error = std::abs(history.table["t.rotation.2"].back() / exact - 1.0);
+    const Check* const mesh = find(history.report.certificate, "mesh");
+    ASSERT_NE(mesh, nullptr);
+    EXPECT_GT(mesh->value, 0.7 * error) << e << " " << elements << " " << order;
+    EXPECT_LT(mesh->value, 1.5 * error + 1e-6) << e << " " << elements << " " << order;
+    EXPECT_EQ(mesh->verdict == Verdict::pass, mesh->value < 0.01);
+  }
+  const History step =
+      report(station(0, 100) + station(0.499, 100) + station(0.501, 1) + station(1, 1), 1, 3);
+  const double exact = 1e-3 * (0.5 / 100 + 0.5),
+               error = std::abs(step.table["t.rotation.2"].back() / exact - 1.0);
+  EXPECT_GT(error, 0.3);
+  EXPECT_GT(find(step.report.certificate, "mesh")->value, 0.7 * error);
+}
+
+// Distributed loads that go up and down between nodes: sin(20 s) on two elements of order 3 is 5 times as large there as in truth
+// (deflection of the tip, u = int q s^2 (3 L - s)/(6 EI) ds). Mutation: no check of it.
+TEST(CertificateFound, DistributedLoadsThatNodesDoNotResolve) {
+  const auto history = [](const std::string& force, int elements, int order) {
+    return run_to_table(read_model_text(fmt::format(
+        R"(<mbd name="m"><section name="s">
+        <stiffness EA="1e7" GA2="5e8" GA3="5e8" GJ="80" EI2="100" EI3="100"/></section>
+        <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="{}" order="{}"/>
+        <fixed name="w" between="ground b.start"/><distributed beam="b" force="0 0 {}"/><static/>
+        <record name="t" at="b.end" quantities="displacement"/></mbd>)",
+        elements, order, force)));
+  };
+  double exact = 0.0;
+  constexpr int n = 20000;
+  for (int i = 0; i < n; ++i) {
+    const double s = (i + 0.5) / n;
+    exact += std::sin(20 * s) * s * s * (3 - s) / 600 / n;
+  }
+  for (const auto& [elements, order] :
+       {std::pair{1, 3}, std::pair{2, 3}, std::pair{7, 3}, std::pair{20, 4}}) {
+    const History h = history("1e-3*sin(20*s)", elements, order);
+    const double error = std::abs(h.table["t.displacement.3"].back() / (1e-3 * exact) - 1.0);
+    const Check* const loads = find(h.report.certificate, "distributed loads");
+    ASSERT_NE(loads, nullptr);
+    EXPECT_EQ(loads->verdict == Verdict::pass, elements == 20) << loads->value << " " << error;
+    EXPECT_GT(loads->value, 0.2 * error) << elements;
+  }
+  // What is resolved passes: linear loads on any order, and a parabola on order 3; what does not vary is not asked.
+  for (const auto& [force, elements, order] :
+       {std::tuple{"s", 20, 1}, std::tuple{"s", 1, 2}, std::tuple{"1-s^2", 1, 3}})
+    EXPECT_EQ(
+        find(history(force, elements, order).report.certificate, "distributed loads")->verdict,
+        Verdict::pass)
+        << force << order;
+  EXPECT_EQ(find(history("3", 1, 3).report.certificate, "distributed loads"), nullptr);
 }
 
 // What is zero in truth is round-off, by itself of any size: forces in free fall, the acceleration of a clamp, of the axis of a bar in

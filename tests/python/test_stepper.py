@@ -134,6 +134,16 @@ def test_states(pendulum):
     assert state.velocities[1, 4] == w
 
 
+def test_checkpoints_know_the_linear_solver():
+    step = 'step="'
+    assert step in PENDULUM
+    block = mbd.Model(text=PENDULUM, file="rod.xml").stepper()
+    block.step(5)
+    klu = mbd.Model(text=PENDULUM.replace(step, 'linear_solver="klu" ' + step), file="rod.xml").stepper()
+    with pytest.raises(mbd.UseError, match="block LU, and this is .*KLU"):
+        klu.restore(block.save())
+
+
 def test_wrong_states(pendulum, models):
     s = pendulum.stepper()
     other = mbd.Model(text=PENDULUM, file="rod.xml").stepper().state()

@@ -84,6 +84,8 @@ def test_points_of_a_file(rod, program, tmp_path):
     assert same_bits(same.values, s.values)
     program("sweep", rod, "--points", points, "--out", tmp_path / "o", "-q")
     assert [r["status"] for r in rows_of(tmp_path / "o")] == ["done", "done"]
+    points.write_text("\ufeffW,L\n1,1 m\n", encoding="utf-8")  # as spreadsheets write it
+    assert same_bits(mbd.sweep(rod, points=points, quantity="tip.displacement.3").values[0], s.values[0])
     points.write_text("W,L\n1\n")
     with pytest.raises(mbd.ModelError, match="points.csv:2") as caught:
         mbd.sweep(rod, points=points)

@@ -16,6 +16,7 @@
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/run/describe_stress.hpp"
+#include "libmbd/scene/files.hpp"
 #include "libmbd/study/trust/transform.hpp"
 #include "libmbd/view/figure.hpp"
 #include "tests/support/read_text.hpp"
@@ -417,6 +418,36 @@ const std::string block =
     "\"right\"\n$EndPhysicalNames\n"
     "$Nodes\n6\n1 -10 -5 0\n2 0 -5 0\n3 10 -5 0\n4 -10 5 0\n5 0 5 0\n6 10 5 0\n$EndNodes\n"
     "$Elements\n3\n1 3 2 1 1 1 2 5 4\n2 2 2 2 1 2 3 6\n3 2 2 2 1 2 6 5\n$EndElements\n";
+
+// Rows of a sweep are of the meshes too. Mutation: files of a model are its own and those it includes.
+TEST(MeshedSections, AreOfTheModelForStudies) {
+  const TemporaryDirectory directory;
+  const std::filesystem::path file = directory.path() / "m.xml";
+  test::write_text(directory.path() / "block.msh", block);
+  test::write_text(file,
+                   "<mbd name=\"m\"><parameter name=\"q\" value=\"1\"/>" + steel +
+                       R"(<section name="s"><mesh file="block.msh" unit="1 mm" material="steel"/>
+      </section><beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="1"/>
+      <fixed name="w" between="ground b.start"/><load at="b.end" force="0 0 -q"/><static/>
+      <record name="t" at="b.end" quantities="displacement"/></mbd>)");
+  EXPECT_EQ(files_of(read_model(file)),
+            (std::vector<std::string>{file.string(), (directory.path() / "block.msh").string()}));
+  const auto sweep = [&] {
+    return shell(quote(test::mbd_program) + " sweep " + quote(file.string()) +
+                 " --vary q=1,2 -Q t.displacement.3 --out " +
+                 quote((directory.path() / "out").string()))
+        .text;
+  };
+  sweep();
+  EXPECT_NE(sweep().find("2 rows found"), std::string::npos);
+  std::string higher = block;
+  for (const char* y : {" -5 0", " 5 0"})
+    for (std::size_t i = higher.find(y); i != std::string::npos; i = higher.find(y, i + 4))
+      higher.replace(i, 3, y[1] == '-' ? " -15" : " 15");
+  test::write_text(directory.path() / "block.msh", higher);
+  const std::string again = sweep();
+  EXPECT_EQ(again.find("rows found"), std::string::npos) << again;
+}
 
 TEST(MeshedSections, InAModel) {
   const TemporaryDirectory directory;

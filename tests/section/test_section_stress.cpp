@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include "libmbd/core/error.hpp"
@@ -391,6 +392,38 @@ TEST(SectionFailure, CriteriaOfCombinedStresses) {
   EXPECT_NEAR(von_mises(m), std::sqrt(9 + 3 * 16.0), 1e-12);
   m << 5, 5, 5, 0, 0, 0;
   EXPECT_NEAR(von_mises(m), 0.0, 1e-12);
+}
+
+// In plane stress of a ply with the same strengths along T and N: Azzi and Tsai's form, with X and Y of the side on which each
+// stress lies, whatever sign the round-off of NN has. Mutation: the strength of N of its own side (0.44 and 0 of one state).
+TEST(SectionFailure, TsaiHillDoesNotSeeTheSignOfRoundOff) {
+  Strengths same = ply;
+  same.nt = same.tt;
+  same.nc = same.tc;
+  const auto square = [](double x) { return x * x; };
+  for (const double l : {-300e6, 2e6, 400e6})
+    for (const double t : {-120e6, -1e6, 1e6, 30e6})
+      for (const double noise : {-1e-9, 0.0, 1e-9}) {
+        Vec6 s;
+        s << l, t, noise, 0.0, 0.0, 30e6;
+        const double X = l >= 0.0 ? same.lt : same.lc, Y = t >= 0.0 ? same.tt : same.tc;
+        const double hill = (l * l - l * t) / square(X) + square(t / Y) + square(30e6 / same.s_lt);
+        EXPECT_NEAR(failure_index(Criterion::tsai_hill, s, same), std::sqrt(hill), 1e-9)
+            << l << " " << t << " " << noise;
+      }
+  // And in three dimensions no state is below zero, or jumps where a stress passes it.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  for (int k = 0; k < 2000; ++k) {
+    Vec6 s;
+    s << 500e6 * number(random), 50e6 * number(random), 50e6 * number(random), 0.0, 0.0, 0.0;
+    const Index i = k % 3;
+    s(i) = 1e-9;
+    const double above = failure_index(Criterion::tsai_hill, s, same);
+    s(i) = -1e-9;
+    EXPECT_NEAR(failure_index(Criterion::tsai_hill, s, same), above, 1e-9);
+    EXPECT_GT(above, 0.0);
+  }
 }
 
 // ---- refusals ---------------------------------------------------------------------------------

@@ -34,6 +34,80 @@ Scene with_entry(Scene scene, Index i, double factor) {
   return scene;
 }
 
+// --- corners ---
+
+// A mass on a rail with a bilinear spring: k1 = 1 to 0.1, k2 after that, and a load of 0.4. Exact: x = 0.4 mu to 0.1, then 0.1 +
+// (0.4 mu - 0.1)/k2. The path has a corner, by more than a right angle where k2 < 0. Mutations: steps that turn too far are never taken;
+// the way on along the tangent only (k2 < 0).
+TEST(PathCorners, KinksOfLaws) {
+  for (const double k2 : {5.0, 100.0, 1e4, 0.2, 0.01, -0.2, -2.0, -10.0})
+    for (const PathMethod method : both_methods) {
+      Scene scene = read_model_text(fmt::format(
+          R"(<mbd name="c"><body name="m" mass="1" inertia="1 1 1"/>
+          <prismatic name="p" between="ground m" axis="1 0 0"/>
+          <joint_spring name="s" joint="p" force="x > 0.1 ? 0.1+{}*(x-0.1) : x"/>
+          <load at="m" force="0.4 0 0"/><path length="{}"/>
+          <record name="p" joint="p" quantities="displacement"/></mbd>)",
+          k2, k2 < 0.05 ? 2.0 : 0.3));
+      scene.path->method = method;
+      const History history = run_to_table(scene);
+      ASSERT_TRUE(history.report.complete()) << k2 << history.report.failure;
+      const auto& x = history.table["p.displacement"];
+      const auto& mu = history.table["load_factor"];
+      EXPECT_GT(x.back(), 0.12) << k2;
+      for (std::size_t i = 0; i < x.size(); ++i)
+        EXPECT_NEAR(0.4 * mu[i], x[i] <= 0.1 ? x[i] : 0.1 + k2 * (x[i] - 0.1),
+                    1e-9 * std::max(1.0, std::abs(k2)))
+            << k2 << " " << x[i];
+      EXPECT_TRUE(std::ranges::any_of(history.report.notes, [](const std::string& note) {
+        return note.find("has a corner") != std::string::npos;
+      })) << k2;
+    }
+}
+
+// What a stop or a mark is of may lie in the corner itself. Mutation: crossings in a step around it are not looked for.
+TEST(PathCorners, StopAtTheCorner) {
+  const History history = run_to_table(read_model_text(
+      R"(<mbd name="c"><body name="m" mass="1" inertia="1 1 1"/>
+      <prismatic name="p" between="ground m" axis="1 0 0"/>
+      <joint_spring name="s" joint="p" force="x > 0.1 ? 0.1+100*(x-0.1) : x"/>
+      <load at="m" force="0.4 0 0"/><path><stop quantity="p.displacement" value="0.10000000001"/></path>
+      <record name="p" joint="p" quantities="displacement"/></mbd>)"));
+  EXPECT_NEAR(history.table["p.displacement"].back(), 0.1, 1e-6);
+  EXPECT_NEAR(history.table["load_factor"].back(), 0.25, 1e-4);
+}
+
+// The arc length is of motions alone: however the first step chose the load's share, it is the same where the path is. Mutation: the
+// measure of steps, with the load in it.
+TEST(PathLength, DoesNotDependOnTheFirstStep) {
+  double first = 0.0;
+  for (const double step : {0.1, 0.02, 0.005}) {
+    Scene scene = model_scene("shallow_arch");
+    scene.path->step = step;
+    scene.path->max_step = 0.02;
+    const History history = run_to_table(scene);
+    ASSERT_TRUE(history.report.complete()) << history.report.failure;
+    const double length = history.table["arc_length"].back();
+    if (first == 0.0) first = length;
+    EXPECT_NEAR(length / first, 1.0, 1e-3) << step;
+  }
+}
+
+// A cantilever rolled up by a moment: its tip turns through half a turn, where the rotation vector jumps from pi to -pi. That is no
+// crossing of 0, which is at a whole turn: M = 2 pi EI/L. Mutation: a change of sign is a crossing.
+TEST(PathCrossings, ARotationVectorThatGoesRound) {
+  const History history = run_to_table(read_model_text(
+      R"(<mbd name="x"><section name="s">
+      <stiffness EA="1e6" GA2="1e6" GA3="1e6" GJ="80" EI2="100" EI3="100"/></section>
+      <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="6" order="4"/>
+      <fixed name="w" between="ground b.start"/><load at="b.end" moment="0 650 0"/>
+      <path><stop quantity="t.rotation.2" value="0"/></path>
+      <record name="t" at="b.end" quantities="rotation"/></mbd>)"));
+  ASSERT_TRUE(history.report.complete()) << history.report.failure;
+  EXPECT_NEAR(history.table["load_factor"].back(), 2.0 * pi * 100 / 650, 1e-6);
+  EXPECT_NEAR(history.table["t.rotation.2"].back(), 0.0, 1e-9);
+}
+
 // --- the deep arch (models/arch.xml) ---
 
 constexpr double P1 = 0.897289134, P2 = -0.07304876;  // of the model's load of 1000

@@ -286,6 +286,129 @@ TEST(Linearize, RedundantConstraints) {
             1e-7 * std::norm(each));
 }
 
+// Outputs of a mechanism of a millimetre are the same beside a body 10 km away. Length of a spring: (y - b)/l; tension of a law, its
+// derivative. Mutation: steps a fixed part of the scene.
+TEST(Linearize, OutputsMuchSmallerThanTheScene) {
+  for (const double X : {0.0, 1.0, 100.0, 1e4}) {
+    SCOPED_TRACE(X);
+    const Linearization linear = linearize(read(fmt::format(
+        R"(<body name="p" mass="0.02" inertia="1e-7 1e-6 1e-6"/>
+        <prismatic name="r" between="ground p" axis="0 1 0"/>
+        <spring name="s" between="ground p" at_a="1e-3 0.5e-3 0" stiffness="500" length="0.9e-3"/>
+        <spring name="n" between="ground p" at_a="0 -5e-3 0" force="1e3*x+1e9*x^3" length="4.9e-3"/>
+        <body name="station" at="{} 0 0" mass="1" inertia="1 1 1"/>
+        <revolute name="t" between="ground station" axis="0 0 1"/>
+        <joint_spring name="tk" joint="t" angular_stiffness="1"/>
+        <static/><transient duration="0.05" step="1e-3"/>
+        <record name="r" joint="r" quantities="displacement"/>
+        <record name="s" spring="s" quantities="length"/>
+        <record name="n" spring="n" quantities="length tension"/>)",
+        X)));
+    ASSERT_TRUE(linear.reduced);
+    const auto value = [&](const char* name) {
+      return linear.outputs(static_cast<Index>(place(linear.ports.outputs, name)));
+    };
+    const Index y = static_cast<Index>(place(linear.ports.outputs, "r.displacement"));
+    Index column = 0;
+    linear.C.row(y).cwiseAbs().maxCoeff(&column);
+    const auto rate = [&](const char* name) {
+      return linear.C(static_cast<Index>(place(linear.ports.outputs, name)), column) /
+             linear.C(y, column);
+    };
+    const double up = value("r.displacement") - 0.5e-3, x = value("n.length") - 4.9e-3;
+    EXPECT_NEAR(rate("s.length"), up / value("s.length"), 1e-8);
+    EXPECT_NEAR(rate("n.length"), 1.0, 1e-8);
+    EXPECT_NEAR(rate("n.tension"), 1e3 + 3e9 * x * x, 1e-5);
+    EXPECT_TRUE(linear.notes.empty()) << linear.notes.front();
+  }
+}
+
+// The stress of von Mises by the chain rule from the stresses, of loads so small that it bends within any step that is a part of
+// the scene. Mutation: steps of 1e-5 of the scene (a tip load of 0.1 N is 75 % wrong).
+TEST(Linearize, StressOfVonMisesNearZero) {
+  for (const double P : {0.01, 0.1, 1.0, 10.0, 100.0}) {
+    SCOPED_TRACE(P);
+    const Linearization linear = linearize(read(fmt::format(
+        R"(<input name="P" unit="N" value="{}"/>
+        <material name="st" E="200 GPa" nu="0.3" rho="7800 kg/m3"/>
+        <section name="s"><rectangle width="10 mm" height="4 mm" material="st"/></section>
+        <beam name="b" section="s" from="0 0 0" to="0.3 0 0" normal="0 0 1" elements="1"/>
+        <fixed name="F" between="ground b.start"/><load at="b.end" force="0 0 P"/>
+        <static/><transient duration="0.02" step="1e-4"/>
+        <record name="m" at="b@0.3" section_point="3mm 1mm"
+                quantities="von_mises ply_stress ply_shear_stress"/>)",
+        P)));
+    const MatX gain = transfer(linear, 0.0).real();
+    const VecX s = linear.outputs.segment(1, 6), ds = gain.col(0).segment(1, 6);
+    double change = 0.0;  // of the square of the stress of von Mises
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3;
+      change += (s(i) - s(j)) * (ds(i) - ds(j)) + 6.0 * s(3 + i) * ds(3 + i);
+    }
+    EXPECT_NEAR(gain(0, 0) / (change / (2.0 * linear.outputs(0))), 1.0, 1e-5);
+  }
+}
+
+// A rotation vector grows by the angle beyond half a turn too, where the one that is written is another for the same rotation.
+// Mutation: differences of the vectors as they are written.
+TEST(Linearize, RotationVectorsAtHalfATurn) {
+  for (const double angle : {170.0, 179.9999, 180.0001, 190.0}) {
+    const Linearization linear = linearize(read(fmt::format(
+        R"(<body name="p" center="0.5 0 0" mass="2" inertia="0.01 0.2 0.2"/>
+        <revolute name="j" between="ground p" at="0 0 0" axis="0 1 0"/>
+        <joint_spring name="s" joint="j" angular_stiffness="400" rest_angle="{}*deg"/>
+        <static steps="10"/><transient duration="0.5" step="1e-3"/>
+        <record name="j" joint="j" quantities="angle"/>
+        <record name="p" at="p" quantities="rotation"/>)",
+        angle)));
+    Index column = 0;
+    linear.C.row(0).cwiseAbs().maxCoeff(&column);
+    EXPECT_NEAR(linear.C(2, column) / linear.C(0, column), 1.0, 1e-6) << angle;
+  }
+}
+
+// A mass on a radial spring in a slot that turns at W: x'' + c x' + (k - m W^2) x = f, f along the slot.
+std::string in_a_slot(const std::string& load) {
+  return R"(<input name="f"/><body name="hub" mass="1" inertia="0.1 0.1 0.2"/>
+    <revolute name="R" between="ground hub" axis="0 0 1"/><drive joint="R" rate="2"/>
+    <body name="m" at="1 0 0" mass="1" inertia="0.1 0.1 0.1"/>
+    <prismatic name="S" between="hub m" axis="1 0 0"/>
+    <joint_spring name="k" joint="S" stiffness="40" damping="1" rest_displacement="-0.1"/>
+    <load at="m" )" +
+         load + R"(/><transient duration="20" step="0.01"/>
+    <record name="S" joint="S" quantities="displacement speed"/>
+    <record name="m" at="m" quantities="position velocity rotation displacement"/>
+    <record name="all" quantities="work_of_drives work_of_loads"/>)";
+}
+
+// Mutations: forces of inputs not looked at; outputs in inertial axes as they are.
+TEST(Linearize, InputsAndOutputsOfWhatTurns) {
+  ModesOptions turning;
+  turning.rotation = SteadyRotation{2.0, Vec3::UnitZ()};
+  try {
+    linearize(read(in_a_slot("force=\"f 0 0\"")), turning);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_SAYS(error.what(), "\"f\" is a force in inertial axes on what turns");
+  }
+  const Linearization linear = linearize(read(in_a_slot("follower_force=\"f 0 0\"")), turning);
+  for (const Complex s : {Complex(0.0, 0.0), Complex(0.0, 3.0)}) {
+    const Complex is =
+        transfer(linear, s)(static_cast<Index>(place(linear.ports.outputs, "S.displacement")), 0);
+    EXPECT_LT(std::abs(is - 1.0 / (s * s + s + 36.0)), 1e-7);
+  }
+  // Where it is, in axes that turn with it: constant, and moved by what the slot lets it; from where it was, it is not constant.
+  const std::size_t position = place(linear.ports.outputs, "m.position.1");
+  EXPECT_EQ(linear.ports.outputs[position].frame, "axes that turn, at t = 0 inertial");
+  EXPECT_LT(std::abs(transfer(linear, 0.0)(static_cast<Index>(position), 0) - 1.0 / 36.0), 1e-7);
+  EXPECT_EQ(linear.C.rows(), static_cast<Index>(linear.ports.outputs.size()));
+  EXPECT_EQ(linear.ports.outputs.size(), 8U);
+  const std::string said = to_text(linear);
+  EXPECT_SAYS(said, "m.rotation.3");
+  EXPECT_SAYS(said, "m.displacement.1");
+  EXPECT_SAYS(said, "all.work_of_drives, all.work_of_loads: integrals over time");
+}
+
 TEST(Linearize, SaysWhatItCannot) {
   const auto said = [](const std::string& inside, const ModesOptions& options = {}) -> std::string {
     try {
@@ -299,6 +422,20 @@ TEST(Linearize, SaysWhatItCannot) {
       <revolute name="r" between="ground w" axis="0 0 1"/><drive joint="r" angle="u"/>
       <transient duration="1" step="0.1"/>)"),
               "\"u\" prescribes a motion");
+  // So do motions of the base, also where at the start nothing moves. Mutation: B = 0 of them.
+  for (const char* law :
+       {"displacement=\"u 0 0\"", "velocity=\"0 u 0\"", "displacement=\"u*t 0 0\""})
+    EXPECT_SAYS(said(fmt::format(R"(<input name="u"/><body name="w" mass="1" inertia="1 1 1"/>
+        <prismatic name="r" between="ground w" axis="1 0 0"/>
+        <joint_spring name="k" joint="r" stiffness="3"/><base_motion {}/>
+        <transient duration="1" step="0.1"/>)",
+                                 law)),
+                "\"u\" prescribes a motion");
+  EXPECT_SAYS(said(R"(<input name="u"/><body name="w" mass="1" inertia="1 1 1"/>
+        <prismatic name="r" between="ground w" axis="1 0 0"/>
+        <joint_spring name="k" joint="r" stiffness="3"/><base_motion acceleration="u 0 0"/>
+        <transient duration="1" step="0.1"/>)"),
+              "no error");
   EXPECT_SAYS(
       said(
           R"(<body name="w" mass="1" inertia="0 0 0"/><body name="v" mass="1" inertia="1 1 1" at="1 0 0"/>

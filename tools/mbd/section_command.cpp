@@ -69,12 +69,22 @@ SectionLoad worst(const StressReport& report) {
   throw Error("the record has no rows");
 }
 
-// A record of the model is at a beam of that section; of one that the model does not have nothing is known.
-void check_record(const Scene& scene, const std::string& name, const std::string& section) {
+// A record of the model is at a beam of that section, and at that station of it; of one that the model does not have nothing is
+// known.
+void check_record(const Scene& scene, const std::string& name, const std::string& section,
+                  std::optional<double> station) {
   const auto record = std::ranges::find(scene.records, name, &RecordScene::name);
   if (record == scene.records.end() || !record->at) return;
   const auto beam = std::ranges::find(scene.beams, record->at->name, &BeamScene::name);
-  if (beam == scene.beams.end() || beam->section == section) return;
+  if (beam == scene.beams.end()) return;
+  if (beam->section == section) {
+    if (!station || std::abs(record->at->parameter - *station) <= 1e-9) return;
+    throw Error(
+        record->source,
+        fmt::format("record \"{}\" is at {:g} of beam \"{}\", and its section varies: its "
+                    "resultants are not those at station {:g}; record there, \"{}@{:g}\"",
+                    name, record->at->parameter, beam->name, *station, beam->name, *station));
+  }
   throw Error(record->source,
               fmt::format("record \"{}\" is at beam \"{}\", whose section is \"{}\", not \"{}\": "
                           "its resultants act on no section of that name; give the beam's section, "
@@ -108,7 +118,8 @@ void recover(const SectionArguments& arguments) {
     at_name = history.columns.front().name;
   }
   StressReport report = describe_stress(scene, arguments.name, arguments.station, loads);
-  if (!arguments.record.empty()) check_record(scene, arguments.record, report.section);
+  if (!arguments.record.empty())
+    check_record(scene, arguments.record, report.section, arguments.station);
   report.at_name = at_name;
   if (arguments.point.empty()) {
     fmt::print("{}", arguments.json ? to_json(report) : to_text(report));

@@ -315,7 +315,21 @@ Blade blade_of(const Node& file, const WindioOptions& options) {
 
 // ---- the model --------------------------------------------------------------------------------
 
-// The curve with a point at every place where something is given.
+// The spline of the model goes through points alone: between those that are far apart it would leave the monotone curves of
+// the file, and overshoot.
+void divide(std::vector<double>& grid) {
+  constexpr double longest = 0.02;
+  std::vector<double> all{grid.front()};
+  for (std::size_t i = 0; i + 1 < grid.size(); ++i) {
+    const double h = grid[i + 1] - grid[i];
+    const int parts = std::max(1, static_cast<int>(std::ceil(h / longest - 1e-6)));
+    for (int k = 1; k < parts; ++k) all.push_back(grid[i] + h * k / parts);
+    all.push_back(grid[i + 1]);
+  }
+  grid = std::move(all);
+}
+
+// The curve with a point at every place where something is given, and between those that are far apart.
 struct Line {
   std::vector<double> grid;
   BeamScene beam;
@@ -336,6 +350,7 @@ Line line_of(const Blade& blade, const WindioOptions& options, const Source& sou
     }
     line.grid.push_back(at);
   }
+  divide(line.grid);
   for (const double at : line.grid)
     curve.points.push_back({source,
                             {blade.x.smooth(at), blade.y.smooth(at), blade.z.smooth(at)},

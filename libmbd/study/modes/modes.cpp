@@ -341,7 +341,15 @@ std::optional<double> MotionsOfScene::orbit_of(const Mode& mode, const VecXc& p,
 
 void MotionsOfScene::name(NamedMode& mode) const {
   const Index n = motions_->motions();
-  const VecXc p = motions_->mass_times(mode.shape);
+  VecXc p = motions_->mass_times(mode.shape);
+  // Of what has next to no mass the kinetic energy is round-off: it is named after how far it moves.
+  constexpr double no_mass = 1e-12;
+  const double L = model_.system->length_scale();
+  VecXc far = mode.shape;
+  for (Index i = 0; i < n; i += 6) far.segment<3>(i) /= L * L;
+  if (!(std::real(mode.shape.dot(p)) >
+        no_mass * motions_->mass() * L * L * std::real(mode.shape.dot(far))))
+    p = far;
 
   std::map<int, Energy> energies;  // by part; of nodes in none by -1 - node
   double whole = 0.0;

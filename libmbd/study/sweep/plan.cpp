@@ -214,6 +214,9 @@ SweepPlan file_plan(const std::filesystem::path& file) {
   Source source{file.string(), 0};
   for (std::string line; std::getline(stream, line);) {
     ++source.line;
+    // What spreadsheets put before UTF-8.
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    if (source.line == 1 && line.starts_with(mark)) line.erase(0, mark.size());
     if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
     const std::vector<std::string_view> cells = cut_at(line, ',');
     if (plan.parameters.empty()) {
