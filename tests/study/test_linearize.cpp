@@ -389,7 +389,7 @@ TEST(Linearize, InputsAndOutputsOfWhatTurns) {
     linearize(read(in_a_slot("force=\"f 0 0\"")), turning);
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
-    EXPECT_SAYS(error.what(), "\"f\" is a force in inertial axes on what turns");
+    EXPECT_SAYS(std::string(error.what()), "\"f\" is a force in inertial axes on what turns");
   }
   const Linearization linear = linearize(read(in_a_slot("follower_force=\"f 0 0\"")), turning);
   for (const Complex s : {Complex(0.0, 0.0), Complex(0.0, 3.0)}) {
