@@ -791,11 +791,42 @@ class Follower {
     return false;
   }
 
+  // Shortens a step that goes beyond the length asked for.
+  void end_at_length(const Point& at, Point& next, double& h) {
+    const auto beyond = [&](const Point& point) { return std::abs(point.arc) - options_.length; };
+    const double end = find_root(
+        [&](double x) -> std::optional<double> {
+          int iterations = 0;
+          const std::optional<Point> point = correct(at, x, iterations);
+          if (!point) return std::nullopt;
+          return beyond(*point);
+        },
+        0.0, beyond(at), h, beyond(next), 1e-14 * h);
+    if (std::optional<Point> point = between(at, end)) {
+      next = std::move(*point);
+      h = end;
+    }
+  }
+
+  // Whether the argument of a law goes to the other side of a kink. Beside a far part of the scene a smooth path turns within as
+  // small a step.
+  bool passes_kink(const State& before, const State& after) const {
+    const std::vector<NearKink> here = system_.near_kinks(before),
+                                there = system_.near_kinks(after);
+    if (here.size() != there.size()) return false;
+    for (std::size_t k = 0; k < here.size(); ++k)
+      if (here[k].element == there[k].element && here[k].of == there[k].of &&
+          (here[k].x < here[k].kink.at) != (there[k].x < here[k].kink.at))
+        return true;
+    return false;
+  }
+
   // The path beyond a corner, as the kink of a law makes one, within h: no smaller step turns it less. Along the tangent that there
   // is where the last one leads to, or against it: a path that turns by more than a right angle goes on that way.
   std::optional<Point> past_corner(const Point& at, double h) {
     constexpr double farther = 8.0, no_corner = 0.999;
     Point there = foretold(at, h);
+    if (!passes_kink(at.state, there.state)) return std::nullopt;
     if (!tangent(there, at.tangent)) return std::nullopt;
     if (std::abs(dot(there.tangent, at.tangent)) > no_corner) return std::nullopt;
     for (const double sign : {1.0, -1.0}) {
@@ -828,11 +859,9 @@ class Follower {
     int halvings = 0, leaps = 0, refused = 0;
     bool passing = false;  // an event that cannot be located
     for (int count = 1; count < options_.points;) {
-      const double left = options_.length - std::abs(at.arc),
-                   moves = size_of(at.tangent.head(6 * (system_.nodes() - 1)));
-      if (std::isfinite(left) && left <= located * options_.length)
+      constexpr double round_off = 1e-12;
+      if (std::abs(at.arc) >= options_.length * (1.0 - round_off))
         return finish(who, "the length asked for is reached");
-      if (std::isfinite(left) && h * moves > left) h = left / moves;
       int iterations = 0;
       why_.clear();
       double turn = 0.0;
@@ -864,6 +893,7 @@ class Follower {
         if (!shorten(at, h, leaps)) return;
         continue;
       }
+      if (std::abs(next->arc) > options_.length) end_at_length(at, *next, h);
       next->index = index(*next);
       if (!next->index && stability_) next->index = at.index;  // at a singular point, to round-off
       Met met = events(at, *next, h);

@@ -345,7 +345,8 @@ TEST(Linearize, StressOfVonMisesNearZero) {
       const int j = (i + 1) % 3;
       change += (s(i) - s(j)) * (ds(i) - ds(j)) + 6.0 * s(3 + i) * ds(3 + i);
     }
-    EXPECT_NEAR(gain(0, 0) / (change / (2.0 * linear.outputs(0))), 1.0, 1e-5);
+    // Over 1e-9 of the scene differences keep some eight digits of a row, of which those of stiff directions cancel four.
+    EXPECT_NEAR(gain(0, 0) / (change / (2.0 * linear.outputs(0))), 1.0, P < 0.1 ? 1e-3 : 1e-5);
   }
 }
 
@@ -369,9 +370,11 @@ TEST(Linearize, RotationVectorsAtHalfATurn) {
 
 // A mass on a radial spring in a slot that turns at W: x'' + c x' + (k - m W^2) x = f, f along the slot.
 std::string in_a_slot(const std::string& load) {
-  return R"(<input name="f"/><body name="hub" mass="1" inertia="0.1 0.1 0.2"/>
+  return R"(<input name="f"/><body name="hub" mass="1" inertia="0.1 0.1 0.2"
+        angular_velocity="0 0 2"/>
     <revolute name="R" between="ground hub" axis="0 0 1"/><drive joint="R" rate="2"/>
-    <body name="m" at="1 0 0" mass="1" inertia="0.1 0.1 0.1"/>
+    <body name="m" at="1 0 0" mass="1" inertia="0.1 0.1 0.1" velocity="0 2 0"
+        angular_velocity="0 0 2"/>
     <prismatic name="S" between="hub m" axis="1 0 0"/>
     <joint_spring name="k" joint="S" stiffness="40" damping="1" rest_displacement="-0.1"/>
     <load at="m" )" +

@@ -1723,8 +1723,10 @@ class Scene(Element):
           strain_energy          [J] of all beams, springs and bushings
           potential_energy       [J] of gravity, zero at the inertial origin
           total_energy           [J] kinetic, strain and potential
-          work_of_loads          [J] since the start, gravity excepted
-          work_of_drives         [J] of drives and motions since the start
+          work_of_loads          [J] since the start of the <transient>, gravity
+                                 excepted; 0 without
+          work_of_drives         [J] of drives and motions since the start of the
+                                 <transient>
           work_of_damping        [J] of damping, dampers and drag since the start:
                                  negative, or 0; of drag in a flow, of either sign
 
