@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "libmbd/scene/files.hpp"
+#include "libmbd/material/scene_files.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/reading_limits.hpp"
 #include "libmbd/section/airfoil.hpp"

@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "libmbd/material/mesh_file.hpp"
-#include "libmbd/scene/files.hpp"
+#include "libmbd/material/scene_files.hpp"
 #include "libmbd/scene/label.hpp"
 
 namespace mbd {

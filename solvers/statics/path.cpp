@@ -546,6 +546,17 @@ class Follower {
         met.all = false;
       }
     }
+    find_crossings(from, to, whole, met);
+    if (!find_bifurcations(from, to, whole, limits, middle_of(from, whole), met.events))
+      met.all = false;
+    std::sort(met.events.begin(), met.events.end(),
+              [](const Event& a, const Event& b) { return a.h < b.h; });
+    return met;
+  }
+
+  // Values that stops and marks are at.
+  void find_crossings(const Point& from, const Point& to, double whole, Met& met) {
+    const double tolerance = 1e-14 * std::abs(whole);
     for (const PathCrossing& crossing : options_.crossings) {
       const double f0 = crossing.excess(from.state), f1 = crossing.excess(to.state);
       // What begins on the value, to round-off, does not cross it; what ends on it does.
@@ -575,11 +586,6 @@ class Follower {
       }
       met.events.push_back({h, PathEvent::crossing, crossing.stops, std::move(*point), {}, {}, {}});
     }
-    if (!find_bifurcations(from, to, whole, limits, middle_of(from, whole), met.events))
-      met.all = false;
-    std::sort(met.events.begin(), met.events.end(),
-              [](const Event& a, const Event& b) { return a.h < b.h; });
-    return met;
   }
 
   // Of a sign alone two changes do not show: it is looked at in the middle of a step as well.
@@ -853,6 +859,20 @@ class Follower {
     return std::nullopt;
   }
 
+  // Takes `beyond`, past a corner, for `at`. False: the path ends.
+  bool accept_beyond(Point& at, Point beyond, double h, int branch, const std::string& who,
+                     int& count) {
+    Met met;  // a step so short meets nothing else
+    for (const PathCrossing& crossing : options_.crossings)
+      if ((crossing.excess(at.state) < 0.0) != (crossing.excess(beyond.state) < 0.0))
+        met.events.push_back({h, PathEvent::crossing, crossing.stops, beyond, {}, {}, {}});
+    if (!accept_events(met, branch, who, count)) return false;
+    at = std::move(beyond);
+    ++count;
+    ++report_.counters.steps;
+    return accept(at, PathEvent::none, branch);
+  }
+
   void trace(Point at, int branch, const std::string& who) {
     sign_of_branch_ = branch < 0 ? -1.0 : 1.0;
     double h = first_step(at, branch);
@@ -868,15 +888,7 @@ class Follower {
       std::optional<Point> next = step(at, h, iterations, turn);
       if (!next && h <= corner_step * options_.max_step && !at.is_branching) {
         if (std::optional<Point> beyond = past_corner(at, h)) {
-          Met met;  // a step so short meets nothing else
-          for (const PathCrossing& crossing : options_.crossings)
-            if ((crossing.excess(at.state) < 0.0) != (crossing.excess(beyond->state) < 0.0))
-              met.events.push_back({h, PathEvent::crossing, crossing.stops, *beyond, {}, {}, {}});
-          if (!accept_events(met, branch, who, count)) return;
-          at = std::move(*beyond);
-          ++count;
-          ++report_.counters.steps;
-          if (!accept(at, PathEvent::none, branch)) return;
+          if (!accept_beyond(at, std::move(*beyond), h, branch, who, count)) return;
           halvings = leaps = refused = 0;
           continue;
         }

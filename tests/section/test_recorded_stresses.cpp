@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "libmbd/compile/model.hpp"
+#include "libmbd/material/scene_files.hpp"
 #include "libmbd/run/describe_stress.hpp"
-#include "libmbd/scene/files.hpp"
 #include "libmbd/study/trust/transform.hpp"
 #include "libmbd/view/figure.hpp"
 #include "tests/support/read_text.hpp"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
-#include "libmbd/scene/files.hpp"
+#include "libmbd/material/scene_files.hpp"
 #include "libmbd/study/accuracy/accuracy.hpp"
 #include "libmbd/study/accuracy/accuracy_page.hpp"
 #include "libmbd/study/accuracy/accuracy_report.hpp"

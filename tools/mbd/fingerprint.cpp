@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "libmbd/material/scene_files.hpp"
 #include "libmbd/results/build_facts.hpp"
-#include "libmbd/scene/files.hpp"
 
 namespace mbd {
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "libmbd/language/reader.hpp"
-#include "libmbd/scene/files.hpp"
+#include "libmbd/material/scene_files.hpp"
 #include "libmbd/study/sweep/sweep.hpp"
 #include "libmbd/text/files.hpp"
 #include "tools/mbd/command_line.hpp"

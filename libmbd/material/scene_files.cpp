@@ -1,4 +1,4 @@
-#include "libmbd/scene/files.hpp"
+#include "libmbd/material/scene_files.hpp"
 
 #include <algorithm>
 #include <fstream>
