@@ -15,8 +15,8 @@
 namespace mbd {
 namespace {
 
-constexpr std::size_t most_elements = 400;    // looked at of a beam
-constexpr int parts = 3, points_of_part = 4;  // of the quadrature in an element
+constexpr std::size_t most_elements = 400;               // looked at of a beam
+constexpr int parts_of_element = 3, points_of_part = 4;  // of the quadrature in an element
 
 using Fields = std::array<FieldExpression, 3>;
 
@@ -26,11 +26,11 @@ class SampledRow {
   SampledRow(const Fields& fields, int order, std::span<const InputValue> inputs)
       : fields_(fields), nodes_(gauss_lobatto_rule(order + 1)), inputs_(inputs) {
     const Quadrature gauss = gauss_rule(points_of_part);
-    for (int part = 0; part < parts; ++part)
+    for (int part = 0; part < parts_of_element; ++part)
       for (std::size_t i = 0; i < gauss.points.size(); ++i) {
-        const double xi = -1.0 + (2.0 * part + 1.0 + gauss.points[i]) / parts;
+        const double xi = -1.0 + (2.0 * part + 1.0 + gauss.points[i]) / parts_of_element;
         xi_.push_back(xi);
-        weights_.push_back(gauss.weights[i] / parts);
+        weights_.push_back(gauss.weights[i] / parts_of_element);
         shapes_.push_back(lagrange(nodes_.points, xi));
       }
   }
