@@ -804,7 +804,8 @@ to round-off. It is there
 when all forces have a potential: no dead moments, no follower loads, beams not in the paper's
 form. Without it bifurcations are found where a determinant changes its sign.
 
-A path goes on until a `<stop>`, its `length` or its `points`.
+A path goes on until a `<stop>`, its `length` or its `points`. Where a law has a kink (a stop, a rope) it has a corner, which is
+passed and noted.
 )md",
      R"xml(<mbd name="snap_through">
   <!-- A flat arch is pressed at its crown, gives way and hangs through. -->

@@ -60,7 +60,9 @@ class Outputs {
     std::vector<VecX> above, row;
     for (int k = 0; k < most_steps; ++k, step /= ratio) {
       row.assign(1, (at(along, step) - at(along, -step)) / (2.0 * step));
-      most = most.cwiseMax(row[0].cwiseAbs());
+      // A step that is much too long may leave the range of a law.
+      for (Index i = 0; i < size_; ++i)
+        if (std::isfinite(row[0](i))) most(i) = std::max(most(i), std::abs(row[0](i)));
       double power = 1.0;
       for (std::size_t j = 0; j < above.size() && j < most_orders; ++j) {
         power *= ratio * ratio;
@@ -160,9 +162,11 @@ void note_doubt(Linearization& linear, const VecX& doubt) {
   const std::size_t more = names.size() > named ? names.size() - named : 0;
   names.resize(names.size() - more);
   linear.notes.push_back(fmt::format(
-      "C and D of {}{} are known to {:.0e} of the largest of a row only: differences over smaller "
-      "motions do not approach each other (round-off, or a kink)",
-      fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "", worst));
+      "C and D of {}{} are {}: differences over smaller motions do not approach each other "
+      "(round-off, or a kink)",
+      fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "",
+      std::isfinite(worst) ? fmt::format("known to {:.0e} of the largest of a row only", worst)
+                           : "not known"));
 }
 
 // C and D of a linearization whose motion on the constraints is there.
@@ -208,7 +212,8 @@ void add_outputs(const Model& model, Linearization& linear) {
   const auto put = [&](auto column, const Change& change, const VecX& largest) {
     column = change.rate;
     for (Index i = 0; i < outputs; ++i)
-      if (largest(i) > 0.0) doubt(i) = std::max(doubt(i), change.doubt(i) / largest(i));
+      if (largest(i) > 0.0 || !std::isfinite(change.doubt(i)))
+        doubt(i) = std::max(doubt(i), change.doubt(i) / largest(i));
   };
   std::vector<Change> of_states, of_inputs;
   for (Index j = 0; j < m; ++j) of_states.push_back(along(VecX::Unit(m, j), none, no_input));
