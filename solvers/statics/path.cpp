@@ -502,6 +502,19 @@ class Follower {
     return Event{found.h, PathEvent::bifurcation, false, best, found.shape, at_a.index, after};
   }
 
+  // Where in a step a value of its points, f0 at its beginning and f1 at its end, is zero.
+  template <class Value>
+  double root_along(const Point& from, double whole, double f0, double f1, const Value& value) {
+    return find_root(
+        [&](double x) -> std::optional<double> {
+          int iterations = 0;
+          const std::optional<Point> point = correct(from, x, iterations);
+          if (!point) return std::nullopt;
+          return value(*point);
+        },
+        0.0, f0, whole, f1, 1e-14 * std::abs(whole));
+  }
+
   // Whether a quantity jumps over its value near h, as a rotation vector does at half a turn, rather than to cross it.
   bool jumps(const PathCrossing& crossing, const Point& from, double h, double whole,
              double change) {
@@ -556,7 +569,6 @@ class Follower {
 
   // Values that stops and marks are at.
   void find_crossings(const Point& from, const Point& to, double whole, Met& met) {
-    const double tolerance = 1e-14 * std::abs(whole);
     for (const PathCrossing& crossing : options_.crossings) {
       const double f0 = crossing.excess(from.state), f1 = crossing.excess(to.state);
       // What begins on the value, to round-off, does not cross it; what ends on it does.
@@ -567,14 +579,8 @@ class Follower {
         continue;
       }
       if ((f0 < 0.0) == (f1 < 0.0)) continue;
-      double h = find_root(
-          [&](double x) -> std::optional<double> {
-            int iterations = 0;
-            const std::optional<Point> point = correct(from, x, iterations);
-            if (!point) return std::nullopt;
-            return crossing.excess(point->state);
-          },
-          0.0, f0, whole, f1, tolerance);
+      double h = root_along(from, whole, f0, f1,
+                            [&](const Point& point) { return crossing.excess(point.state); });
       std::optional<Point> point = between(from, h);
       if (!point || std::abs(crossing.excess(point->state)) > located * std::abs(f1 - f0)) {
         if (jumps(crossing, from, h, whole, f1 - f0)) continue;
@@ -800,14 +806,7 @@ class Follower {
   // Shortens a step that goes beyond the length asked for.
   void end_at_length(const Point& at, Point& next, double& h) {
     const auto beyond = [&](const Point& point) { return std::abs(point.arc) - options_.length; };
-    const double end = find_root(
-        [&](double x) -> std::optional<double> {
-          int iterations = 0;
-          const std::optional<Point> point = correct(at, x, iterations);
-          if (!point) return std::nullopt;
-          return beyond(*point);
-        },
-        0.0, beyond(at), h, beyond(next), 1e-14 * h);
+    const double end = root_along(at, h, beyond(at), beyond(next), beyond);
     if (std::optional<Point> point = between(at, end)) {
       next = std::move(*point);
       h = end;

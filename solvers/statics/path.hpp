@@ -37,8 +37,8 @@ struct PathCrossing {
 struct PathPoint {
   const State& state;
   double arc_length =
-      0.0;         // sum of the steps |h| from the start, or of a branch from its bifurcation;
-                   // negative backward [-]
+      0.0;  // sum of the motions of steps (W) from the start, or of a branch from its bifurcation;
+            // negative backward [-]
   int branch = 0;  // 0 from the start forward, -1 backward, 1 from a bifurcation
   PathEvent event = PathEvent::none;
   std::optional<Index> negative;  // eigenvalues; empty if not counted

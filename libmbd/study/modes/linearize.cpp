@@ -102,11 +102,12 @@ class Outputs {
     std::vector<Index> all;
     Index at = 0;
     for (const Channel& channel : model.channels)
-      for (const Column& column : channel.columns) {
-        const schema::Quantity* const q = column.quantity;
-        if (q != nullptr && q->components == 3 && q->unit == "rad" && column.name.ends_with(".1"))
-          all.push_back(at);
-        ++at;
+      for (std::size_t k = 0; k < channel.columns.size();) {
+        const schema::Quantity* const q = channel.columns[k].quantity;
+        const int n = q == nullptr ? 1 : q->components;
+        if (n == 3 && q->unit == "rad") all.push_back(at);
+        at += n;
+        k += static_cast<std::size_t>(n);
       }
     return all;
   }
@@ -207,27 +208,25 @@ void add_outputs(const Model& model, Linearization& linear) {
     return of.change(a);
   };
   const VecX none = VecX::Zero(m), no_input = VecX::Zero(inputs);
-  MatX C(outputs, 2 * m), D(outputs, inputs);
-  VecX doubt = VecX::Zero(outputs);
-  const auto put = [&](auto column, const Change& change, const VecX& largest) {
-    column = change.rate;
-    for (Index i = 0; i < outputs; ++i)
-      if (largest(i) > 0.0 || !std::isfinite(change.doubt(i)))
-        doubt(i) = std::max(doubt(i), change.doubt(i) / largest(i));
-  };
   std::vector<Change> of_states, of_inputs;
   for (Index j = 0; j < m; ++j) of_states.push_back(along(VecX::Unit(m, j), none, no_input));
   for (Index j = 0; j < m; ++j) of_states.push_back(along(none, VecX::Unit(m, j), no_input));
   for (Index j = 0; j < inputs; ++j) of_inputs.push_back(along(none, none, VecX::Unit(inputs, j)));
-  for (const bool is_input : {false, true}) {
-    std::vector<Change>& all_of = is_input ? of_inputs : of_states;
-    VecX largest = VecX::Zero(outputs);
-    for (const Change& change : all_of) largest = largest.cwiseMax(change.rate.cwiseAbs());
-    for (std::size_t j = 0; j < all_of.size(); ++j)
-      put((is_input ? D : C).col(static_cast<Index>(j)), all_of[j], largest);
-  }
-  linear.C = std::move(C);
-  linear.D = std::move(D);
+  VecX doubt = VecX::Zero(outputs);
+  const auto matrix_of = [&](const std::vector<Change>& columns) {
+    MatX matrix(outputs, static_cast<Index>(columns.size()));
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      matrix.col(static_cast<Index>(j)) = columns[j].rate;
+    for (Index i = 0; i < outputs && !columns.empty(); ++i) {
+      const double largest = matrix.row(i).cwiseAbs().maxCoeff();
+      for (const Change& column : columns)
+        if (largest > 0.0 || !std::isfinite(column.doubt(i)))
+          doubt(i) = std::max(doubt(i), column.doubt(i) / largest);
+    }
+    return matrix;
+  };
+  linear.C = matrix_of(of_states);
+  linear.D = matrix_of(of_inputs);
   note_doubt(linear, doubt);
 }
 
