@@ -389,7 +389,7 @@ class ElementBatch : public Base {
     each_pack(0, data_.size(), [&](const PackOf& pack) {
       gather(state, pack, x);
       const double m = smallest_of(E::Packed::template evaluate<Want::residual>(
-          packs.shared, packs.data[pack.first / lane_count], x.data(), env, {}, out));
+          packs.shared, packs.data[pack.first / pack_count], x.data(), env, {}, out));
       margin = m < margin ? m : margin;
       add_residuals(out, pack, r);
     });
@@ -427,11 +427,11 @@ class ElementBatch : public Base {
       }
       static_assert(!may_be_offset);
     }
-    std::array<const Pose<double>*, lane_count> H;
-    std::array<NodeStates, lane_count> own;  // of elements with offsets
+    std::array<const Pose<double>*, pack_count> H;
+    std::array<NodeStates, pack_count> own;  // of elements with offsets
     for (int a = 0; a < count(); ++a) {
       const auto A = static_cast<std::size_t>(a);
-      for (int k = 0; k < lane_count; ++k) {
+      for (int k = 0; k < pack_count; ++k) {
         const auto K = static_cast<std::size_t>(k);
         const std::size_t e = pack[k];
         H[K] = &state.pose[static_cast<std::size_t>(nodes_[e * static_cast<std::size_t>(n_) + A])];
@@ -462,8 +462,8 @@ class ElementBatch : public Base {
   void gather_increments(std::span<const double> dU, const PackOf& pack,
                          std::array<Vector6<S>, static_cast<std::size_t>(max_nodes)>& U) const {
     if constexpr (is_pack<S>) {
-      std::array<Increments, lane_count> own;
-      for (int k = 0; k < lane_count; ++k)
+      std::array<Increments, pack_count> own;
+      for (int k = 0; k < pack_count; ++k)
         gather_increments(dU, pack[k], own[static_cast<std::size_t>(k)]);
       for (std::size_t a = 0; a < static_cast<std::size_t>(count()); ++a)
         pack_into(U[a], [&](int k) { return own[static_cast<std::size_t>(k)][a].data(); });

@@ -52,7 +52,7 @@ class JointBatch final : public AnyJointBatch {
     names_.push_back(std::move(name));
     data_.push_back(joint);
     if constexpr (packed) {
-      const std::size_t lane = (data_.size() - 1) % lane_count;
+      const std::size_t lane = (data_.size() - 1) % pack_count;
       if (lane == 0) frames_.emplace_back();
       const PackOf pack{data_.size() - 1 - lane, data_.size()};
       const auto of = [&](Pose<double> Definition::*frame) {
@@ -422,7 +422,7 @@ class JointBatch final : public AnyJointBatch {
     gather(state, pack, P, Q);
     Matrix<Pack, m, 1> lambda;
     pack_into(lambda, [&](int k) { return state.lambda.data() + data_[pack[k]].multiplier; });
-    const Frames& frames = frames_[pack.first / lane_count];
+    const Frames& frames = frames_[pack.first / pack_count];
     return evaluate<Pack>(P, Q, frames.a, frames.b, {}, lambda, place, f);
   }
 
@@ -554,7 +554,7 @@ class JointBatch final : public AnyJointBatch {
     const auto V = [&](int node) { return state.V[static_cast<std::size_t>(node)].data(); };
     pack_into(V_P, [&](int k) { return V(data_[pack[k]].P); });
     pack_into(V_Q, [&](int k) { return V(data_[pack[k]].Q); });
-    const Frames& frames = frames_[pack.first / lane_count];
+    const Frames& frames = frames_[pack.first / pack_count];
     set_rates<Pack>(P, Q, frames.a, frames.b, V_P, V_Q, {}, second, rates);
   }
 

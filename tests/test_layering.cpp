@@ -711,6 +711,23 @@ TEST(Layering, OneWriterOfSvg) {
     EXPECT_EQ(holders_of(files, written), "libmbd/text/svg.cpp\n") << written;
 }
 
+// Precompiled headers hide it from those who build with the presets, and from nobody else.
+TEST(Layering, LibrariesAreIncludedWhereTheyAreUsed) {
+  const auto lacking = [](const std::vector<SourceFile>& files) {
+    std::string paths;
+    for (const SourceFile& file : files)
+      for (const std::string name : {"fmt", "nlohmann"})
+        if (is_source(file.path) && file.text.find(name + "::") != std::string::npos &&
+            file.text.find("#include <" + name + "/") == std::string::npos)
+          paths += file.path + " uses " + name + " and does not include it\n";
+    return paths;
+  };
+  const std::string use = "auto s = fmt::format(1);\n";
+  EXPECT_EQ(lacking({{"tests/a.cpp", use}}), "tests/a.cpp uses fmt and does not include it\n");
+  EXPECT_EQ(lacking({{"tests/a.cpp", "#include <fmt/format.h>\n" + use}}), "");
+  EXPECT_EQ(lacking(read_repository(MBD_SOURCE_DIR)), "");
+}
+
 TEST(Layering, NothingElseAtTheTopLevel) {
   for (const auto& entry : fs::directory_iterator(MBD_SOURCE_DIR)) {
     const std::string name = entry.path().filename().string();

@@ -88,7 +88,7 @@ struct Elastic {
                                         const std::vector<Data>& elements) requires has_packs {
     PackedElements<Elastic> result;
     result.shared.table = shared.table.template cast<Pack>();
-    std::map<std::array<int, lane_count>, int> known;  // first and further D of lanes
+    std::map<std::array<int, pack_count>, int> known;  // first and further D of lanes
     each_pack(0, elements.size(), [&](const PackOf& pack) {
       const auto of = [&](int k) -> const Data& { return elements[pack[k]]; };
       typename Packed::Data data;
@@ -97,8 +97,8 @@ struct Elastic {
       for (std::size_t i = 0; i < data.K0.size(); ++i)
         pack_into(data.K0[i], [&](int k) { return of(k).K0[i].data(); });
       bool varies = false;
-      std::array<int, lane_count> first{};
-      for (int k = 0; k < lane_count; ++k) {
+      std::array<int, pack_count> first{};
+      for (int k = 0; k < pack_count; ++k) {
         varies = varies || of(k).stiffness_stride != 0;
         first[static_cast<std::size_t>(k)] = of(k).stiffness;
       }

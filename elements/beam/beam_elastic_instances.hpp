@@ -147,7 +147,7 @@ class ElasticBatch final : public ElementBatch<Elastic<MetricType, FormType, N>,
  private:
   // What works on resultants as iterates: elements side by side where there are packs of them, or one at a time.
   static constexpr bool is_packed = has_packs<Kernel>;
-  static constexpr std::size_t lanes = is_packed ? lane_count : 1;
+  static constexpr std::size_t lanes = is_packed ? pack_count : 1;
   using Number = std::conditional_t<is_packed, Pack, double>;
   using Side = std::conditional_t<is_packed, typename Kernel::Packed, Kernel>;
   using States = std::array<NodeState<Number>, static_cast<std::size_t>(Base::max_nodes)>;

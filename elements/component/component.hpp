@@ -14,9 +14,11 @@
 // inertial [m/s2]; m [kg] and static moment S_0 + P u about node 0, its axes [kg.m]: of the part as it is deformed.
 //
 // M is that of velocities in body axes, and has no pose in it: rigid motion has exactly its mass, momenta of free parts and
-// energy are kept exactly. (3), (4) are gradients of E - a.(m r_0 + R_0 s). What is left out is of second order in the
-// deformations: M and K are those where nothing is deformed, so that tension does not stiffen (rotating blades: more parts,
-// or beams). Tangents: bushing.hpp (3), bushing_damper.hpp (3), mass.hpp (1); db = b~ psi_0.
+// energy are kept exactly. (3), (4) are gradients of E - a.(m r_0 + R_0 s). M and K are those where nothing is deformed. What
+// forces do to the stiffness comes from (1) alone, and is only about right: a cantilever's end, whose place is
+// v + phi x v/2, comes nearer by 3/4 w^2/L where a beam's does by 3/5 (more parts come nearer to that; more modes do not).
+// So answers are wrong by about a third of what forces change of the stiffness: ComponentBatch::geometric_shares().
+// Tangents: bushing.hpp (3), bushing_damper.hpp (3), mass.hpp (1); db = b~ psi_0.
 // Limit: relative rotations as of a bushing.
 #pragma once
 
@@ -135,6 +137,23 @@ class Motion {
     }
     if (data_.M_a.size() > 0) r += data_.M_a.template cast<S>() * velocities<S>(x_);
     return margin;
+  }
+
+  // After residual(): the geometric stiffness of nodes 1 to n-1 under forces of fixed directions that are in equilibrium with
+  // theirs, node 0 held; its symmetric part.
+  MatX geometric_stiffness() const requires std::is_same_v<S, double> {
+    const Index m = u_.size();
+    MatX all = MatX::Zero(m, m), E(m, m + 6), E_rate(m, m + 6), K = MatX::Zero(m + 6, m + 6);
+    for (Index k = 0; k + 1 < data_.nodes(); ++k) {
+      pair_tangent(k, false, E, E_rate, K);
+      const Index j = 6 * k;
+      const Vec6 f = frames_[static_cast<std::size_t>(k)].B.template rightCols<6>().transpose() *
+                     f_[static_cast<std::size_t>(k)];
+      Mat6 own = K.block<6, 6>(j + 6, j + 6);
+      own.block<3, 3>(0, 3) -= hat(Vec3(f.head<3>()));
+      all.block<6, 6>(j, j) = 0.5 * (own + own.transpose());
+    }
+    return all;
   }
 
   // After residual().

@@ -1,5 +1,6 @@
 #include "elements/component/component_batch.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <utility>
 
@@ -231,6 +232,19 @@ double ComponentBatch::largest_turn(const State& state, Index k) const {
   double largest = 0.0;
   for (Index i = 0; i < u.size(); i += 6) largest = std::max(largest, u.segment<3>(i + 3).norm());
   return largest;
+}
+
+std::array<double, 2> ComponentBatch::geometric_shares(const State& state, Index k) const {
+  const Part& part = parts_[static_cast<std::size_t>(k)];
+  if (part.nodes.size() < 2) return {};
+  const NodeStates x = gather(part.nodes, state);
+  component::Motion<double> motion(part.data, x);
+  VecX r;
+  motion.residual(acceleration(state), r);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> shares(
+      motion.geometric_stiffness(), part.data.K, Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
+  const VecX& all = shares.eigenvalues();
+  return {std::min(0.0, all(0)), std::max(0.0, all(all.size() - 1))};
 }
 
 std::vector<NodeState<double>> ComponentBatch::within(const State& state, Index k,

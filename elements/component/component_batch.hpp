@@ -1,6 +1,7 @@
 // Components (component.hpp) in the equations, and what is where within them.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ class ComponentBatch final : public Batch {
   }
   // The largest rotation of one of its nodes against the frame [rad].
   double largest_turn(const State& state, Index component) const;
+  // Its geometric stiffness over its elastic one, at a motion: the least and the largest ratio of all deformations, its frame
+  // held. Below -1 it is unstable; 0, 0 of one without forces, or of one node.
+  std::array<double, 2> geometric_shares(const State& state, Index component) const;
 
   // Motions of frames within: the k-th has the reference pose in[k] in node 0, and there the deformation T_k u, T_k the
   // k-th six rows of `shapes`. Poses, and with `rates` velocities and accelerations, body axes: exact derivatives of the poses.

@@ -846,17 +846,39 @@ class Compiler {
                                      ": velocity: there is no motion in statics; leave it "
                                      "out or give <transient …/>");
       const Attachment& at = body_nodes_.at(body.name);
-      Vec6& V = state.V[static_cast<std::size_t>(at.node)];
       const Vec6 own =
           six<double>(body.orientation.transpose() * body.velocity, body.angular_velocity);
+      if (const ReductionScene* const reduction = reduced_.of(body.name)) {
+        set_velocities(state, body, at.pose, own, *reduction);
+        continue;
+      }
+      Vec6& V = state.V[static_cast<std::size_t>(at.node)];
       const Vec6 of_node = at.is_offset() ? Vec6(adjoint(frame_of(at)).matrix() * own) : own;
-      if (at.rigid != nullptr && !V.isZero(0.0) && !V.isApprox(of_node, 1e-9))
-        throw Error(body.source,
-                    fmt::format("{}: velocity: {} moves otherwise by that of another of its "
-                                "bodies; leave one of them out",
-                                label(body), label(*at.rigid)));
+      if (at.rigid != nullptr) check_is_alike(V, of_node, body, label(*at.rigid));
       V = of_node;
     }
+  }
+
+  // What begins undeformed begins to move as a rigid body.
+  void set_velocities(State& state, const BodyScene& body, const Pose<double>& pose,
+                      const Vec6& own, const ReductionScene& reduction) const {
+    const std::shared_ptr<const ReducedPart> part = reduced_part(reduction);
+    for (const int n : part->modes().nodes) {
+      const int node = part->node_of(n);
+      Vec6& V = state.V[static_cast<std::size_t>(node)];
+      const Vec6 of_node = adjoint(relative(system_->reference_pose(node), pose)).matrix() * own;
+      check_is_alike(V, of_node, body, label(reduction));
+      V = of_node;
+    }
+  }
+
+  static void check_is_alike(const Vec6& V, const Vec6& other, const BodyScene& body,
+                             const std::string& whole) {
+    if (!V.isZero(0.0) && !V.isApprox(other, 1e-9))
+      throw Error(body.source,
+                  fmt::format("{}: velocity: {} moves otherwise by that of another of its "
+                              "bodies; leave one of them out",
+                              label(body), whole));
   }
 
   // --- the scene's size ---

@@ -47,11 +47,7 @@ std::vector<Place> interfaces_of(const Scene& scene, const ReductionMembers& mem
     if constexpr (std::is_same_v<Item, JointScene> || std::is_same_v<Item, PointMassScene>)
       if (members.of(item) == &reduction) return;
     if constexpr (std::is_same_v<Item, BodyScene>) {
-      if (members.of(item.name) == &reduction) {
-        if (!item.velocity.isZero() || !item.angular_velocity.isZero())
-          look({Place::Kind::body, item.name, 0.0});
-        return;
-      }
+      if (members.of(item.name) == &reduction) return;
     }
     each_place_of(item, look);
   });

@@ -1,14 +1,16 @@
-// Numbers of a few elements, joints or nodes side by side, as wide as a register of the processor that is compiled for: a
-// scalar type for kernels, which are written once for it, for double and for dual numbers.
+// Numbers of a few elements, joints or nodes side by side: a scalar type for kernels, which are written once for it, for double
+// and for dual numbers. And the registers of the processor that is compiled for, which dense matrices are worked on in.
 //
 // What a lane holds does not depend on the others: of a function with branches (by_size) each lane gets the branch of its
 // own number. So an element gives the same to the last bit wherever it stands among others, and the last of a list, fewer
-// than a pack, are filled up by repeating one.
+// than a pack, are filled up by repeating one. A pack is as wide as a register, but no wider than four: with eight, lanes
+// are empty in most scenes, and gathering takes longer than the arithmetic saves (4 to 11 % of whole runs).
 // Everything here has the width in its name: of objects that are compiled for different processors and go into one program
 // (MBD_PORTABLE), what is handed to one of another width would be a name that is not there, when the program is linked.
 // Not used: std::experimental::simd, which Eigen cannot hold without an interface as long as this one.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -18,19 +20,28 @@ namespace mbd {
 #if defined(__AVX512F__)
 inline namespace lanes_8 {
 inline constexpr int lane_count = 8, lane_registers = 24;
-#else
+#elif defined(__AVX__)
 inline namespace lanes_4 {
 inline constexpr int lane_count = 4, lane_registers = 12;
+#else
+inline namespace lanes_2 {
+inline constexpr int lane_count = 2, lane_registers = 12;
 #endif
+// Of a register.
 using Lane [[gnu::vector_size(lane_count * sizeof(double))]] = double;
 using LaneMask [[gnu::vector_size(lane_count * sizeof(double))]] = long long;
 
+// Of a pack.
+inline constexpr int pack_count = std::min(lane_count, 4);
+using PackLane [[gnu::vector_size(pack_count * sizeof(double))]] = double;
+using PackMask [[gnu::vector_size(pack_count * sizeof(double))]] = long long;
+
 struct Pack {
-  Lane v;
+  PackLane v;
 
   Pack() = default;
-  MBD_INLINE Pack(double x) : v(Lane{} + x) {}  // NOLINT: constants are the same in all lanes
-  MBD_INLINE explicit Pack(const Lane& x) : v(x) {}
+  MBD_INLINE Pack(double x) : v(PackLane{} + x) {}  // NOLINT: constants are the same in all lanes
+  MBD_INLINE explicit Pack(const PackLane& x) : v(x) {}
 
   MBD_INLINE double operator[](int k) const { return v[k]; }
   MBD_INLINE void set(int k, double x) { v[k] = x; }
@@ -70,7 +81,7 @@ MBD_INLINE S sign_of(const S& x) {
 }
 template <>
 MBD_INLINE Pack sign_of(const Pack& x) {
-  return Pack(x.v < Lane{} ? Lane{} - 1.0 : Lane{} + 1.0);
+  return Pack(x.v < PackLane{} ? PackLane{} - 1.0 : PackLane{} + 1.0);
 }
 template <class S>
 MBD_INLINE S smaller_of(const S& a, const S& b) {
@@ -83,7 +94,7 @@ MBD_INLINE Pack smaller_of(const Pack& a, const Pack& b) {
 // The smallest number of all lanes; NaN if any is.
 MBD_INLINE double smallest_of(const Pack& x) {
   double smallest = x[0];
-  for (int k = 1; k < lane_count; ++k) smallest = !(smallest <= x[k]) ? x[k] : smallest;
+  for (int k = 1; k < pack_count; ++k) smallest = !(smallest <= x[k]) ? x[k] : smallest;
   return smallest;
 }
 MBD_INLINE double smallest_of(double x) { return x; }
@@ -94,21 +105,21 @@ template <std::size_t n, class S, class F, class G, class H, class... More>
 MBD_INLINE std::array<S, n> by_size(const S& x, double f_end, const F& f, double g_end, const G& g,
                                     const H& h, const More&... more) {
   if constexpr (is_pack<S>) {
-    const auto put = [](const LaneMask& where, const std::array<S, n>& from, std::array<S, n>& to) {
+    const auto put = [](const PackMask& where, const std::array<S, n>& from, std::array<S, n>& to) {
       for (std::size_t i = 0; i < n; ++i) to[i].v = where ? from[i].v : to[i].v;
     };
-    const auto any = [](const LaneMask& mask) {
+    const auto any = [](const PackMask& mask) {
       long long all = 0;
-      for (int k = 0; k < lane_count; ++k) all |= mask[k];
+      for (int k = 0; k < pack_count; ++k) all |= mask[k];
       return all != 0;
     };
     std::array<S, n> result = f(x);
-    const LaneMask beyond_f = ~(x.v < Lane{} + f_end);
+    const PackMask beyond_f = ~(x.v < PackLane{} + f_end);
     if (__builtin_expect(!any(beyond_f), 1)) return result;
     if (g_end > f_end) put(beyond_f, g(x), result);
-    const LaneMask beyond = beyond_f & ~(x.v < Lane{} + g_end);
+    const PackMask beyond = beyond_f & ~(x.v < PackLane{} + g_end);
     if (!any(beyond)) return result;
-    for (int k = 0; k < lane_count; ++k) {
+    for (int k = 0; k < pack_count; ++k) {
       if (beyond[k] == 0) continue;
       const std::array<double, n> one = h(x[k], more[k]...);
       for (std::size_t i = 0; i < n; ++i) result[i].set(k, one[i]);
@@ -132,23 +143,23 @@ struct PackOf {
   }
   int count() const {
     const std::size_t left = end - first;
-    return left < lane_count ? static_cast<int>(left) : lane_count;
+    return left < pack_count ? static_cast<int>(left) : pack_count;
   }
 };
 
 // Calls f for all packs of the things from `begin` to `end`.
 template <class F>
 MBD_INLINE void each_pack(std::size_t begin, std::size_t end, const F& f) {
-  for (std::size_t i = begin; i < end; i += lane_count) f(PackOf{i, end});
+  for (std::size_t i = begin; i < end; i += pack_count) f(PackOf{i, end});
 }
 
 // of(k): the number of lane k.
 template <class Of>
 MBD_INLINE Pack pack_of(const Of& of) {
-#if defined(__AVX512F__)
-  return Pack(Lane{of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)});
+#if defined(__AVX__)
+  return Pack(PackLane{of(0), of(1), of(2), of(3)});
 #else
-  return Pack(Lane{of(0), of(1), of(2), of(3)});
+  return Pack(PackLane{of(0), of(1)});
 #endif
 }
 // of(k): a pointer to the numbers of lane k, as many as the matrix or array m has.

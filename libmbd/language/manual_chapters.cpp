@@ -442,11 +442,13 @@ $EndElements
 
 `<rigid>` makes one body of beams and free bodies: one node in the frame of the first of them, with the mass of them all.
 Places of its beams stay places, for joints, loads, masses and records; sectional forces are not determined in it. Which
-beams may be rigid without changing a result: `mbd effects`. `<reduction>` makes one element of component modes of them.
+beams may be rigid without changing a result: `mbd effects`. `<reduction>` makes one element of component modes of them:
+for parts that are bent and loaded little, far from buckling.
 
 What a body looks like is said by `<shape>`s inside it: boxes, cylinders, spheres, and meshes that other programs wrote (STL, OBJ,
 glTF). They cost a run nothing. One with a `density` is solid and adds its mass, so that a body need not state any; a mesh must then
-be closed. Without shapes a body is drawn as the solid that has its mass and inertia. A body `attached_to="ground"` with shapes is
+be closed: each part of it is a solid, or hollow where it lies in another and is turned the other way; what two parts share counts twice.
+Without shapes a body is drawn as the solid that has its mass and inertia. A body `attached_to="ground"` with shapes is
 scenery. Beams are drawn with the outline of their section where that is stated by its shape (of stations, where those have one
 shape and differ in its sides, and little else), with what a `<shape>` inside them says, or with the radii of gyration that their
 stiffness has.

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 #include <unordered_map>
+#include <vector>
 
+#include "libmbd/core/disjoint_sets.hpp"
 #include "libmbd/material/mesh_file.hpp"
 #include "libmbd/material/scene_files.hpp"
 #include "libmbd/scene/label.hpp"
@@ -40,6 +43,118 @@ void check_closed(const TriangleMesh& surface) {
           fmt::format("its triangles are not all turned outward, at {} among others", where(edge)));
 }
 
+// Triangles that hang together by their edges: a surface that is closed by itself.
+struct Shell {
+  std::vector<std::size_t> triangles;
+  Vec3 low, high;
+  double volume = 0.0, size = 0.0;  // negative: turned inward; sum of the sizes of its tetrahedra
+  Vec3 first = Vec3::Zero();        // moments about the middle
+  Mat3 second = Mat3::Zero();
+};
+
+// Tetrahedra from the middle to each triangle (a, b, c): volume v = det/6, first moment v (a + b + c)/4, second moments
+// v (s s' + a a' + b b' + c c')/20, s = a + b + c.
+void measure(const TriangleMesh& surface, const Vec3& middle, Shell& shell) {
+  shell.low = shell.high = surface.points[surface.triangles[shell.triangles.front()][0]];
+  for (const std::size_t k : shell.triangles) {
+    const auto& t = surface.triangles[k];
+    const Vec3 a = surface.points[t[0]] - middle, b = surface.points[t[1]] - middle,
+               c = surface.points[t[2]] - middle, s = a + b + c;
+    const double v = a.dot(b.cross(c)) / 6.0;
+    shell.volume += v;
+    shell.size += std::abs(v);
+    shell.first += 0.25 * v * s;
+    shell.second +=
+        v / 20.0 * (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+    for (const std::uint32_t i : t) {
+      shell.low = shell.low.cwiseMin(surface.points[i]);
+      shell.high = shell.high.cwiseMax(surface.points[i]);
+    }
+  }
+}
+
+std::vector<Shell> shells_of(const TriangleMesh& surface, const Vec3& middle) {
+  const std::size_t count = surface.triangles.size();
+  DisjointSets joined(static_cast<int>(count));
+  std::unordered_map<std::uint64_t, int> at;  // a triangle at an edge
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& t = surface.triangles[i];
+      const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
+      const auto [it, is_new] =
+          at.try_emplace(std::uint64_t{low} << 32U | high, static_cast<int>(i));
+      if (!is_new) joined.join(it->second, static_cast<int>(i));
+    }
+  std::map<int, Shell> shells;
+  for (std::size_t i = 0; i < count; ++i)
+    shells[joined.root(static_cast<int>(i))].triangles.push_back(i);
+  std::vector<Shell> all;
+  for (auto& [root, shell] : shells) {
+    measure(surface, middle, shell);
+    all.push_back(std::move(shell));
+  }
+  return all;
+}
+
+// How often it goes round x: 1 or -1 of a point within, 0 outside (van Oosterom, Strackee, "The solid angle of a plane
+// triangle", IEEE Trans. Biomed. Eng. 30, 1983).
+int times_round(const TriangleMesh& surface, const Shell& shell, const Vec3& x) {
+  if ((x.array() < shell.low.array()).any() || (x.array() > shell.high.array()).any()) return 0;
+  double angle = 0.0;
+  for (const std::size_t k : shell.triangles) {
+    const auto& t = surface.triangles[k];
+    const Vec3 a = surface.points[t[0]] - x, b = surface.points[t[1]] - x,
+               c = surface.points[t[2]] - x;
+    const double A = a.norm(), B = b.norm(), C = c.norm();
+    angle +=
+        2.0 * std::atan2(a.dot(b.cross(c)), A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
+  }
+  return static_cast<int>(std::lround(angle / (4.0 * std::numbers::pi)));
+}
+
+// Beside the middle of its largest triangle: not on another that it touches. `turned`: 1 outward, -1 inward.
+Vec3 point_within(const TriangleMesh& surface, const Shell& shell, int turned) {
+  constexpr double beside = 1e-4;  // of the triangle's size
+  Vec3 normal = Vec3::Zero(), middle = Vec3::Zero();
+  for (const std::size_t k : shell.triangles) {
+    const auto& t = surface.triangles[k];
+    const Vec3 a = surface.points[t[0]], b = surface.points[t[1]], c = surface.points[t[2]];
+    const Vec3 n = (b - a).cross(c - a);
+    if (!(n.squaredNorm() > normal.squaredNorm())) continue;
+    normal = n;
+    middle = (a + b + c) / 3.0;
+  }
+  const double area = normal.norm();
+  if (!(area > 0.0)) return middle;
+  return middle - turned * beside / std::sqrt(area) * normal;
+}
+
+// Solids count, and what is hollow in them does not, whichever way all of it is turned.
+void turn_outward(const TriangleMesh& surface, std::vector<Shell>& shells) {
+  for (std::size_t i = 0; i < shells.size(); ++i) {
+    const int own = shells[i].volume < 0.0 ? -1 : 1;
+    const Vec3 x = point_within(surface, shells[i], own);
+    int depth = 0, round = 0;  // solids and hollows about it; those turned outward less the others
+    for (std::size_t j = 0; j < shells.size(); ++j) {
+      const int one = i == j ? 0 : times_round(surface, shells[j], x);
+      depth += std::abs(one);
+      round += one;
+    }
+    // Each lies in one that is turned the other way; so of the shells about it one is left over, or none.
+    const bool is_hollow = depth % 2 != 0;
+    if (std::abs(round) != (is_hollow ? 1 : 0) || (is_hollow && round == own))
+      throw Error(fmt::format(
+          "the part of it at ({:.6g}, {:.6g}, {:.6g}) lies within another that is turned "
+          "the same way: its place would count twice",
+          x(0), x(1), x(2)));
+    if (is_hollow == (own > 0)) {
+      shells[i].volume = -shells[i].volume;
+      shells[i].first = -shells[i].first;
+      shells[i].second = -shells[i].second;
+    }
+  }
+}
+
 // Of density 1, about the middle of the form, in the axes of the shape.
 MassProperties solid_form(const ShapeScene& shape, const std::string& of) {
   constexpr double pi = std::numbers::pi;
@@ -62,10 +177,9 @@ MassProperties solid_form(const ShapeScene& shape, const std::string& of) {
     try {
       is = solid_of(*surface);
     } catch (const Error& error) {
-      throw Error(shape.source,
-                  fmt::format("{}: density: {} encloses nothing: {}; mend the mesh, or "
-                              "leave density out and give the body mass and inertia",
-                              of, shape.mesh, error.what()));
+      throw Error(shape.source, fmt::format("{}: density: {} is no solid: {}; mend the mesh, or "
+                                            "leave density out and give the body mass and inertia",
+                                            of, shape.mesh, error.what()));
     }
     const double u = shape.unit.value_or(1.0), volume = u * u * u;
     is.mass *= volume;
@@ -80,27 +194,19 @@ MassProperties solid_form(const ShapeScene& shape, const std::string& of) {
 MassProperties solid_of(const TriangleMesh& surface) {
   check_closed(surface);
   MassProperties is;
-  // From the middle of the points, for fewer digits to cancel. Tetrahedra from there to each triangle (a, b, c):
-  // volume v = det/6, first moment v (a + b + c)/4, second moments v (s s' + a a' + b b' + c c')/20, s = a + b + c.
+  // From the middle of the points, for fewer digits to cancel.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& x : surface.points) middle += x / static_cast<double>(surface.points.size());
+  std::vector<Shell> shells = shells_of(surface, middle);
+  turn_outward(surface, shells);
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
   double size = 0.0;
-  for (const auto& t : surface.triangles) {
-    const Vec3 a = surface.points[t[0]] - middle, b = surface.points[t[1]] - middle,
-               c = surface.points[t[2]] - middle, s = a + b + c;
-    const double v = a.dot(b.cross(c)) / 6.0;
-    is.mass += v;
-    size += std::abs(v);
-    first += 0.25 * v * s;
-    second +=
-        v / 20.0 * (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
-  }
-  if (is.mass < 0.0) {  // all turned inward
-    is.mass = -is.mass;
-    first = -first;
-    second = -second;
+  for (const Shell& shell : shells) {
+    is.mass += shell.volume;
+    first += shell.first;
+    second += shell.second;
+    size += shell.size;
   }
   constexpr double flat = 1e-9;
   if (!(is.mass > flat * size)) throw Error("its volume is 0");

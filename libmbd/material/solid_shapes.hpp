@@ -14,7 +14,9 @@ struct MassProperties {
 
 // Of what is enclosed by a surface, at density 1 and in its unit of length: volume, its centre, and
 // inertia about that, in the axes of the points; by the divergence theorem,
-// exact but for round-off. Throws Error where the surface is not closed or its triangles are not turned alike.
+// exact but for round-off. Parts that do not hang together count each as a solid, or as hollow within one that is turned the
+// other way. Throws Error where the surface is not closed, its triangles are not turned alike, or one part lies within another
+// that is turned alike.
 MassProperties solid_of(const TriangleMesh& surface);
 
 // What a body states and what its shapes add. Throws Error with the place of a mesh that is not to be read, or that has

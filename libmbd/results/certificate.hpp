@@ -199,8 +199,11 @@ class Audit {
   std::string missed_most_by_;
   double bent_ = 0.0, unit_ = 0.0;  // largest energy, and that of a stretch of 1 [J]
   const ComponentBatch* components_ = nullptr;
-  Worst turned_;  // a node of one of them against its frame [rad]
-  std::string turned_in_;
+  // What they are wrong by: half the square of a turn within, or of what forces change of their stiffness.
+  Worst linear_;
+  double turned_ = 0.0,
+         stiffened_ = 0.0;  // that turn [rad], and change (of the elastic stiffness), then
+  std::string linear_in_;
 
   mutable State scratch_;
   mutable std::vector<Vec6> p_;

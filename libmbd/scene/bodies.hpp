@@ -88,8 +88,9 @@ struct ReductionScene {
       "reduction",
       "Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is "
       "fixed between them: static shapes of the places where something acts, and the slowest modes "
-      "with these held. For parts that deform little, whatever their motion; tension does not "
-      "stiffen them. Without it they are the beams they are.",
+      "with these held. For parts that deform little, whatever their motion; what tension or "
+      "compression change of their stiffness is only about right (the certificate says what that "
+      "makes). Without it they are the beams they are.",
       "reductions", field::of_parts, true};
   static void each_field(const auto& f) {
     using namespace field;

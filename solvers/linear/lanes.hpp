@@ -10,9 +10,9 @@
 
 namespace mbd {
 
-// It is in a register here: the compiler does not read it from memory again for each product. (Without AVX it is in two.)
+// It is in a register here: the compiler does not read it from memory again for each product.
 inline void hold(Lane& x) {
-#if defined(__AVX__)
+#if defined(__SSE2__)
   asm("" : "+v"(x));
 #else
   static_cast<void>(x);
@@ -56,8 +56,10 @@ struct Lanes<double> {
     std::memcpy(s, &re, sizeof s);
     if constexpr (lane_count == 8)
       result = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
-    else
+    else if constexpr (lane_count == 4)
       result = (s[0] + s[2]) + (s[1] + s[3]);
+    else
+      result = s[0] + s[1];
     return result;
   }
 };

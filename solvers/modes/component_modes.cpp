@@ -91,8 +91,10 @@ class HeldPencil final : public MotionPencil {
 
 // Modes to round-off of the matrices, by subspace iteration: what is a little off in them would be so in the element, where
 // two that ought to be alike (moved, turned) are compared. `pencil` has its factors at 0.
-void refine(const HeldPencil& pencil, MatX& shapes) {
+// Returns their squared frequencies; empty where they could not be told apart.
+VecX refine(const HeldPencil& pencil, MatX& shapes) {
   constexpr int times = 4;
+  VecX squares;
   for (int i = 0; i < times; ++i) {
     stop::check();
     shapes = pencil.mass_times(shapes);
@@ -102,9 +104,11 @@ void refine(const HeldPencil& pencil, MatX& shapes) {
                K = shapes.transpose() * pencil.stiffness_times(shapes);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> ritz(0.5 * (K + K.transpose()),
                                                               0.5 * (M + M.transpose()));
-    if (ritz.info() != Eigen::Success) return;
+    if (ritz.info() != Eigen::Success) return squares;
     shapes = MatX(shapes * ritz.eigenvectors());
+    squares = ritz.eigenvalues();
   }
+  return squares;
 }
 
 // The slowest of them, in columns.
@@ -131,8 +135,12 @@ MatX held_modes(const Sparse& K, const Sparse& M, double length, int count) {
     mode.shape.cwiseAbs().maxCoeff(&largest);
     all.col(k) = (mode.shape / mode.shape(largest)).real();
   }
-  refine(pencil, all);
-  return all.leftCols(count);
+  const VecX squares = refine(pencil, all);
+  // Of some that are equal, as those of a round section, any part would have directions of its own.
+  constexpr double equal = 1e-6;
+  Index kept = count;
+  while (kept < squares.size() && squares(kept) <= (1.0 + equal) * squares(kept - 1)) ++kept;
+  return all.leftCols(kept);
 }
 
 // Displacements over the length.

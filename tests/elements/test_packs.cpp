@@ -23,18 +23,18 @@ TEST(Packs, FunctionsAreThoseOfNumbers) {
   Rng rng(1);
   test::Worst worst("functions of packs", 64.0 * test::eps);
   for (int sample = 0; sample < 500; ++sample) {
-    std::array<Vec6, lane_count> U, x;
-    for (std::size_t k = 0; k < lane_count; ++k) {
+    std::array<Vec6, pack_count> U, x;
+    for (std::size_t k = 0; k < pack_count; ++k) {
       U[k] = test::random_vector<6>(rng);
       U[k].tail<3>() = test::random_angle(rng, 3.1) * test::random_direction(rng);
       x[k] = test::random_vector<6>(rng);
     }
-    const PackOf all{0, lane_count};
+    const PackOf all{0, pack_count};
     const Vector6<Pack> pU = packed(U, all), px = packed(x, all);
     const Pose<Pack> H = exp_se3<Pack>(pU);
     const Vector6<Pack> back = log_se3<Pack>(H), T = T_times<Pack>(pU, px),
                         T_inverse = T_inverse_times<Pack>(pU, px);
-    for (int k = 0; k < lane_count; ++k) {
+    for (int k = 0; k < pack_count; ++k) {
       const auto K = static_cast<std::size_t>(k);
       const Pose<double> one = exp_se3<double>(U[K]);
       const Vec6 values[] = {log_se3<double>(one), T_times<double>(U[K], x[K]),
@@ -72,7 +72,7 @@ class PackedBeams : public testing::TestWithParam<int> {};
 TEST_P(PackedBeams, AreTheSameAtEveryPlace) {
   const int order = GetParam();
   const auto nodes = static_cast<std::size_t>(order + 1);
-  constexpr std::size_t things = 2 * lane_count + 3;
+  constexpr std::size_t things = 2 * pack_count + 3;
   Rng rng(static_cast<unsigned>(order));
   std::vector<std::vector<Pose<double>>> reference(things), bent(things);
   std::vector<Mat6> D;
@@ -115,7 +115,7 @@ TEST_P(PackedBeams, AreTheSameAtEveryPlace) {
 INSTANTIATE_TEST_SUITE_P(Orders, PackedBeams, testing::Values(1, 3, 5));
 
 TEST(PackedJoints, AreTheSameAtEveryPlace) {
-  constexpr std::size_t things = 2 * lane_count + 3;
+  constexpr std::size_t things = 2 * pack_count + 3;
   Rng rng(5);
   std::vector<joint::Definition> joints(things);
   std::vector<std::array<Pose<double>, 2>> poses(things);

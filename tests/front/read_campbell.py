@@ -55,7 +55,7 @@ expect("unbalance", responses.exists() == ("unbalance" in diagram))
 if responses.exists():
     table, group = pandas.read_csv(responses, comment="#", float_precision="round_trip"), diagram["unbalance"]
     for column, place in enumerate(group["places"].asstr()[:]):
-        rows = table[table["place"] == place].set_index("rate").reindex(rates)
+        rows = table[table["place"] == place].set_index("rate").reindex(group["rates"][:])
         for name in ("major", "minor", "lag", "re_forward", "im_forward", "re_backward", "im_backward", "besides"):
             expect(f"{name} of {place}", same(rows[name], group[name][:, column]))
 

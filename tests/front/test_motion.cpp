@@ -4,6 +4,7 @@
 // viscous resultants left out; frames of their own at ends of steps only; frames = N taken as N intervals; the last frame
 // left out; reactions that constraints share not of least norm; a row that is cut read as whole; old files not removed.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

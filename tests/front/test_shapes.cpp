@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -19,6 +21,7 @@
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/figure.hpp"
 #include "tests/support/browser.hpp"
+#include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_shapes {
@@ -99,6 +102,64 @@ TEST_F(Shapes, MassOfAMeshIsThatOfItsSolid) {
   Mat3 K = J;
   K(0, 1) = K(1, 0) = K(0, 2) = K(2, 0) = -J(0, 1);
   expect_near(turned.inertia, K, 1e-12);
+}
+
+// A cube from `low`, as text of an OBJ file in which `before` points stand already.
+std::string cube(const Vec3& low, double edge, bool is_inward, int before) {
+  std::string text;
+  for (int k = 0; k < 8; ++k)
+    text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", low(0) + (k & 1) * edge,
+                        low(1) + (k >> 1 & 1) * edge, low(2) + (k >> 2) * edge);
+  for (std::array<int, 4> f : {std::array{1, 3, 4, 2},
+                               {5, 6, 8, 7},
+                               {1, 2, 6, 5},
+                               {3, 7, 8, 4},
+                               {1, 5, 7, 3},
+                               {2, 4, 8, 6}}) {
+    if (is_inward) std::ranges::reverse(f);
+    text +=
+        fmt::format("f {} {} {} {}\n", before + f[0], before + f[1], before + f[2], before + f[3]);
+  }
+  return text;
+}
+
+// Parts that do not hang together, beside, in and on each other, whichever way each is turned: solids, and what is hollow in
+// them. Mutations seen: all turned as their sum is; a point on the surface in place of one within; depth not counted.
+TEST_F(Shapes, PartsOfAMeshAreSolidOrHollow) {
+  struct Part {
+    Vec3 low;
+    double edge;
+    bool is_inward;
+  };
+  const auto with = [&](const std::vector<Part>& parts) {
+    std::string text;
+    int points = 0;
+    for (const Part& part : parts) {
+      text += cube(part.low, part.edge, part.is_inward, points);
+      points += 8;
+    }
+    write_text(file("parts.obj"), text);
+    return mass_of(R"(<body name="b"><shape mesh="parts.obj" density="1"/></body>)");
+  };
+  const Vec3 zero = Vec3::Zero(), one = Vec3::Ones(), far(5.0, 1.0, 2.0);
+  for (const bool a : {false, true})
+    for (const bool b : {false, true}) {  // beside, and one that stands on the other
+      const MassProperties two = with({{zero, 2.0, a}, {far, 1.0, b}});
+      EXPECT_NEAR(two.mass, 9.0, 1e-12);
+      EXPECT_LE((two.center - (8.0 * one + far + 0.5 * one) / 9.0).norm(), 1e-12);
+      EXPECT_NEAR(with({{zero, 2.0, a}, {Vec3(0.25, 0.5, 2.0), 1.0, b}}).mass, 9.0, 1e-12);
+      // Hollow; and a solid in the hollow.
+      EXPECT_NEAR(with({{zero, 4.0, a}, {one, 2.0, !a}}).mass, 56.0, 1e-12);
+      EXPECT_NEAR(with({{zero, 4.0, a}, {one, 2.0, !a}, {1.5 * one, 1.0, b}}).mass, 57.0, 1e-12);
+    }
+  for (const bool a : {false, true}) {
+    try {
+      with({{zero, 4.0, a}, {one, 2.0, a}});
+      ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_SAYS(std::string(error.what()), "lies within another that is turned the same way");
+    }
+  }
 }
 
 TEST_F(Shapes, MeshesThatEncloseNothingHaveNoMass) {

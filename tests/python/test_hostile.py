@@ -93,3 +93,33 @@ def test_results_outlive_everything():
     velocities = state.velocities
     del state
     assert z[-1] == pytest.approx(-5, rel=1e-9) and x[1, 2] == pytest.approx(-0.45, rel=1e-6) and (velocities == 0).all()
+
+
+def test_what_is_no_model_or_no_row_of_numbers(models):
+    with pytest.raises(TypeError, match="bytes is no str"):
+        mbd.Model(text=b"<mbd name='m'/>")
+    with pytest.raises(mbd.UseError, match=r"k has values of shape \(2, 2\)"):
+        mbd.sweep(models / "torsion_pendulum.xml", {"k": numpy.ones((2, 2))})
+
+
+def test_step_to_of_a_stepper_in_use():
+    """Another thread that steps is no reason to say that the time is over."""
+    import threading
+
+    text = """<mbd name="m"><body name="b" at="1 0 0" mass="1" inertia="1 1 1"/><spherical name="s" between="ground b" at="0 0 0"/>
+      <gravity acceleration="0 0 -9.81"/><transient duration="1e4" step="1e-3"/></mbd>"""
+    s = mbd.Model(text=text).stepper()
+    def run():
+        try:
+            s.step_to(300)
+        except mbd.Error:
+            pass
+    other = threading.Thread(target=run)
+    other.start()
+    said = set()
+    while other.is_alive():
+        try:
+            s.step_to(1e-3)
+        except mbd.UseError as error:
+            said.add("in use" if "in use by another thread" in str(error) else str(error))
+    assert said <= {"in use"}

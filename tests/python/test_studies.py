@@ -37,6 +37,17 @@ def test_modes_of_a_spring():
         assert found["frequencies"][0] == pytest.approx(numpy.sqrt(k / 4) / (2 * numpy.pi), rel=1e-9)
 
 
+def test_whole_numbers_are_asked_for(models):
+    model = models / "swept_cantilever.xml"
+    assert len(mbd.modes(model, count=numpy.int32(2))["names"]) == len(mbd.modes(model, count=2.0)["names"]) == 2
+    for calls in (lambda x: mbd.modes(model, count=x), lambda x: mbd.campbell(model, (1, 2), points=x),
+                  lambda x: mbd.rotations(model, (1, 2), search=x), lambda x: mbd.sweep(model, {"a": "0:1:3"}, jobs=x)):
+        with pytest.raises(mbd.UseError, match="is 1.9; give a whole number"):
+            calls(1.9)
+        with pytest.raises(TypeError, match="str is no whole number"):
+            calls("2")
+
+
 def test_modes_that_a_model_asks_for(program, tmp_path):
     text = """<mbd name="m"> <body name="b" at="1 0 0" mass="4" inertia="1 1 1"/>
       <prismatic name="p" between="ground b" axis="1 0 0"/>

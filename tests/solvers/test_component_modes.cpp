@@ -283,13 +283,119 @@ TEST(ComponentModes, CertificateSaysWhatTheyLeaveOut) {
     const Check* const check = find(history.report.certificate, "component modes");
     EXPECT_NE(check, nullptr);
     if (check == nullptr) return Verdict::fail;
-    EXPECT_NEAR(check->value, 0.5 * turn * turn, 1e-9 * check->value);
+    EXPECT_GE(check->value, 0.5 * turn * turn * (1.0 - 1e-9));
+    EXPECT_LE(check->value, 4.0 * turn * turn);
     EXPECT_SAYS(check->where, "reduction \"r\"");
     return check->verdict;
   };
   EXPECT_EQ(check_at(20.0), Verdict::fail);
   EXPECT_EQ(check_at(6.0), Verdict::warn);
   EXPECT_EQ(check_at(0.6), Verdict::pass);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    compile(read(text));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+// A column under an axial force, from pulls of five times its critical load to half of that: what its geometric stiffness, only
+// about right, makes of a deflection is said. True: w = F (tan(k L)/k - L)/P, k^2 = P/EI, of pulls with tanh.
+// Mutations seen: no part of the stiffness; the force not turned (an unsymmetric part counted twice); its sign.
+TEST(ComponentModes, CertificateSaysWhatForcesMakeOfTheStiffness) {
+  const double critical = EI2 * std::pow(3.141592653589793 / (2.0 * L), 2);
+  for (const char* modes : {"0", "7"})
+    for (const double part : {-5.0, -1.0, -0.2, 0.05, 0.2, 0.5}) {
+      SCOPED_TRACE(fmt::format("{} modes, {} of the critical load", modes, part));
+      const double P = part * critical, F = 1e-3 * EI2 / (L * L), k = std::sqrt(std::abs(P) / EI2);
+      const double w =
+          F * (P > 0.0 ? std::tan(k * L) / k - L : L - std::tanh(k * L) / k) / std::abs(P);
+      const Scene scene = read(section() + beam +
+                               fmt::format(R"(<fixed name="f" between="ground b.start"/>
+                  <load name="l" at="b.end" force="{:.17g} 0 {:.17g}"/><static/>
+                  <reduction name="r" of="b" modes="{}"/>
+                  <record name="e" at="b.end" quantities="displacement"/>)",
+                                           -P, F, modes));
+      const History history = run_to_table(scene);
+      ASSERT_EQ(history.report.failure, "");
+      const double error = std::abs(history.table["e.displacement.3"].back() / w - 1.0);
+      const Check* const check = find(history.report.certificate, "component modes");
+      ASSERT_NE(check, nullptr);
+      EXPECT_GT(check->value, 0.5 * error);
+      EXPECT_LT(check->value, 5.0 * error + 1e-3);
+    }
+}
+
+// The same of a blade that turns under a steady rotation, and what no check covers is named.
+TEST(ComponentModes, CertificateFailsWhereItBuckles) {
+  const Scene scene = read(section() + beam +
+                           R"(<fixed name="f" between="ground b.start"/>
+                  <load name="l" at="b.end" force="-24 0 0.01"/><static/>
+                  <reduction name="r" of="b"/><record name="e" at="b@0.5" quantities="moment"/>)");
+  const History history = run_to_table(scene);  // 0.97 of the critical load
+  const Check* const check = find(history.report.certificate, "component modes");
+  ASSERT_NE(check, nullptr);
+  EXPECT_EQ(check->verdict, Verdict::fail);
+  const auto left = history.report.certificate.not_covered();
+  EXPECT_TRUE(std::ranges::any_of(left, [](const std::string& what) {
+    return what.find("stresses within a <reduction>") != std::string::npos;
+  }));
+}
+
+// The modes of a round tube come in pairs: one of a pair would bend it aside under its weight.
+// Mutation seen: as many as are asked for.
+TEST(ComponentModes, PairsOfEqualModesStayTogether) {
+  for (int modes = 1; modes <= 8; ++modes) {
+    const Scene scene = read(fmt::format(
+        R"(<section name="s"><stiffness EA="1e6" GA2="4e5" GA3="4e5" GJ="30" EI2="40" EI3="40"/>
+          <mass per_length="0.8" inertia="2e-5 1e-5 1e-5"/></section>{}
+        <fixed name="f" between="ground b.start"/><gravity acceleration="0 0.02 -0.03"/><static/>
+        <reduction name="r" of="b" modes="{}"/><record name="e" at="b@0.3" quantities="force displacement"/>)",
+        beam, modes));
+    const History history = run_to_table(scene);
+    const Table& t = history.table;
+    // Two parts of three along b2: across the weight, of it.
+    for (const std::string quantity : {"force", "displacement"}) {
+      const double y = t["e." + quantity + ".2"].back(), z = t["e." + quantity + ".3"].back();
+      EXPECT_LT(std::abs(3.0 * y + 2.0 * z), 1e-6 * std::hypot(3.0 * y, 2.0 * z)) << modes;
+    }
+  }
+}
+
+// What bodies of it begin with is the motion of all of it: momenta of a rigid body, and no strain.
+// Mutation seen: the velocity of the body's node alone.
+TEST(ComponentModes, BeginsToMoveAsARigidBody) {
+  const std::string parts =
+      section() + beam +
+      R"(<body name="c" at="0 0 0" orientation="0.3 0.4 0" mass="0.5" inertia="1e-2 2e-2 2e-2" {}/>
+         <body name="d" at="2 0 0.5" mass="0.7" inertia="1e-2 2e-2 2e-2" {}/>
+         <fixed name="g" between="c b.start" at="0 0 0"/><fixed name="h" between="b.end d" at="2 0 0"/>
+         <reduction name="r" of="b c d" modes="{}"/><transient duration="0.02" step="1e-3"/>
+         <record name="all" quantities="linear_momentum angular_momentum strain_energy kinetic_energy"/>)";
+  // d turns about its z axis by 3 rad/s and moves by (1 2 3); c, 2 m before and 0.5 m below it, by (1 -4 3).
+  const Mat3 R = Eigen::AngleAxisd(0.5, Vec3(0.6, 0.8, 0.0)).toRotationMatrix();
+  const Vec3 w = R.transpose() * Vec3(0.0, 0.0, 3.0);
+  const std::string of_c = fmt::format(
+      R"(velocity="1 -4 3" angular_velocity="{:.17g} {:.17g} {:.17g}")", w(0), w(1), w(2));
+  const std::string of_d = R"(velocity="1 2 3" angular_velocity="0 0 3")";
+  const double mass = 0.5 + 0.7 + m * L;
+  for (const char* modes : {"0", "6"})
+    for (const auto& [c, d] : {std::pair(of_c, of_d), {of_c, ""}, {"", of_d}}) {
+      const History history = run_to_table(read(fmt::format(fmt::runtime(parts), c, d, modes)));
+      const Table& t = history.table;
+      ASSERT_EQ(history.report.failure, "");
+      // Centre of mass: on the way from d to c by 2 m, bodies and the beam's middle.
+      const double y = 2.0 - 3.0 * (0.5 * 2.0 + m * L * 1.0) / mass;
+      EXPECT_NEAR(t["all.linear_momentum.1"][0], mass, 1e-9);
+      EXPECT_NEAR(t["all.linear_momentum.2"][0], mass * y, 1e-9);
+      EXPECT_NEAR(t["all.linear_momentum.3"][0], 3.0 * mass, 1e-9);
+      EXPECT_LT(std::abs(t["all.strain_energy"][0]), 1e-15);
+    }
+  EXPECT_SAYS(refusal(fmt::format(fmt::runtime(parts), of_c, R"(velocity="1 2 3")", "4")),
+              "moves otherwise");
 }
 
 // A part that hangs turned in space, of another frame and with a base that shakes: the reaction is the mass times g - a.
@@ -336,15 +442,6 @@ TEST(ComponentModes, FrameMayBeChosen) {
   const auto other =
       frequencies(read(held + R"(<reduction name="r" of="b" modes="6" frame="b.end"/>)"), 6);
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(other[k], one[k], 1e-8 * one[k]);
-}
-
-std::string refusal(const std::string& text) {
-  try {
-    compile(read(text));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(ComponentModes, RefusesByName) {

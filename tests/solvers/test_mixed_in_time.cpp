@@ -36,7 +36,7 @@ struct Law {
     return fmt::format("{} {} {}", name_of(metric), name_of(form), order);
   }
   // How many elements lie side by side in its numbers.
-  std::size_t lanes() const { return form == Form::energy && order <= 4 ? lane_count : 1; }
+  std::size_t lanes() const { return form == Form::energy && order <= 4 ? pack_count : 1; }
 };
 // Orders with packs, without, and of run-time size.
 std::vector<Law> laws() {
@@ -48,7 +48,7 @@ std::vector<Law> laws() {
 }
 
 // Elements, a pack and one more, of stiffness D, bent and turned; the end is fused with a body in turned axes.
-constexpr int elements = lane_count + 1;
+constexpr int elements = pack_count + 1;
 constexpr double element_length = 0.7;
 struct Bent {
   Model model;

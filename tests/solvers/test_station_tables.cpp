@@ -1,4 +1,5 @@
 // Sections given by stations: mass, its moments, and stiffness of any mesh against integrals of the tables in closed form.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -81,6 +82,40 @@ TEST(Unbalance, OfJeffcottsRotor) {
   }
 }
 
+// Resonances far narrower than steps between rates: 0.05 and 0.04 % of critical damping, steps of 20 rad/s; without damping.
+// Mutations seen: no interval where a mode has the frequency of what acts; the golden section the wrong way.
+TEST(Unbalance, AtResonancesBetweenTheRates) {
+  constexpr double k3 = 3.2e5, c3 = 2.0;
+  const std::string more = R"(<drive joint="R" angle="0"/><static/>)";
+  std::string scene = rotor(k3, c3, "", more);
+  scene.replace(scene.find("damping=\"1e3 400"), 16, "damping=\"1e3 2");
+  const CampbellStudy result = study(scene, 20.0, 210.0, 10);
+  const std::vector<Orbit>& orbits = result.responses.at(0).orbits;
+  EXPECT_TRUE(std::ranges::is_sorted(orbits, {}, &Orbit::rate));
+  const auto largest = [&](double from, double to) {
+    double most = 0.0;
+    for (const Orbit& orbit : orbits)
+      if (orbit.rate > from && orbit.rate < to) most = std::max(most, orbit.major());
+    return most;
+  };
+  const auto top = [](double k, double c) {
+    double most = 0.0;
+    const double W = std::sqrt(k / m);
+    for (int n = -1000; n <= 1000; ++n)
+      most = std::max(most, std::abs(jeffcott(k, c, W * (1.0 + 1e-6 * n))));
+    return most;
+  };
+  EXPECT_NEAR(largest(90.0, 110.0) / top(k2, 2.0), 1.0, 1e-4);
+  EXPECT_NEAR(largest(120.0, 135.0) / top(k3, c3), 1.0, 1e-4);
+  EXPECT_NE(to_text(result).find(fmt::format("at most {:.4g}", top(k3, c3)).substr(0, 13)),
+            std::string::npos)
+      << to_text(result);
+
+  scene.replace(scene.find("damping=\"1e3 2 2\""), 17, "");
+  const std::string undamped = to_text(study(scene, 20.0, 210.0, 10));
+  EXPECT_NE(undamped.find("without bound at "), std::string::npos) << undamped;
+}
+
 // The shaft's centre in time, after it has settled: mean over a turn of w exp(-i W t) and w exp(i W t).
 TEST(Unbalance, OfAnEccentricMassInTime) {
   constexpr double k3 = 3.2e5, c3 = 900.0;
@@ -139,6 +174,8 @@ TEST(Unbalance, OfAFlexibleShaftInTurningAxes) {
   ASSERT_EQ(result.responses.size(), 3U);
   ASSERT_GE(result.responses[0].orbits.size(), 6U);
   for (const Orbit& orbit : result.responses[0].orbits) {
+    // Near a resonance without damping, what is left of the difference is round-off of the frequency.
+    if (!std::ranges::binary_search(result.rates, orbit.rate)) continue;
     const double W2 = orbit.rate * orbit.rate, wanted = e * W2 / (w2 - W2);
     EXPECT_NEAR(orbit.forward.real(), wanted, 1e-5 * std::abs(wanted)) << orbit.rate;
     EXPECT_LT(std::abs(orbit.forward.imag()), 1e-9 * std::abs(wanted));
@@ -218,6 +255,7 @@ TEST(HarmonicForces, OfAnUnroundShaftInTurningAxes) {
       EXPECT_EQ(result.axes, ModeAxes::turning);
       ASSERT_GE(result.force_responses.at(0).orbits.size(), 4U);
       for (const Orbit& orbit : result.force_responses[0].orbits) {
+        if (!std::ranges::binary_search(result.rates, orbit.rate)) continue;
         const double W = orbit.rate, w = order * W;
         const auto solved = [&](double v) {  // a and b, real
           const double A = k - m * (v + W) * (v + W), B = k - m * (v - W) * (v - W);

@@ -357,7 +357,7 @@ void add_checkpoint_options(CLI::App& command, RunArguments& arguments) {
   command.add_flag(
       "--restart", arguments.restart,
       "go on from checkpoint.bin in the directory of results: history.csv becomes that "
-      "of a run that was not killed, to the last bit");
+      "of a run with the same --checkpoint-every that was not killed, to the last bit");
 }
 
 void add_motion_options(CLI::App& command, RunArguments& arguments) {

@@ -169,6 +169,11 @@ class StepperHandle {
   void step(long count) {
     if (count < 1) throw UseError(fmt::format("step({}): give 1 or more", count));
     const Lock lock(*this);
+    take_steps(count);
+  }
+
+  // Under the lock of who calls it.
+  void take_steps(long count) {
     constexpr long looks = 64;  // steps between two looks for Ctrl-C
     StepReport report;
     for (long done = 0; done < count;) {
@@ -300,6 +305,7 @@ class StepperHandle {
     if (!std::isfinite(t) || t > transient_.duration * (1.0 + 1e-12))
       throw UseError(fmt::format("step_to({:g}): give a time up to the duration, {:g} s", t,
                                  transient_.duration));
+    const Lock lock(*this);
     const double enough = 1e-9 * (transient_.step ? *transient_.step : transient_.duration);
     if (t < state_.t - enough - transient_.step.value_or(0.0))  // a fixed step may have passed it
       throw UseError(fmt::format("step_to({:g}): the time is {:.9g} s already; restore() goes back",
@@ -309,7 +315,7 @@ class StepperHandle {
       ~Stop() { stepper.stop_at(std::numeric_limits<double>::infinity()); }
       Stepper& stepper;
     } const stop(*stepper_, std::min(t, transient_.duration));
-    while (state_.t < t - enough) step(1);
+    while (state_.t < t - enough) take_steps(1);
   }
 
   // ---- checkpoints

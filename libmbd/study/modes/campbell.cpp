@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -22,7 +26,8 @@ constexpr double first_rate =
     1e-4;  // of the range, in place of 0: what is alike in all directions has no shapes there
 constexpr double is_slow =
     1e-3;  // of the largest frequency: that of a mode near its critical speed
-constexpr double nothing = 1e-8;  // growth beside the frequencies that is round-off
+constexpr double nothing = 1e-8;    // growth beside the frequencies that is round-off
+constexpr double is_growth = 1e-6;  // of a motion that is followed by nobody, beside its frequency
 constexpr double aside = 1e-2;    // of a step, where modes at its end are not told from each other
 constexpr std::size_t spare = 6;  // modes more than are followed
 
@@ -43,6 +48,10 @@ struct Candidate {
     c.momentum = momentum.conjugate();
     c.orbit = -orbit;
     return c;
+  }
+  // Of the motion [1/s]; 0 where it is round-off of so fast a one.
+  double growth() const {
+    return eigenvalue.real() > is_growth * std::abs(eigenvalue) ? eigenvalue.real() : 0.0;
   }
   double overlap(const Candidate& other) const {
     return std::norm(other.shape.dot(momentum)) / (weight * other.weight);
@@ -103,7 +112,16 @@ class Follower {
   }
   std::vector<Candidate> begin(double rate);
   void keep(double rate);
+  using Orbits = std::optional<std::vector<Orbit>>;
+  template <class Acting>
+  std::vector<std::string> places_of(const std::vector<Acting>& acting) const;
   void respond();
+  Orbits of_forces();
+  Orbits of_unbalance();
+  std::vector<std::array<double, 2>> resonances(
+      double order, const std::vector<CampbellStudy::Response>& responses) const;
+  void respond_at_resonances(double order, std::vector<CampbellStudy::Response>& responses,
+                             Orbits (Follower::*respond_now)());
   void note_round_off();
   std::optional<Found> found_at(double& next, double rate, const std::vector<Candidate>& last,
                                 bool is_smallest);
@@ -168,7 +186,7 @@ Follower::Found Follower::follow(const std::vector<Candidate>& last) {
       found.overlaps[match.branch] = match.overlap;
     }
     found.growth = 0.0;
-    for (const Candidate& c : all) found.growth = std::max(found.growth, c.eigenvalue.real());
+    for (const Candidate& c : all) found.growth = std::max(found.growth, c.growth());
     found.ok = std::all_of(has.begin(), has.end(), [](char one) { return one != 0; });
     if (found.ok && found.least() > lost) break;
   }
@@ -313,6 +331,10 @@ std::vector<Candidate> Follower::begin(double rate) {
   study_.rotation = options_.rotation;
   study_.order = options_.order;
   study_.notes = motions_.notes();
+  for (const std::string& place : places_of(options_.forces))
+    if (!options_.forces.empty()) study_.force_responses.push_back({place, {}});
+  for (const std::string& place : places_of(options_.unbalance))
+    if (!options_.unbalance.empty()) study_.responses.push_back({place, {}});
   if (rate > options_.from)
     study_.notes.push_back(
         fmt::format("begins at {:.6g} rad/s: at rest, modes that are alike in all directions have "
@@ -324,7 +346,7 @@ std::vector<Candidate> Follower::begin(double rate) {
   std::vector<Candidate> first = candidates(count + spare, 0.0);
   if (first.empty())
     throw Error(scene_.source, "nothing but free motions: there are no modes to follow");
-  for (const Candidate& c : first) growth_ = std::max(growth_, c.eigenvalue.real());
+  for (const Candidate& c : first) growth_ = std::max(growth_, c.growth());
   if (first.size() > count) first.resize(count);
   for (const Candidate& c : first) {
     fastest_ = std::max(fastest_, std::abs(c.eigenvalue));
@@ -342,29 +364,104 @@ void Follower::keep(double rate) {
 }
 
 // At the places where something acts, each once, and those that are asked for.
+template <class Acting>
+std::vector<std::string> Follower::places_of(const std::vector<Acting>& acting) const {
+  std::vector<std::string> places, each;
+  for (const Acting& one : acting) places.push_back(one.place);
+  places.insert(places.end(), options_.probes.begin(), options_.probes.end());
+  for (const std::string& place : places)
+    if (std::find(each.begin(), each.end(), place) == each.end()) each.push_back(place);
+  return each;
+}
+
+// At the present rate. Forces first: they move what another response may hold.
 void Follower::respond() {
-  const auto add = [this](const auto& acting, std::vector<CampbellStudy::Response>& responses,
-                          const auto& orbits_at) {
-    if (acting.empty()) return;
-    std::vector<std::string> places;
-    for (const auto& one : acting) places.push_back(one.place);
-    places.insert(places.end(), options_.probes.begin(), options_.probes.end());
-    std::vector<std::string> each;
-    for (const std::string& place : places)
-      if (std::find(each.begin(), each.end(), place) == each.end()) each.push_back(place);
-    if (responses.empty())
-      for (const std::string& place : each) responses.push_back({place, {}});
-    const std::optional<std::vector<Orbit>> orbits = orbits_at(each);
-    if (!orbits) return;
-    for (std::size_t k = 0; k < each.size(); ++k) responses[k].orbits.push_back((*orbits)[k]);
+  const auto add = [](std::vector<CampbellStudy::Response>& responses, const Orbits& orbits) {
+    for (std::size_t k = 0; orbits && k < responses.size(); ++k)
+      responses[k].orbits.push_back((*orbits)[k]);
   };
-  // Forces first: they move what another response may hold.
-  add(options_.forces, study_.force_responses, [this](const std::vector<std::string>& places) {
-    return response_to_forces(motions_, rotation_, options_.forces, options_.order, places);
-  });
-  add(options_.unbalance, study_.responses, [this](const std::vector<std::string>& places) {
-    return response_to_unbalance(motions_, rotation_, options_.unbalance, places);
-  });
+  if (!options_.forces.empty()) add(study_.force_responses, of_forces());
+  if (!options_.unbalance.empty()) add(study_.responses, of_unbalance());
+}
+
+Follower::Orbits Follower::of_forces() {
+  return response_to_forces(motions_, rotation_, options_.forces, options_.order,
+                            places_of(options_.forces));
+}
+Follower::Orbits Follower::of_unbalance() {
+  return response_to_unbalance(motions_, rotation_, options_.unbalance,
+                               places_of(options_.unbalance));
+}
+
+// Intervals of rates with a resonance in them: where a mode has the frequency of what acts, or a response is larger than at the
+// rates beside.
+std::vector<std::array<double, 2>> Follower::resonances(
+    double order, const std::vector<CampbellStudy::Response>& responses) const {
+  std::vector<std::array<double, 2>> found;
+  for (const CampbellBranch& branch : study_.branches)
+    for (std::size_t i = 1; i < branch.points.size(); ++i) {
+      const auto beyond = [&](const CampbellPoint& p) {
+        const double frequency = motions_.axes() == ModeAxes::resting ? p.eigenvalue.imag()
+                                 : p.inertial.has_value()             ? *p.inertial
+                                                          : p.rate + p.eigenvalue.imag();
+        return std::abs(frequency) > order * p.rate;
+      };
+      const CampbellPoint &a = branch.points[i - 1], &b = branch.points[i];
+      if (beyond(a) != beyond(b)) found.push_back({a.rate, b.rate});
+    }
+  for (const SpecialSpeed& special : study_.special) {
+    const auto above = std::ranges::upper_bound(study_.rates, special.rate);
+    if (order == 1.0 && above != study_.rates.end() && above != study_.rates.begin())
+      found.push_back({*std::prev(above), *above});
+  }
+  for (const CampbellStudy::Response& response : responses)
+    for (std::size_t i = 1; i + 1 < response.orbits.size(); ++i) {
+      const Orbit* const at = &response.orbits[i];
+      if (at->major() >= at[-1].major() && at->major() >= at[1].major())
+        found.push_back({at[-1].rate, at[1].rate});
+    }
+  std::ranges::sort(found);
+  const auto is_same = [](const auto& a, const auto& b) {
+    return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) < 1e-9 * b[1];
+  };
+  found.erase(std::unique(found.begin(), found.end(), is_same), found.end());
+  return found;
+}
+
+// Resonances are far narrower than steps between rates: each response is followed to the top of its own, by the golden
+// section; what that passes belongs to the response.
+void Follower::respond_at_resonances(double order, std::vector<CampbellStudy::Response>& responses,
+                                     Orbits (Follower::*respond_now)()) {
+  constexpr double golden = 0.6180339887498949;
+  constexpr int most = 40;
+  const std::vector<std::array<double, 2>> intervals = resonances(order, responses);
+  std::map<double, Orbits> known;
+  const auto at = [&](double rate, std::size_t k) {
+    const auto [it, is_new] = known.try_emplace(rate);
+    if (is_new) {
+      stop::check();
+      turn(rate);
+      it->second = (this->*respond_now)();
+    }
+    return it->second ? (*it->second)[k].major() : std::numeric_limits<double>::infinity();
+  };
+  for (const auto& [first, last] : intervals)
+    for (std::size_t k = 0; k < responses.size(); ++k) {
+      double a = first, b = last, x = b - golden * (b - a), y = a + golden * (b - a);
+      double f = at(x, k), g = at(y, k);
+      for (int i = 0; i < most && b - a > 1e-9 * b; ++i) {
+        if (f > g) {
+          b = y, y = x, g = f, x = b - golden * (b - a), f = at(x, k);
+        } else {
+          a = x, x = y, f = g, y = a + golden * (b - a), g = at(y, k);
+        }
+      }
+    }
+  for (std::size_t k = 0; k < responses.size(); ++k) {
+    for (const auto& [rate, orbits] : known)
+      if (orbits) responses[k].orbits.push_back((*orbits)[k]);
+    std::ranges::sort(responses[k].orbits, {}, &Orbit::rate);
+  }
 }
 
 // The modes at `next`, or, where they are not found or in a smallest step not told from each other (at a critical speed one is at
@@ -466,6 +563,8 @@ CampbellStudy Follower::go() {
   std::vector<Candidate> first = begin(rate);
   try {
     go_through(std::move(first), rate);
+    respond_at_resonances(options_.order, study_.force_responses, &Follower::of_forces);
+    respond_at_resonances(1.0, study_.responses, &Follower::of_unbalance);
   } catch (const Stopped&) {
     study_.notes.push_back(fmt::format("interrupted at {:.6g} rad/s", rate));
   }

@@ -69,7 +69,8 @@ struct CampbellStudy {
   std::vector<SpecialSpeed> special;  // by rate
   struct Response {
     std::string place;
-    std::vector<Orbit> orbits;  // by rate; none where the equations are singular
+    // By rate, at those of the diagram and at others about resonances, to their tops; none where the equations are singular.
+    std::vector<Orbit> orbits;
   };
   std::vector<Response> responses;        // to unbalance
   std::vector<Response> force_responses;  // to harmonic forces

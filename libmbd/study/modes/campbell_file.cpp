@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -20,8 +21,9 @@ constexpr std::string_view format_of_campbell = "mbd campbell 1";
 // Tables over the rates, which are written once all of the file is laid out.
 class TablesOverRates {
  public:
-  TablesOverRates(Hdf5File& file, const std::vector<double>& rates) : file_(file), rates_(rates) {
-    for (std::size_t i = 0; i < rates.size(); ++i) row_of_.emplace(rates[i], i);
+  TablesOverRates(Hdf5File& file, std::vector<double> rates)
+      : file_(file), rates_(std::move(rates)) {
+    for (std::size_t i = 0; i < rates_.size(); ++i) row_of_.emplace(rates_[i], i);
   }
 
   // A column each of `columns`, whose entries know their rates.
@@ -44,7 +46,7 @@ class TablesOverRates {
 
  private:
   Hdf5File& file_;
-  const std::vector<double>& rates_;
+  std::vector<double> rates_;
   std::unordered_map<double, std::size_t> row_of_;
   std::vector<std::pair<Hdf5File::Series, std::vector<double>>> tables_;
 };
@@ -93,8 +95,14 @@ void add_special(const CampbellStudy& study, Hdf5File& file) {
 }
 
 void add_driven(const std::string& group, const std::vector<CampbellStudy::Response>& responses,
-                const Hdf5Attributes& attributes, Hdf5File& file, TablesOverRates& tables) {
+                const Hdf5Attributes& attributes, Hdf5File& file,
+                std::vector<TablesOverRates>& all) {
   if (responses.empty()) return;
+  std::vector<double> rates;
+  for (const CampbellStudy::Response& response : responses)
+    for (const Orbit& orbit : response.orbits) rates.push_back(orbit.rate);
+  std::ranges::sort(rates);
+  rates.erase(std::unique(rates.begin(), rates.end()), rates.end());
   std::vector<std::string> places;
   std::vector<const std::vector<Orbit>*> columns;
   for (const CampbellStudy::Response& response : responses) {
@@ -103,6 +111,10 @@ void add_driven(const std::string& group, const std::vector<CampbellStudy::Respo
   }
   file.add_group(group, attributes);
   file.add_texts(group + "/places", places);
+  file.add_numbers(group + "/rates", rates,
+                   {{"unit", std::string("rad/s")},
+                    {"label", std::string("those of the file, and more about resonances")}});
+  TablesOverRates& tables = all.emplace_back(file, std::move(rates));
   using Value = std::function<double(const Orbit&)>;
   const auto add = [&](const char* name, const char* unit, const char* label, const Value& value) {
     tables.add(group + "/" + name, unit, label, columns, value);
@@ -132,14 +144,14 @@ void write_campbell(const std::filesystem::path& path, const CampbellStudy& stud
   file.add_numbers("through", vector(study.rotation.through), metres);
   file.add_numbers("rates", study.rates, {{"unit", std::string("rad/s")}});
   file.add_numbers("displacement", study.displacements, metres);
-  TablesOverRates tables(file, study.rates);
-  add_branches(study, file, tables);
+  std::vector<TablesOverRates> tables;
+  add_branches(study, file, tables.emplace_back(file, study.rates));
   add_special(study, file);
   add_driven("unbalance", study.responses, {}, file, tables);
   add_driven("force", study.force_responses, {{"order", study.order}}, file, tables);
   if (!study.notes.empty()) file.add_texts("notes", study.notes);
   file.start();
-  tables.write();
+  for (TablesOverRates& table : tables) table.write();
   file.flush(true);
   file.close();
 }

@@ -36,11 +36,17 @@ bool grows_or_decays(const CampbellStudy& study) {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-std::string words_of_response(const CampbellStudy::Response& response, const std::string& to) {
+std::string words_of_response(const CampbellStudy& study, const CampbellStudy::Response& response,
+                              const std::string& to) {
   const auto most = std::ranges::max_element(response.orbits, {}, &Orbit::major);
   if (most == response.orbits.end())
     return fmt::format("no response to {} of {}", to, response.place);
   const double besides = std::ranges::max(response.orbits, {}, &Orbit::besides).besides;
+  const bool is_between = std::ranges::find(study.rates, most->rate) == study.rates.end();
+  if (is_between && !grows_or_decays(study))
+    return fmt::format(
+        "response to {} of {}: without bound at {:.6g} rad/s, a resonance that nothing damps", to,
+        response.place, most->rate);
   return fmt::format(
       "response to {} of {}: at most {:.6g} m, at {:.6g} rad/s, {:.1f} degrees behind it{}", to,
       response.place, most->major(), most->rate, most->lag() / degree,
@@ -97,9 +103,9 @@ std::string to_text(const CampbellStudy& study) {
     text += fmt::format("no critical speed from {:.6g} to {:.6g} rad/s\n", study.rates.front(),
                         study.rates.back());
   for (const CampbellStudy::Response& response : study.responses)
-    text += words_of_response(response, "unbalance") + '\n';
+    text += words_of_response(study, response, "unbalance") + '\n';
   for (const CampbellStudy::Response& response : study.force_responses)
-    text += words_of_response(response, forces_of(study)) + '\n';
+    text += words_of_response(study, response, forces_of(study)) + '\n';
   for (const std::string& note : study.notes) text += "note: " + note + "\n";
   return text;
 }

@@ -29,6 +29,8 @@ class Model:
         self._set = overrides = overrides_of(set)
         self._source = None  # of what is no file
         if text is not None:
+            if not isinstance(text, str):
+                raise TypeError(f"text: {type(text).__name__} is no str")
             self._source = str(text)
             self._model = _mbd.Model.from_text(str(text), str(file), overrides)
         elif hasattr(path, "_tree"):

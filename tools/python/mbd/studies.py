@@ -6,7 +6,7 @@ import os
 from . import _mbd
 from .errors import Interrupted
 from .model import Model
-from .values import names_of, optional_text, text_of
+from .values import names_of, optional_text, text_of, whole
 
 
 def _model_of(model, set):
@@ -87,7 +87,7 @@ def modes(model, *, set=None, count=None, near=None, rate=None, at=None, axis=No
       other_names, other_frequencies [Hz]; notes
     Raises ModelError and UseError.
     """
-    return _mbd.modes(_model_of(model, set), None if count is None else int(count), optional_text(near, "near"),
+    return _mbd.modes(_model_of(model, set), None if count is None else whole(count, "count"), optional_text(near, "near"),
                       optional_text(rate, "rate"), optional_text(at, "at"), _three(axis, "axis"),
                       _three(through, "through"), names_of(at_rest), names_of(without), bool(mac), _compared(compare))
 
@@ -130,7 +130,7 @@ def campbell(model, rates, *, set=None, points=61, count=8, axis=None, through=N
     axes; notes. Raises ModelError, UseError, and Interrupted with the diagram so far.
     """
     first, last = rates
-    study, raised = _mbd.campbell(_model_of(model, set), text_of(first), text_of(last), int(points), int(count),
+    study, raised = _mbd.campbell(_model_of(model, set), text_of(first), text_of(last), whole(points, "points"), whole(count, "count"),
                                   _three(axis, "axis"), _three(through, "through"), names_of(at_rest),
                                   names_of(without), _driven(unbalance, forces, order, probes))
     if raised is not None:
@@ -155,7 +155,7 @@ def rotations(model, rates, *, set=None, axis=None, through=None, at_rest=(), wi
     first, last = rates
     study, raised = _mbd.rotations(_model_of(model, set), text_of(first), text_of(last), _three(axis, "axis"),
                                    _three(through, "through"), names_of(at_rest), names_of(without), names_of(probes),
-                                   (int(search), int(points), float(far), int(count)))
+                                   (whole(search, "search"), whole(points, "points"), float(far), whole(count, "count")))
     if raised is not None:
         raise Interrupted(study) if isinstance(raised, KeyboardInterrupt) else raised
     return study

@@ -11,7 +11,7 @@ import sys
 from . import _mbd
 from .errors import Interrupted, RunError, UseError
 from .model import Model
-from .values import names_of, text_of
+from .values import names_of, text_of, whole
 
 
 class Sweep:
@@ -128,7 +128,7 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
     elif jobs is None:
         jobs = len(os.sched_getaffinity(0)) if on is None else 1
     else:
-        jobs = int(jobs)
+        jobs = whole(jobs, "jobs")
         if not 1 <= jobs <= 4096:
             raise UseError(f"jobs = {jobs}: give a number of processes from 1 to 4096")
     if share is not None and out is None:
@@ -185,7 +185,7 @@ def _look_at_engine(on, client, share, tasks, sbatch, wait, out):
         raise TypeError('on="slurm" makes shares itself; leave out client and share')
     if out is None:
         raise TypeError('on="slurm": give out, the directory that all machines see')
-    if tasks is not None and not 1 <= int(tasks) <= 1000000:
+    if tasks is not None and not 1 <= whole(tasks, "tasks") <= 1000000:
         raise UseError(f"tasks = {tasks}: give a number from 1 to 1000000")
 
 
@@ -198,7 +198,7 @@ _MOST_TASKS = 100
 def _run_on_slurm(table, handle, plan, quantities, jobs, tasks, options, wait, out, show):
     """Submits what is open, and waits. Returns what was raised meanwhile, or None."""
     points = len(plan.points)
-    tasks = min(int(tasks or _MOST_TASKS), points)
+    tasks = min(whole(tasks or _MOST_TASKS, "tasks"), points)
     numbers = sorted({point % tasks + 1 for point in table.open()})
     if not numbers:
         return None
@@ -347,7 +347,7 @@ def _plan_of(vary, points, latin, seed):
         raise TypeError("sweep: give vary= or points=")
     vary = dict(vary)
     if latin is not None:
-        if not int(latin) >= 1:
+        if not whole(latin, "latin") >= 1:
             raise UseError(f"latin = {latin}: give a number of points")
         ranges = []
         for name, ends in vary.items():
@@ -356,7 +356,7 @@ def _plan_of(vary, points, latin, seed):
                     raise UseError(f"vary: {name} has {len(ends)} ends, must have two")
                 ends = ":".join(text_of(end, name) for end in ends)
             ranges.append(f"{name}={ends}")
-        return _mbd.SweepPlan.latin(ranges, int(latin), int(seed))
+        return _mbd.SweepPlan.latin(ranges, whole(latin, "latin"), whole(seed, "seed"))
     if all(isinstance(values, str) for values in vary.values()):
         return _mbd.SweepPlan.grid([f"{name}={values}" for name, values in vary.items()])
     lists = []
@@ -366,6 +366,8 @@ def _plan_of(vary, points, latin, seed):
             values = [point[0] for point in grid.points]
         elif not hasattr(values, "__iter__"):
             values = [values]
+        if getattr(values, "ndim", 1) > 1:
+            raise UseError(f"vary: {name} has values of shape {values.shape}; give numbers in one row")
         lists.append([text_of(value, name) for value in values])
         if not lists[-1]:
             raise UseError(f"vary: {name} has no values")

@@ -27,6 +27,17 @@ def text_of(value, name="value"):
     raise TypeError(f"{name}: {type(value).__name__} is neither a number nor a text, nor several of them")
 
 
+def whole(value, name):
+    """A whole number as an int: of Python, of numpy, or a float without fraction; UseError for any other number."""
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        return int(value)
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        if float(value).is_integer():
+            return int(value)
+        raise UseError(f"{name} is {value}; give a whole number")
+    raise TypeError(f"{name}: {type(value).__name__} is no whole number")
+
+
 def optional_text(value, name):
     return "" if value is None else text_of(value, name)
 
