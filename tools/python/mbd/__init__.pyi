@@ -2058,8 +2058,9 @@ class Scene(Element):
           Makes one element of component modes (Craig-Bampton) of beams and bodies, with
           what is fixed between them: static shapes of the places where something acts,
           and the slowest modes with these held. For parts that deform little, whatever
-          their motion; tension does not stiffen them. Without it they are the beams
-          they are.
+          their motion; what tension or compression change of their stiffness is only
+          about right (the certificate says what that makes). Without it they are the
+          beams they are.
           Stands in <mbd>, <repeat>, <defaults>.
 
         Attributes:
@@ -4027,7 +4028,7 @@ class DefaultsElement(Element):
         """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
         ...
     def reduction(self, *, name: Value = None, of: Value = None, modes: Value = None, frame: Value = None) -> ReductionElement:
-        """Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is fixed between them: static shapes of the places where something acts, and the slowest modes with these held. For parts that deform little, whatever their motion; tension does not stiffen them. Without it they are the beams they are."""
+        """Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is fixed between them: static shapes of the places where something acts, and the slowest modes with these held. For parts that deform little, whatever their motion; what tension or compression change of their stiffness is only about right (the certificate says what that makes). Without it they are the beams they are."""
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
@@ -7012,7 +7013,7 @@ class RepeatElement(Element):
         """Samples the motion at t = 0, period, 2 period, … and holds its outputs until the next instant: what it consists of is evaluated in its order, with states as they were; what it gives acts from that instant on, without delay. Steps end there."""
         ...
     def reduction(self, *, name: Value = None, of: Value = None, modes: Value = None, frame: Value = None) -> ReductionElement:
-        """Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is fixed between them: static shapes of the places where something acts, and the slowest modes with these held. For parts that deform little, whatever their motion; tension does not stiffen them. Without it they are the beams they are."""
+        """Makes one element of component modes (Craig-Bampton) of beams and bodies, with what is fixed between them: static shapes of the places where something acts, and the slowest modes with these held. For parts that deform little, whatever their motion; what tension or compression change of their stiffness is only about right (the certificate says what that makes). Without it they are the beams they are."""
         ...
     def fixed(self, *, name: Value = None, between: Value = None, at: Value = None) -> FixedElement:
         """Nothing is left free."""
