@@ -25,7 +25,8 @@ def said_by(name):
     nbformat.validate(notebook)
     assert all(not cell.outputs and cell.execution_count is None for cell in notebook.cells if cell.cell_type == "code"), \
         "kept without outputs: they are made anew for the site"
-    nbclient.NotebookClient(notebook, timeout=3600, resources={"metadata": {"path": str(NOTEBOOKS)}}).execute()
+    nbclient.NotebookClient(notebook, timeout=3600, startup_timeout=3600,  # a kernel starts slowly on a busy machine
+                            resources={"metadata": {"path": str(NOTEBOOKS)}}).execute()
     text, pictures = "", 0
     for cell in notebook.cells:
         for output in cell.get("outputs", ()):
