@@ -166,7 +166,7 @@ def test_wrong_use_of_slurm_from_python(rod, tmp_path, monkeypatch):
     for given, kind in (({"on": "sluurm"}, mbd.UseError), ({"on": 3}, mbd.UseError), ({"on": "slurm", "out": None}, TypeError),
                         ({"on": "slurm", "share": "1/2"}, TypeError), ({"on": "slurm", "client": object()}, TypeError),
                         ({"on": "slurm", "tasks": 0}, mbd.UseError), ({"on": "slurm", "tasks": float("nan")}, ValueError),
-                        ({"on": "slurm", "tasks": "many"}, ValueError), ({"on": "slurm", "jobs": 0}, mbd.UseError),
+                        ({"on": "slurm", "tasks": "many"}, TypeError), ({"on": "slurm", "jobs": 0}, mbd.UseError),
                         ({"tasks": 3}, TypeError), ({"wait": False}, TypeError),
                         ({"sbatch": ["--time=9"]}, TypeError), ({"on": "slurm", "sbatch": 3}, TypeError)):
         with pytest.raises(kind):
