@@ -437,7 +437,7 @@ void Follower::respond_at_resonances(double order, std::vector<CampbellStudy::Re
   constexpr int most = 40;
   const std::vector<std::array<double, 2>> intervals = resonances(order, responses);
   std::map<double, Orbits> known;
-  std::set<double> lost;  // where no steady rotation is found
+  std::set<double> without;  // where no steady rotation is found
   const auto at = [&](double rate, std::size_t k) {
     const auto [it, is_new] = known.try_emplace(rate);
     if (is_new) {
@@ -448,11 +448,11 @@ void Follower::respond_at_resonances(double order, std::vector<CampbellStudy::Re
       } catch (const Stopped&) {
         throw;
       } catch (const Error&) {
-        lost.insert(rate);
+        without.insert(rate);
       }
     }
     if (it->second) return (*it->second)[k].major();
-    return lost.contains(rate) ? 0.0 : std::numeric_limits<double>::infinity();
+    return without.contains(rate) ? 0.0 : std::numeric_limits<double>::infinity();
   };
   for (const auto& [first, last] : intervals)
     for (std::size_t k = 0; k < responses.size(); ++k) {
