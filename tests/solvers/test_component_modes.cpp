@@ -329,7 +329,7 @@ TEST(ComponentModes, CertificateSaysWhatForcesMakeOfTheStiffness) {
     }
 }
 
-// The same of a blade that turns under a steady rotation, and what no check covers is named.
+// Near its critical load it fails; and what no check covers is named.
 TEST(ComponentModes, CertificateFailsWhereItBuckles) {
   const Scene scene = read(section() + beam +
                            R"(<fixed name="f" between="ground b.start"/>

@@ -83,7 +83,8 @@ TEST(Unbalance, OfJeffcottsRotor) {
 }
 
 // Resonances far narrower than steps between rates: 0.05 and 0.04 % of critical damping, steps of 20 rad/s; without damping.
-// Mutations seen: no interval where a mode has the frequency of what acts; the golden section the wrong way.
+// Mutation seen: the golden section the wrong way. Not seen: no intervals where a mode has the frequency of what acts (there
+// are the critical speeds too).
 TEST(Unbalance, AtResonancesBetweenTheRates) {
   constexpr double k3 = 3.2e5, c3 = 2.0;
   const std::string more = R"(<drive joint="R" angle="0"/><static/>)";
