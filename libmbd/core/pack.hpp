@@ -4,7 +4,7 @@
 // What a lane holds does not depend on the others: of a function with branches (by_size) each lane gets the branch of its
 // own number. So an element gives the same to the last bit wherever it stands among others, and the last of a list, fewer
 // than a pack, are filled up by repeating one. A pack is as wide as a register, but no wider than four: with eight, lanes
-// are empty in most scenes, and gathering takes longer than the arithmetic saves (4 to 11 % of whole runs).
+// are empty in most scenes, and gathering takes longer than the arithmetic saves (3 to 11 % of whole runs).
 // Everything here has the width in its name: of objects that are compiled for different processors and go into one program
 // (MBD_PORTABLE), what is handed to one of another width would be a name that is not there, when the program is linked.
 // Not used: std::experimental::simd, which Eigen cannot hold without an interface as long as this one.
