@@ -40,7 +40,7 @@ class ClassicalBatch final : public ElementBatch<Classical<N>, BeamElasticBatch>
     this->set_frames(element, frames);
   }
 
-  void resultants(const State& state, Index element, std::span<Vec6> S) const override {
+  void elastic_resultants(const State& state, Index element, std::span<Vec6> S) const override {
     typename Base::NodeStates x;
     this->gather(state, static_cast<std::size_t>(element), x);
     Kernel::resultants(this->shared(), this->data(element), x.data(), S.data());
@@ -53,7 +53,7 @@ class ClassicalBatch final : public ElementBatch<Classical<N>, BeamElasticBatch>
     typename Base::NodeStates x;
     this->gather(state, static_cast<std::size_t>(element), x);
     return mesh_error_of<Kernel>(this->shared(), this->data(element), x.data(), table_, rule,
-                                 this->section_samples(element));
+                                 this->section_samples(element), this->held_forces(state, element));
   }
 
   const std::string& name_of(Index element) const override { return this->name(element); }

@@ -24,6 +24,17 @@ extern template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, P
 
 }  // namespace beam
 
+beam::HeldForces BeamElasticBatch::held_forces(const State& state, Index element) const {
+  beam::HeldForces all;
+  const Held held = held_of(element);
+  if (held.strains == nullptr) return all;
+  all.held = held.strains->held(held.number);
+  all.S.assign(table().rule.points.size(), Vec6::Zero());
+  held.strains->add_forces(state, held.number, all.S);
+  held.strains->add_end_forces(state, held.number, all.first, all.last);
+  return all;
+}
+
 std::unique_ptr<BeamElasticBatch> make_beam_elastic(Metric metric, Form form, Rule rule, int order,
                                                     bool run_time_order) {
   using namespace beam;

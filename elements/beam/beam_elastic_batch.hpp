@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "elements/beam/held_strains.hpp"
 #include "elements/beam/mesh_error.hpp"
 #include "elements/element.hpp"
 #include "libmbd/core/batch.hpp"
@@ -17,6 +18,17 @@
 #include "libmbd/core/spectral.hpp"
 
 namespace mbd {
+
+namespace beam {
+
+// What an element whose strains are held adds to mesh_error_of(), beside its own compliance and forces.
+struct HeldForces {
+  StrainSet held{};
+  std::vector<Vec6> S;  // by point
+  Vec6 first = Vec6::Zero(), last = Vec6::Zero();
+};
+
+}  // namespace beam
 
 class BeamElasticBatch : public Batch {
  public:
@@ -34,8 +46,18 @@ class BeamElasticBatch : public Batch {
   // add_element is of its own.
   virtual void set_frames_of(Index element, std::span<const Pose<double>> frames) = 0;
 
+  // Strains of that element are held at zero by another batch, of which it is `number`: its stiffness there does not matter,
+  // forces come from there. Of Gauss's rule.
+  void set_held(Index element, const HeldStrains& strains, Index number) {
+    held_[element] = {&strains, number};
+  }
+
   // Sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at its quadrature points (S: one each), section frame [N, N.m].
-  virtual void resultants(const State& state, Index element, std::span<Vec6> S) const = 0;
+  void resultants(const State& state, Index element, std::span<Vec6> S) const {
+    elastic_resultants(state, element, S);
+    if (const auto held = held_.find(element); held != held_.end())
+      held->second.strains->add_forces(state, held->second.number, S);
+  }
 
   virtual const SpectralTable& table() const = 0;
 
@@ -51,6 +73,20 @@ class BeamElasticBatch : public Batch {
   }
 
  protected:
+  virtual void elastic_resultants(const State& state, Index element, std::span<Vec6> S) const = 0;
+
+  // An element of a batch that holds strains; strains: null where none is held.
+  struct Held {
+    const HeldStrains* strains = nullptr;
+    Index number = 0;
+  };
+  Held held_of(Index element) const {
+    const auto found = held_.find(element);
+    return found == held_.end() ? Held{} : found->second;
+  }
+
+  beam::HeldForces held_forces(const State& state, Index element) const;
+
   // Empty where it does not vary.
   std::vector<beam::SectionSample> section_samples(Index element) const {
     const auto found = varying_.find(element);
@@ -59,6 +95,7 @@ class BeamElasticBatch : public Batch {
 
  private:
   std::map<Index, SectionSamples> varying_;
+  std::map<Index, Held> held_;
 };
 
 namespace beam {
@@ -67,7 +104,7 @@ namespace beam {
 template <class Kernel, class Shared, class Data>
 MeshError mesh_error_of(const Shared& shared, const Data& data, const NodeState<double>* x,
                         const SpectralTable& table, const MeshErrorRule& rule,
-                        std::span<const SectionSample> samples) {
+                        std::span<const SectionSample> samples, const HeldForces& held) {
   typename Kernel::template Output<double> out;
   Kernel::template evaluate<Want::residual>(shared, data, x, Environment{}, RateWeights{}, out);
   const std::vector<Vec6> still(table.nodes.points.size(), Vec6::Zero());
@@ -77,12 +114,13 @@ MeshError mesh_error_of(const Shared& shared, const Data& data, const NodeState<
   Kernel::linearized_resultants(shared, data, x, still.data(), S.data());
   double length = 0.0;
   for (std::size_t i = 0; i < points; ++i) {
-    compliance[i] =
-        Mat6(Kernel::D_at(shared, data, static_cast<int>(i))).ldlt().solve(Mat6::Identity());
+    compliance[i] = compliance_of(Kernel::D_at(shared, data, static_cast<int>(i)), held.held);
+    if (!held.S.empty()) S[i] += held.S[i];
     length += data.wJ[i];
   }
-  const Vec6 begin = -out.r.template head<6>(), end = out.r.template segment<6>(6 * table.order);
-  return rule(length, S, compliance, begin, end, samples);
+  const Vec6 begin = -out.r.template head<6>() - held.first,
+             end = out.r.template segment<6>(6 * table.order) + held.last;
+  return rule(length, S, compliance, begin, end, samples, held.held);
 }
 
 }  // namespace beam

@@ -1,5 +1,6 @@
 #include "elements/beam/mesh_error.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mbd::beam {
@@ -16,7 +17,29 @@ double legendre(int n, double x) {
   return now;
 }
 
+// Stiffness that stands for that of a stretch [N]: its own, or that of bending over the length.
+double stretched(const Mat6& compliance, double length) {
+  if (compliance(0, 0) > 0.0) return 1.0 / compliance(0, 0);
+  const double bends = compliance.diagonal().tail<3>().maxCoeff() * length * length / 12.0;
+  return 1.0 / std::max(bends, compliance.diagonal().head<3>().maxCoeff());
+}
+
 }  // namespace
+
+Mat6 compliance_of(const Mat6& D, const StrainSet& held) {
+  if (!any(held)) return Mat6(D.ldlt().solve(Mat6::Identity()));
+  Mat6 alone = D;
+  for (Index c = 0; c < 6; ++c)
+    if (held[static_cast<std::size_t>(c)]) {
+      alone.row(c).setZero();
+      alone.col(c).setZero();
+      alone(c, c) = 1.0;
+    }
+  Mat6 compliance = alone.ldlt().solve(Mat6::Identity());
+  for (Index c = 0; c < 6; ++c)
+    if (held[static_cast<std::size_t>(c)]) compliance(c, c) = 0.0;
+  return compliance;
+}
 
 MeshErrorRule::MeshErrorRule(const SpectralTable& table)
     : points_(table.rule.points),
@@ -53,7 +76,8 @@ VecX MeshErrorRule::best(double xi) const {
 
 MeshError MeshErrorRule::operator()(double length, std::span<const Vec6> S,
                                     std::span<const Mat6> compliance, const Vec6& begin,
-                                    const Vec6& end, std::span<const SectionSample> samples) const {
+                                    const Vec6& end, std::span<const SectionSample> samples,
+                                    const StrainSet& held) const {
   const auto at = [](const VecX& l, std::span<const Vec6> of) {
     Vec6 sum = Vec6::Zero();
     for (std::size_t i = 0; i < of.size(); ++i) sum += l(static_cast<Index>(i)) * of[i];
@@ -62,10 +86,10 @@ MeshError MeshErrorRule::operator()(double length, std::span<const Vec6> S,
   const Vec6 first = sign_ * (begin - at(first_, S)), last = end - at(last_, S);
   const Vec6 a = 0.5 * (first + last), b = 0.5 * (last - first);
   MeshError sum;
-  const auto add = [&sum](double w, const Vec6& whole, const Vec6& missed, const Mat6& C) {
+  const auto add = [&sum, length](double w, const Vec6& whole, const Vec6& missed, const Mat6& C) {
     sum.error += w * missed.dot(C * missed);
     sum.energy += w * whole.dot(C * whole);
-    sum.unit += w / C(0, 0);
+    sum.unit += w * stretched(C, length);
   };
   if (samples.empty()) {
     for (std::size_t i = 0; i < at_.size(); ++i) {
@@ -80,7 +104,7 @@ MeshError MeshErrorRule::operator()(double length, std::span<const Vec6> S,
   for (const SectionSample& one : samples) {
     const Vec6 whole = at(best(one.xi), S) + legendre(order_, one.xi) * (a + one.xi * b);
     add(0.25 * length * one.weight, whole, whole - one.D * at(lagrange(points_, one.xi), E),
-        one.D.ldlt().solve(Mat6::Identity()));
+        compliance_of(one.D, held));
   }
   return sum;
 }

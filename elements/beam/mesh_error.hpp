@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "elements/beam/held_strains.hpp"
 #include "libmbd/core/spectral.hpp"
 #include "libmbd/core/types.hpp"
 
@@ -35,16 +36,20 @@ struct SectionSample {
   Mat6 D;
 };
 
+// D^-1 of the strains that are not held, 0 in rows and columns of those that are: D^-1 where they had no compliance.
+Mat6 compliance_of(const Mat6& D, const StrainSet& held);
+
 // (1) and (2) of elements of one order and rule.
 class MeshErrorRule {
  public:
   explicit MeshErrorRule(const SpectralTable& table);
 
   // Of one element, of length `length` [m], with S_h and D^-1 at the points of its rule; `begin` and `end` are S*(-1) and
-  // S*(1) of (1). `samples`: of a section that varies; empty: of one that does not.
+  // S*(1) of (1). `samples`: of a section that varies; empty: of one that does not. `held`: strains without compliance.
   MeshError operator()(double length, std::span<const Vec6> S, std::span<const Mat6> compliance,
                        const Vec6& begin, const Vec6& end,
-                       std::span<const SectionSample> samples = {}) const;
+                       std::span<const SectionSample> samples = {},
+                       const StrainSet& held = {}) const;
 
  private:
   VecX best(double xi) const;

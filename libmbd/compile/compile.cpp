@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -146,6 +147,7 @@ class Compiler {
       return fusion_->is_fused(joint) || reduced_.of(scene_.joints[joint]) != nullptr;
     });
     joints_->add_all();
+    hold_strains();
     add_springs(nodes.find);
     for (const ExtensionScene& extension : scene_.extensions)
       add_force(make_plugin_force(extension), extension.source);
@@ -154,6 +156,7 @@ class Compiler {
     if (!extensions.parts.empty()) add_parts_of(extensions);
     add_control();
     for (auto& [key, batch] : elastic_) system_->add_batch(std::move(batch));
+    for (auto& [key, batch] : held_batches_) system_->add_batch(std::move(batch));
     for (auto& [key, batch] : damping_) system_->add_batch(std::move(batch));
     system_->finish(scene_.transient.has_value(), length_);
 
@@ -171,6 +174,8 @@ class Compiler {
     add_places(model);
     model.joints = joints_->frames();
     model.makers = joints_->makers();
+    for (const HeldElement& one : held_)
+      model.makers.insert(model.makers.end(), one.rows(), {one.beam->source, label(*one.beam)});
     model.fused = joints_->fused();
     for (const Mat6& M : masses_) model.mass += M(0, 0);
     for (const auto& part : reductions_) model.mass += part->model().mass;
@@ -307,7 +312,7 @@ class Compiler {
 
   // A table that stays, with what it is of.
   struct KeptTable {
-    explicit KeptTable(const Section& of) : section(of), table(section) {}
+    KeptTable(const Section& of, double length) : section(of), table(section, length) {}
     KeptTable(const KeptTable&) = delete;
     KeptTable& operator=(const KeptTable&) = delete;
     const Section section;
@@ -359,19 +364,21 @@ class Compiler {
     stop::check();
     const BeamScene& beam = *compiled.scene;
     const Section& scene_section = section_of(beam);
-    const SectionTable section(scene_section);
+    const ReferenceLine line = make_reference_line(beam);
+    const double of_element = line.length / beam.elements;
+    const SectionTable section(scene_section, of_element);
     if (scene_.transient && !section.has_mass())
       throw Error(
           scene_section.source,
           fmt::format("{}: the mass is missing, which beam \"{}\" needs in a <transient>; give "
                       "<mass per_length=… inertia=…/>",
                       label(scene_section), beam.name));
-    const ReferenceLine line = make_reference_line(beam);
     if (const RigidScene* const rigid = rigid_of(beam.name)) {
       add_rigid_beam(compiled, section, mass_proportional(scene_section), line, *rigid);
       return;
     }
     if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
+    if (any(section.held())) check_held(beam, scene_section);
     BeamElasticBatch& batch = elastic_batch(beam);
     BeamDampingBatch* const damping = damping_batch(beam, scene_section);
     Growing growing{.compiled = compiled,
@@ -380,7 +387,8 @@ class Compiler {
                     .elastic = batch,
                     .damping = damping,
                     .mass_damping = mass_proportional(scene_section)};
-    if (!section.is_uniform()) growing.table = std::make_shared<const KeptTable>(scene_section);
+    if (!section.is_uniform())
+      growing.table = std::make_shared<const KeptTable>(scene_section, of_element);
     if (section.is_uniform()) {
       const Mat6 D = section.stiffness(0.0);
       growing.stiffness = batch.add_stiffness(D);
@@ -454,8 +462,73 @@ class Compiler {
       batch.set_frames_of(element, of.frames);
       if (damping) damping->set_frames_of(damped, of.frames);
     }
+    if (any(beam.section.held()))
+      held_.push_back({compiled.scene, &batch, element, Js, of, beam.section.held(), name});
     compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
     compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
+  }
+
+  // An element with strains of infinite stiffness: rows of them follow those of joints.
+  struct HeldElement {
+    const BeamScene* beam;
+    BeamElasticBatch* elastic;
+    Index element;
+    std::vector<double> J;
+    ElementNodes of;
+    StrainSet held;
+    std::string name;
+
+    std::size_t rows() const {
+      return J.size() < 2
+                 ? 0
+                 : (J.size() - 1) *
+                       static_cast<std::size_t>(std::count(held.begin(), held.end(), true));
+    }
+  };
+
+  static void check_held(const BeamScene& beam, const Section& section) {
+    const auto refuse = [&](std::string_view what) {
+      throw Error(beam.source, fmt::format("{}: {} has infinite stiffnesses, which {}", label(beam),
+                                           label(section), what));
+    };
+    if (beam.kinematics == Kinematics::classical)
+      refuse("kinematics=\"classical\" does not know; leave kinematics out");
+    if (beam.form == Form::paper)
+      refuse("form=\"paper\" does not know: its forces are no gradient; leave form out");
+    if (beam.rule == Rule::gauss_lobatto)
+      refuse(
+          "rule=\"gauss_lobatto\" would hold at more points than an element has motions for; "
+          "leave rule out");
+  }
+
+  // Of each quadrature point a constraint, with the strains that are held for rows.
+  void hold_strains() {
+    constexpr std::array<std::string_view, 6> names = {"axial force",      "shear force 2",
+                                                       "shear force 3",    "torque",
+                                                       "bending moment 2", "bending moment 3"};
+    for (const HeldElement& one : held_) {
+      std::vector<HeldStrains::Rows> rows;
+      for (std::size_t i = 0; i + 1 < one.J.size(); ++i) {
+        ConstraintInfo info;
+        info.name = fmt::format("{} point {}", one.name, i + 1);
+        info.of_strains = true;
+        for (std::size_t c = 0; c < names.size(); ++c) {
+          if (!one.held[c]) continue;
+          info.row_names.emplace_back(names[c]);
+          info.is_position.push_back(c < 3);
+        }
+        info.rows = std::ssize(info.row_names);
+        const auto constraint = static_cast<Index>(system_->constraints().size());
+        rows.push_back({system_->add_constraint(std::move(info)), constraint});
+      }
+      auto& batch = held_batches_[std::pair(one.beam->metric, one.beam->order)];
+      if (!batch) batch = make_held_strains(one.beam->metric, one.beam->order);
+      const bool own = std::all_of(one.of.frames.begin(), one.of.frames.end(), is_none);
+      const Index number =
+          batch->add_element(one.J, one.of.poses, one.of.nodes, one.held, rows,
+                             own ? std::span<const Pose<double>>() : one.of.frames, one.name);
+      one.elastic->set_held(one.element, *batch, number);
+    }
   }
 
   void add_masses(Growing& beam, double s0, double s1, const ElementNodes& of, double J) {
@@ -1558,6 +1631,8 @@ class Compiler {
   BaseMotion::Shared base_;
   std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
       elastic_;
+  std::vector<HeldElement> held_;
+  std::map<std::pair<Metric, int>, std::unique_ptr<HeldStrains>> held_batches_;
   std::map<std::tuple<Metric, Rule, int>, std::unique_ptr<BeamDampingBatch>> damping_;
   std::map<int, Mat6> mass_damping_;  // by node, of those that have any [kg/s, kg.m/s, kg.m2/s]
   std::vector<CompiledBeam> beams_;

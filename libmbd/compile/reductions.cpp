@@ -10,6 +10,7 @@
 #include "libmbd/core/stop.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
+#include "libmbd/scene/section_table.hpp"
 #include "solvers/modes/linearizable.hpp"
 
 namespace mbd {
@@ -96,6 +97,20 @@ Scene part_of(const Scene& scene, const ReductionMembers& members, const Reducti
   return part;
 }
 
+void check_stiffnesses(const Scene& part, const ReductionScene& reduction) {
+  const auto is_infinite = [](const Mat6& D) {
+    const auto held = infinite_stiffnesses(D);
+    return std::find(held.begin(), held.end(), true) != held.end();
+  };
+  for (const Section& section : part.sections)
+    if (is_infinite(section.stations.empty() ? section.stiffness
+                                             : section.stations.front().stiffness))
+      throw Error(reduction.source,
+                  fmt::format("{}: {} has infinite stiffnesses, which component modes do not know; "
+                              "give them numbers, or leave its beams out of the reduction",
+                              label(reduction), label(section)));
+}
+
 void check_masses(const Scene& part, const ReductionScene& reduction) {
   for (const Section& section : part.sections)
     if (!section.mass && (section.stations.empty() || !section.stations.front().mass))
@@ -136,6 +151,7 @@ ReducedPart::ReducedPart(const Scene& scene, const ReductionMembers& members,
     std::rotate(places.begin(), frame, frame + 1);
   }
   const Scene part = part_of(scene, members, reduction, places);
+  check_stiffnesses(part, reduction);
   check_masses(part, reduction);
   model_ = std::make_unique<const Model>(compile_part(part, places.front()));
   const System& system = *model_->system;

@@ -125,18 +125,27 @@ std::vector<std::string> repetitions(const Model& model) {
     if (its_rows.empty()) labels.push_back(label);
     its_rows.push_back(&row);
   }
+  std::vector<char> of_strains;  // by rows
+  for (const ConstraintInfo& info : model.system->constraints())
+    of_strains.insert(of_strains.end(), static_cast<std::size_t>(info.rows),
+                      info.of_strains ? 1 : 0);
   for (const std::string& label : labels) {
     std::vector<std::string> rows;
     RedundantRow all;
+    bool is_beam = false;
     for (const RedundantRow* const each : rows_of[label]) {
       const RedundantRow& row = *each;
       const std::string words = row_in_words(*model.system, row.row);
       rows.push_back(words.substr(words.find(", ") + 2));
+      is_beam = is_beam || of_strains[static_cast<std::size_t>(row.row)] != 0;
       all.repeats.insert(all.repeats.end(), row.repeats.begin(), row.repeats.end());
     }
-    sentences.push_back(fmt::format("{} repeats {} in {}", label,
-                                    joined(others(model.makers, all, label)),
-                                    fmt::join(rows, ", ")));
+    sentences.push_back(fmt::format(
+        "{} repeats {} in {}{}", label, joined(others(model.makers, all, label)),
+        fmt::join(rows, ", "),
+        is_beam ? ", which cannot deform between its supports: without stretching a straight beam "
+                  "cannot bend there; give that stiffness a number, or let a support move"
+                : ""));
   }
   return sentences;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -473,7 +474,9 @@ class Reader {
     if (words.empty()) {
       constexpr std::array<std::string_view, 6> diagonal = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
       for (int i = 0; i < 6; ++i) {
-        D(i, i) = item.any_number(diagonal[static_cast<std::size_t>(i)]);
+        const std::string_view name = diagonal[static_cast<std::size_t>(i)];
+        D(i, i) =
+            item.is_word(name) ? std::numeric_limits<double>::infinity() : item.any_number(name);
         for (int j = i + 1; j < 6; ++j)
           D(i, j) = D(j, i) = item.any_number("D" + std::to_string(i + 1) + std::to_string(j + 1));
       }

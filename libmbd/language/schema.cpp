@@ -41,18 +41,25 @@ std::string_view kept(std::string text) {
 }
 
 // Entries of D, or of what is viscous in its place: the diagonal, and couplings, which are 0 unless they are given.
+// `words`: what those of the diagonal may be instead of a number.
 std::vector<Attribute> entries(const Blocks& units, std::string_view fallback, const Range& range,
-                               std::string_view more_of_first, std::string_view more_of_couplings) {
+                               std::string_view more_of_first, std::string_view more_of_couplings,
+                               std::string_view words_instead = {}) {
   constexpr std::array<std::string_view, 6> names = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
   constexpr std::array<std::string_view, 6> short_words = {
       "axial",   "shear along b2",   "shear along b3",
       "torsion", "bending about b2", "bending about b3"};
   std::vector<Attribute> all;
   for (std::size_t i = 0; i < 6; ++i)
-    all.push_back({names[i], Kind::number, units[i < 3 ? 0 : 2], fallback,
+    all.push_back({names[i],
+                   Kind::number,
+                   units[i < 3 ? 0 : 2],
+                   fallback,
                    kept("D" + std::string(2, static_cast<char>('1' + i)) + ", " +
                         std::string(short_words[i]) + (i == 0 ? std::string(more_of_first) : "")),
-                   range});
+                   range,
+                   {3, 3},
+                   words_instead});
   auto words = short_words;
   words[0] = "extension";
   words[3] = "twist";
@@ -223,7 +230,9 @@ std::vector<Element> elements_of_sections() {
       {"stiffness", "section station defaults",
        "D, from strains [stretch, shears; twist, curvatures] to [N1 Q2 Q3; M1 M2 M3]: its "
        "entries by name, the first six at least, or all of them row by row.",
-       entries(stiffness_units, optional, positive, "", "; D21 is the same, and so below"),
+       entries(stiffness_units, optional, positive,
+               "; as all of the diagonal it may be inf: no compliance, the strain is zero",
+               "; D21 is the same, and so below", "inf"),
        "36 numbers"},
       {"mass",
        "section station defaults",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "libmbd/run/run.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
+#include "libmbd/scene/section_table.hpp"
 #include "solvers/constraints/initial.hpp"
 #include "solvers/constraints/mechanism.hpp"
 #include "solvers/linear/block_solver.hpp"
@@ -347,6 +349,14 @@ class Explainer {
     return rigid_with(scene_, beam.name) == nullptr && reduction_with(scene_, beam.name) == nullptr;
   }
 
+  static constexpr std::array<std::string_view, 6> held_names = {
+      "stretching", "shearing along b2", "shearing along b3",
+      "twisting",   "bending about b2",  "bending about b3"};
+  static std::array<bool, 6> infinite_in(const Section& section) {
+    return infinite_stiffnesses(section.stations.empty() ? section.stiffness
+                                                         : section.stations.front().stiffness);
+  }
+
   static bool is_coupled(const Section& section) {
     const auto off_diagonal = [](const Mat6& D) { return !D.isDiagonal(0.0); };
     if (section.stations.empty()) return off_diagonal(section.stiffness);
@@ -396,6 +406,10 @@ class Explainer {
       return from(scene_.sections,
                   [this, which](const Section& s) { return is_used(s) && which(s); });
     };
+    for (std::size_t c = 0; c < held_names.size(); ++c)
+      if (Names held = used([c](const Section& s) { return infinite_in(s)[c]; }); !held.empty())
+        present(fmt::format("no {} of beams: its stiffness is infinite", held_names[c]),
+                std::move(held));
     either("coupling of stretching, shearing, bending and twisting", used(is_coupled),
            "the stiffness of every section used is diagonal");
     if (Names names = computed(); !names.empty())
@@ -786,7 +800,11 @@ std::string to_text(const CheckReport& report) {
   text += entry("system",
                 fmt::format("{}{} with the ground, {}, of which {}", elements,
                             counted(report.nodes, "nodes"), counted(report.unknowns, "unknowns"),
-                            counted(report.multipliers, "multipliers")));
+                            counted(report.multipliers, "multipliers")) +
+                    (report.mechanism.held_strains == 0
+                         ? ""
+                         : fmt::format(" ({} of strains that are held at zero)",
+                                       report.mechanism.held_strains)));
   if (report.fused > 0)
     text +=
         entry("fused", fmt::format("{}: what {} is one node", counted(report.fused, "fixed joints"),
@@ -846,6 +864,7 @@ std::string to_json(const CheckReport& report) {
                    {"nodes", report.nodes},
                    {"unknowns", report.unknowns},
                    {"multipliers", report.multipliers},
+                   {"held_strains", report.mechanism.held_strains},
                    {"fused_joints", report.fused}};
   all["size"] = {{"low", {report.low(0), report.low(1), report.low(2)}},
                  {"high", {report.high(0), report.high(1), report.high(2)}},

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -43,14 +44,55 @@ void check_symmetric(const Source& source, const std::string& who, std::string_v
   }
 }
 
-void check_stiffness(const Source& source, const std::string& who, const Mat6& D) {
+constexpr std::array<std::string_view, 6> names = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
+
+// D with finite entries: what is infinite there as stiff as what bends over a length, or else as shear.
+void stand_in(Mat6& D, double length) {
+  const std::array<bool, 6> held = infinite_stiffnesses(D);
+  const double bends = 12.0 / (length * length);  // forces by stiffnesses against bending
+  double shears = 0.0, least = std::numeric_limits<double>::infinity();
+  for (Index c = 0; c < 6; ++c) {
+    if (held[static_cast<std::size_t>(c)]) continue;
+    if (c < 3)
+      shears = std::max(shears, D(c, c));
+    else
+      least = std::min(least, D(c, c) * bends);
+  }
+  const double force = std::isfinite(least) ? least : shears;
+  for (Index c = 0; c < 6; ++c)
+    if (held[static_cast<std::size_t>(c)]) D(c, c) = c < 3 ? force : force / bends;
+}
+
+// What is infinite does not take part in the other checks.
+Mat6 check_infinite(const Source& source, const std::string& who, Mat6 D) {
+  const std::array<bool, 6> held = infinite_stiffnesses(D);
+  if (std::find(held.begin(), held.end(), true) == held.end()) return D;
+  if (std::find(held.begin(), held.end(), false) == held.end())
+    throw Error(source,
+                who +
+                    ": stiffness: all six are infinite: that is a rigid body; put the beam in a "
+                    "<rigid of=…>, or write a <body>");
+  for (Index i = 0; i < 6; ++i) {
+    if (!held[static_cast<std::size_t>(i)]) continue;
+    for (Index j = 0; j < 6; ++j)
+      if (j != i && (D(i, j) != 0.0 || D(j, i) != 0.0))
+        throw Error(source, fmt::format("{}: stiffness: {} is infinite and coupled (row {}, column "
+                                        "{}); a strain that is always zero has no couplings, leave "
+                                        "them out",
+                                        who, names[static_cast<std::size_t>(i)], i + 1, j + 1));
+    D(i, i) = 1.0;
+  }
+  return D;
+}
+
+void check_stiffness(const Source& source, const std::string& who, const Mat6& stated) {
+  const Mat6 D = check_infinite(source, who, stated);
   check_finite(source, who, "stiffness", D);
-  constexpr std::string_view names[] = {"EA", "GA2", "GA3", "GJ", "EI2", "EI3"};
   for (Index i = 0; i < 6; ++i)
     if (!(D(i, i) > 0.0))
       throw Error(source,
                   fmt::format("{}: stiffness: {} (row {}, column {}) is {}, must be positive", who,
-                              names[i], i + 1, i + 1, D(i, i)));
+                              names[static_cast<std::size_t>(i)], i + 1, i + 1, D(i, i)));
   check_symmetric(source, who, "stiffness", D);
   if (scaled_definiteness(D) > definite) return;
   for (Index i = 0; i < 6; ++i)
@@ -60,8 +102,8 @@ void check_stiffness(const Source& source, const std::string& who, const Mat6& D
             source,
             fmt::format("{}: stiffness: not positive definite: D{}{} is {}, larger than {:.6g}, "
                         "the root of {} {}; check the coupling",
-                        who, i + 1, j + 1, D(i, j), std::sqrt(D(i, i) * D(j, j)), names[i],
-                        names[j]));
+                        who, i + 1, j + 1, D(i, j), std::sqrt(D(i, i) * D(j, j)),
+                        names[static_cast<std::size_t>(i)], names[static_cast<std::size_t>(j)]));
   throw Error(
       source,
       fmt::format("{}: stiffness: not positive definite: some strain would set energy free; "
@@ -87,7 +129,8 @@ void check_mass(const Source& source, const std::string& who, const Mat6& M) {
 }
 
 // The viscous stiffness where the elastic one is D.
-void check_viscosity(const SectionDamping& damping, const std::string& who, const Mat6& D) {
+void check_viscosity(const SectionDamping& damping, const std::string& who, Mat6 D) {
+  stand_in(D, 1.0);
   const Mat6 C = viscosity(damping, D);
   if (definiteness_of_some(C) >= -definite) return;
   for (Index i = 0; i < 6; ++i)
@@ -135,6 +178,13 @@ Mat6 viscosity(const SectionDamping& damping, const Mat6& D) {
   return damping.stiffness_proportional * D + damping.viscous;
 }
 
+std::array<bool, 6> infinite_stiffnesses(const Mat6& D) {
+  std::array<bool, 6> held;
+  for (Index c = 0; c < 6; ++c)
+    held[static_cast<std::size_t>(c)] = D(c, c) == std::numeric_limits<double>::infinity();
+  return held;
+}
+
 double scaled_definiteness(const Mat6& M) {
   const Vec6 d = M.diagonal();
   if (!(d.minCoeff() > 0.0)) return d.minCoeff() < 0.0 ? -1.0 : 0.0;
@@ -179,6 +229,11 @@ void check_section(const Section& section) {
           fmt::format("{}: {} a mass, unlike the first; give one to all stations or to none", here,
                       station.mass ? "has" : "lacks"));
     check_matrices(station.source, here, station.stiffness, station.mass);
+    if (infinite_stiffnesses(station.stiffness) != infinite_stiffnesses(stations[0].stiffness))
+      throw Error(station.source,
+                  here +
+                      ": other stiffnesses are infinite than at the first station; let the same "
+                      "be infinite at all, or none");
     if (section.damping) check_viscosity(*section.damping, here, station.stiffness);
   }
   if (stations.size() < 2 || stations.front().at != 0.0 || stations.back().at != 1.0)
@@ -193,48 +248,58 @@ struct SectionTable::Smooth {
   std::optional<Spline> mass;
 };
 
-SectionTable::SectionTable(const Section& section) : section_(section) {
+SectionTable::SectionTable(const Section& section, double length)
+    : section_(&section),
+      held_(infinite_stiffnesses(section.stations.empty() ? section.stiffness
+                                                          : section.stations.front().stiffness)) {
+  if (std::find(held_.begin(), held_.end(), true) != held_.end()) {
+    auto finite = std::make_shared<Section>(section);
+    stand_in(finite->stiffness, length);
+    for (Station& station : finite->stations) stand_in(station.stiffness, length);
+    finite_ = std::move(finite);
+    section_ = finite_.get();
+  }
   if (is_uniform() || section.interpolation != Interpolation::smooth) return;
-  auto smooth = std::make_shared<Smooth>(Smooth{spline(section.stations, false), {}});
-  if (has_mass()) smooth->mass = spline(section.stations, true);
+  auto smooth = std::make_shared<Smooth>(Smooth{spline(section_->stations, false), {}});
+  if (has_mass()) smooth->mass = spline(section_->stations, true);
   smooth_ = std::move(smooth);
 }
 
 bool SectionTable::has_mass() const {
-  return is_uniform() ? section_.mass.has_value() : section_.stations[0].mass.has_value();
+  return is_uniform() ? section_->mass.has_value() : section_->stations[0].mass.has_value();
 }
 
 Mat6 SectionTable::stiffness(double s) const {
-  if (is_uniform()) return section_.stiffness;
+  if (is_uniform()) return section_->stiffness;
   const Mat6 D = interpolated(s, false);
   if (!(scaled_definiteness(D) > definite))
-    throw Error(section_.source,
+    throw Error(section_->source,
                 fmt::format("{}: the smooth table of the stiffness is not positive "
                             "definite at {:.3g}; give more stations there, or "
                             "interpolation=\"linear\"",
-                            label(section_), s));
+                            label(*section_), s));
   return D;
 }
 
 Mat6 SectionTable::viscosity_of(const Mat6& D, double s) const {
-  const Mat6 C = viscosity(*section_.damping, D);
+  const Mat6 C = viscosity(*section_->damping, D);
   if (definiteness_of_some(C) < -definite)
-    throw Error(section_.damping->source,
+    throw Error(section_->damping->source,
                 fmt::format("{}: damping: C = beta D + viscous entries is negative at {:.3g}, "
                             "where the smooth table of the stiffness makes it so; check the "
                             "couplings",
-                            label(section_), s));
+                            label(*section_), s));
   return C;
 }
 
 Mat6 SectionTable::mass(double s) const {
-  if (is_uniform()) return *section_.mass;
+  if (is_uniform()) return *section_->mass;
   const Mat6 M = interpolated(s, true);
   if (scaled_definiteness(M) < -definite)
-    throw Error(section_.source,
+    throw Error(section_->source,
                 fmt::format("{}: the smooth table of the mass is not positive at {:.3g}; "
                             "give more stations there, or interpolation=\"linear\"",
-                            label(section_), s));
+                            label(*section_), s));
   return M;
 }
 
@@ -242,9 +307,9 @@ std::vector<SectionTable::Sample> SectionTable::rule(double a, double b) const {
   static const Quadrature gauss = gauss_rule(8);
   std::vector<double> ends{a};
   const auto begin =
-      std::upper_bound(section_.stations.begin(), section_.stations.end(), a,
+      std::upper_bound(section_->stations.begin(), section_->stations.end(), a,
                        [](double at, const Station& station) { return at < station.at; });
-  for (auto it = begin; it != section_.stations.end() && it->at < b; ++it) ends.push_back(it->at);
+  for (auto it = begin; it != section_->stations.end() && it->at < b; ++it) ends.push_back(it->at);
   ends.push_back(b);
   std::vector<Sample> samples;
   for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
@@ -293,8 +358,8 @@ Mat6 SectionTable::interpolated(double s, bool of_mass) const {
   if (smooth_) {
     return (of_mass ? *smooth_->mass : smooth_->stiffness).value(s).reshaped(6, 6);
   }
-  const auto next = std::lower_bound(section_.stations.begin() + 1, section_.stations.end() - 1, s,
-                                     [](const Station& one, double at) { return one.at < at; });
+  const auto next = std::lower_bound(section_->stations.begin() + 1, section_->stations.end() - 1,
+                                     s, [](const Station& one, double at) { return one.at < at; });
   const Station &a = *(next - 1), &b = *next;
   const double x = (s - a.at) / (b.at - a.at);
   const Mat6 &A = of_mass ? *a.mass : a.stiffness, &B = of_mass ? *b.mass : b.stiffness;

@@ -1,6 +1,7 @@
 // Sectional stiffness and mass along a beam: constant, or interpolated between stations.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -23,16 +24,23 @@ double definiteness_of_some(Mat6 M);
 Mat6 viscosity(const SectionDamping& damping, const Mat6& D);
 
 // Throws Error for a section that is not symmetric, positive definite (its mass and its damping:
-// semidefinite), or whose stations do not rise from 0 to 1.
+// semidefinite), or whose stations do not rise from 0 to 1. Stiffnesses on the diagonal may be infinite: not all of one
+// section, the same at all stations, without couplings.
 void check_section(const Section& section);
+
+// The strains in which D is infinite.
+std::array<bool, 6> infinite_stiffnesses(const Mat6& D);
 
 class SectionTable {
  public:
-  explicit SectionTable(
-      const Section& section);  // that has passed check_section, and outlives this
+  // A section that has passed check_section, and outlives this. In place of what is infinite stand stiffnesses like the
+  // others over `length` [m], so that matrices are finite and definite: who minds asks held().
+  explicit SectionTable(const Section& section, double length = 1.0);
 
-  bool is_uniform() const { return section_.stations.empty(); }
+  bool is_uniform() const { return section_->stations.empty(); }
   bool has_mass() const;
+  // Strains [gamma; kappa] of infinite stiffness, the same along the beam.
+  const std::array<bool, 6>& held() const { return held_; }
   // At s, a fraction of the beam's reference length. Throws Error where the interpolated matrix is not
   // positive definite (mass: semidefinite).
   Mat6 stiffness(double s) const;
@@ -62,7 +70,9 @@ class SectionTable {
   struct Smooth;  // splines of the entries
   Mat6 interpolated(double s, bool of_mass) const;
 
-  const Section& section_;
+  const Section* section_;
+  std::shared_ptr<const Section> finite_;  // where something is infinite
+  std::array<bool, 6> held_;
   std::shared_ptr<const Smooth> smooth_;
 };
 

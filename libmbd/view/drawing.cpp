@@ -16,6 +16,7 @@
 #include <tuple>
 #include <vector>
 
+#include "elements/beam/mesh_error.hpp"
 #include "libmbd/material/shaped_sections.hpp"
 #include "libmbd/material/solid_shapes.hpp"
 #include "libmbd/scene/label.hpp"
@@ -32,6 +33,7 @@ using Json = nlohmann::ordered_json;
 constexpr int points_without_model = 13;  // of a line, where the scene does not compile
 constexpr int most_stated_lines = 8;      // of an item in the model
 constexpr double thickest = 0.5;          // section over the length of its beam
+constexpr double slender = 30.0;          // length of a beam without extension over its section
 constexpr int arrows_along = 7;           // of a distributed load
 
 // A pose in a node.
@@ -393,13 +395,14 @@ class Drawing {
   // What its section makes it look like, and what pictures of strains need.
   void add_section(const BeamScene& beam, const Section& section, const Model::Line* line,
                    const Line& made, Json& shape, Facts& facts) {
-    const SectionTable table(section);
+    // What is infinite is drawn as a slender beam.
+    const SectionTable table(section, made.line.length / slender);
     const std::string drawn = add_sides(beam, section, table, made, shape);
     // Strains are the compliance times the resultants at the stations, where those are elastic alone.
     if (line != nullptr && !section.damping) {
       Json compliance = Json::array();
       for (const double s : line->stations) {
-        compliance.push_back(upper_half(table.stiffness(s).inverse()));
+        compliance.push_back(upper_half(beam::compliance_of(table.stiffness(s), table.held())));
         if (table.is_uniform()) break;
       }
       shape["compliance"] = compliance;
@@ -408,10 +411,13 @@ class Drawing {
     // By it files for ParaView know, later, that a model has the section that was run.
     if (line != nullptr && section.shape) shape["stiffness"] = upper_half(D);
     const std::string where = table.is_uniform() ? "" : " at the start";
-    facts("EA" + where, number(D(0, 0), "N"))("GA2, GA3" + where,
-                                              number(D(1, 1), "N") + ", " + number(D(2, 2), "N"));
-    facts("GJ" + where, number(D(3, 3), "N.m2"));
-    facts("EI2, EI3" + where, number(D(4, 4), "N.m2") + ", " + number(D(5, 5), "N.m2"));
+    const auto stiffness = [&](Index c) {
+      return table.held()[static_cast<std::size_t>(c)] ? std::string("infinite")
+                                                       : number(D(c, c), c < 3 ? "N" : "N.m2");
+    };
+    facts("EA" + where, stiffness(0))("GA2, GA3" + where, stiffness(1) + ", " + stiffness(2));
+    facts("GJ" + where, stiffness(3));
+    facts("EI2, EI3" + where, stiffness(4) + ", " + stiffness(5));
     if (table.has_mass()) facts("mass per length" + where, number(table.mass(0.0)(0, 0), "kg/m"));
     facts("drawn", drawn);
   }

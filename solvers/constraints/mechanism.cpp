@@ -9,7 +9,8 @@ namespace mbd {
 
 Mechanism analyze_mechanism(const System& system, const State& state) {
   Mechanism result;
-  result.constraints = system.multipliers();
+  for (const ConstraintInfo& info : system.constraints())
+    (info.of_strains ? result.held_strains : result.constraints) += info.rows;
 
   // Lengths: rotations times L.
   const double L = system.length_scale();
@@ -37,24 +38,28 @@ Mechanism analyze_mechanism(const System& system, const State& state) {
         const auto row = static_cast<int>(info.first_row + i);
         if (piece.B(i, j) != 0.0)
           flexible.emplace_back(row, 6 * (piece.node - 1) + j, unit * piece.B(i, j));
-        if (of_part(i, j) != 0.0) rigid.emplace_back(row, 6 * p + j, unit * of_part(i, j));
+        if (of_part(i, j) != 0.0 && !info.of_strains)
+          rigid.emplace_back(row, 6 * p + j, unit * of_part(i, j));
       }
   }
 
   // Joints first, so that a drive is blamed before the joint it drives.
   const std::vector<char> is_prescribed = prescribed_constraints(system);
-  std::vector<Index> order;
+  std::vector<Index> order, of_rigid;
   Index of_joints = 0;
   for (const bool prescribed : {false, true}) {
     for (std::size_t c = 0; c < is_prescribed.size(); ++c)
       for (Index i = 0; (is_prescribed[c] != 0) == prescribed && i < system.constraints()[c].rows;
-           ++i)
+           ++i) {
         order.push_back(system.constraints()[c].first_row + i);
-    if (!prescribed) of_joints = static_cast<Index>(order.size());
+        if (!system.constraints()[c].of_strains) of_rigid.push_back(order.back());
+      }
+    if (!prescribed) of_joints = static_cast<Index>(of_rigid.size());
   }
   result.redundant =
       find_dependent(flexible, system.multipliers(), 6 * (system.nodes() - 1), order).redundant;
-  Dependence as_rigid = find_dependent(rigid, system.multipliers(), 6 * result.rigid_parts, order);
+  Dependence as_rigid =
+      find_dependent(rigid, system.multipliers(), 6 * result.rigid_parts, of_rigid);
   const Index joints_rank = as_rigid.rank_of_first[static_cast<std::size_t>(of_joints)];
   result.joint_freedoms = 6 * result.rigid_parts - joints_rank;
   result.prescribed = as_rigid.rank_of_first.back() - joints_rank;

@@ -16,6 +16,7 @@ namespace mbd {
 
 struct Mechanism {
   Index constraints = 0;                // rows, drives and motions included
+  Index held_strains = 0;               // rows within beams
   std::vector<RedundantRow> redundant;  // rows, of the system as it is, beams flexible
 
   // With every beam as a rigid body:

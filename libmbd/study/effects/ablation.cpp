@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <numbers>
+#include <optional>
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/language/quantities.hpp"
@@ -12,6 +16,8 @@
 #include "libmbd/results/history.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/scene/places.hpp"
+#include "libmbd/scene/reference_line.hpp"
+#include "libmbd/scene/section_table.hpp"
 #include "libmbd/study/effects/straightened.hpp"
 #include "libmbd/text/spelling.hpp"
 
@@ -64,16 +70,47 @@ void each_mass(Section& section, const std::function<void(Mat6&)>& change) {
     if (station.mass) change(*station.mass);
 }
 
-// Rows and columns by the root of the factor: couplings grow less, and D stays positive definite.
-void stiffen(Scene& scene, std::initializer_list<Index> rows) {
+// Whether strains of the section may be held at zero: what its beams are knows no such rows otherwise.
+bool may_hold(const Scene& scene, const Section& section) {
+  return std::all_of(scene.beams.begin(), scene.beams.end(), [&](const BeamScene& beam) {
+    return beam.section != section.name || rigid_with(scene, beam.name) != nullptr ||
+           (beam.kinematics == Kinematics::motion && beam.form == Form::energy &&
+            beam.rule == Rule::gauss && reduction_with(scene, beam.name) == nullptr);
+  });
+}
+
+const Mat6& first_stiffness(const Section& section) {
+  return section.stations.empty() ? section.stiffness : section.stations.front().stiffness;
+}
+
+using StiffnessRows = std::vector<Index>;
+
+bool is_infinite(const Section& section, const StiffnessRows& rows) {
+  const std::array<bool, 6> held = infinite_stiffnesses(first_stiffness(section));
+  return std::all_of(rows.begin(), rows.end(),
+                     [&](Index i) { return held[static_cast<std::size_t>(i)]; });
+}
+
+// Of all sections: infinite, without couplings, where that may be. Elsewhere rows and columns by the root of a factor:
+// couplings grow less, and D stays positive definite.
+void stiffen(Scene& scene, const StiffnessRows& rows) {
   const double root = std::sqrt(reduction);
-  for (Section& section : scene.sections)
+  for (Section& section : scene.sections) {
+    const bool holds = may_hold(scene, section);
     each_stiffness(section, [&](Mat6& D) {
       for (const Index i : rows) {
-        D.row(i) *= root;
-        D.col(i) *= root;
+        if (!std::isfinite(D(i, i))) continue;
+        if (holds) {
+          D.row(i).setZero();
+          D.col(i).setZero();
+          D(i, i) = std::numeric_limits<double>::infinity();
+        } else {
+          D.row(i) *= root;
+          D.col(i) *= root;
+        }
       }
     });
+  }
 }
 
 // About the mass centre; that of the centre about the reference line stays.
@@ -85,23 +122,24 @@ void lower_rotary_inertia(Mat6& M) {
   M.bottomRightCorner<3, 3>() = of_centre + (M.bottomRightCorner<3, 3>() - of_centre) / reduction;
 }
 
-std::string changed_stiffness(const Scene& scene, std::initializer_list<std::string_view> names,
-                              std::initializer_list<Index> rows) {
+std::string changed_stiffness(const Scene& scene, const StiffnessRows& rows) {
+  constexpr std::array<std::string_view, 3> names = {"EA", "GA2", "GA3"};
   std::string text;
   for (const Section& section : scene.sections) {
-    if (!is_used(scene, section)) continue;
-    if (!section.stations.empty()) {
-      text += fmt::format("<section name=\"{}\">: {} of each station times {}\n", section.name,
-                          fmt::join(names, ", "), shortest(reduction));
-      continue;
+    if (!is_used(scene, section) || is_infinite(section, rows)) continue;
+    const bool holds = may_hold(scene, section), varies = !section.stations.empty();
+    text += fmt::format("<section name=\"{}\">{} <stiffness", section.name,
+                        varies ? " each station:" : "");
+    bool is_coupled = false;
+    for (const Index i : rows) {
+      const std::string_view name = names[static_cast<std::size_t>(i)];
+      text += holds ? fmt::format(" {}=\"inf\"", name)
+              : varies
+                  ? fmt::format(" {} times {}", name, shortest(reduction))
+                  : fmt::format(" {}=\"{}\"", name, shortest(reduction * section.stiffness(i, i)));
+      for (Index k = 0; k < 6; ++k) is_coupled |= k != i && first_stiffness(section)(i, k) != 0.0;
     }
-    text += fmt::format("<section name=\"{}\"> <stiffness", section.name);
-    auto row = rows.begin();
-    for (const std::string_view name : names) {
-      text += fmt::format(" {}=\"{}\"", name, shortest(reduction * section.stiffness(*row, *row)));
-      ++row;
-    }
-    text += " …/>\n";
+    text += holds && is_coupled ? " …/> without their couplings\n" : " …/>\n";
   }
   return text;
 }
@@ -112,6 +150,7 @@ class Effects {
     flexibility();
     sections();
     inertia();
+    axial_waves();
     damping();
     forces();
     curvature();
@@ -154,14 +193,22 @@ class Effects {
     const bool any = std::any_of(scene_.sections.begin(), scene_.sections.end(),
                                  [this](const Section& s) { return is_used(scene_, s); });
     if (!any) return;
-    const std::string stiffened = fmt::format(" (stiffened {} times)", shortest(reduction));
-    add("axial", "axial flexibility" + stiffened, changed_stiffness(scene_, {"EA"}, {0}),
-        [](Scene& s) { stiffen(s, {0}); });
-    add("shear", "shear flexibility" + stiffened, changed_stiffness(scene_, {"GA2", "GA3"}, {1, 2}),
-        [](Scene& s) {
-          stiffen(s, {1, 2});
-        });
+    stiffnesses("axial", "axial flexibility", {0});
+    stiffnesses("shear", "shear flexibility", {1, 2});
     for (const Section& section : scene_.sections) couplings(section);
+  }
+
+  // How much of a flexibility is left out is said in its name.
+  void stiffnesses(const std::string& key, const std::string& of, const StiffnessRows& rows) {
+    bool any = false, all_held = true;
+    for (const Section& section : scene_.sections) {
+      if (!is_used(scene_, section) || is_infinite(section, rows)) continue;
+      any = true;
+      all_held = all_held && may_hold(scene_, section);
+    }
+    if (any)
+      add(key, all_held ? of : fmt::format("{} (stiffened {} times)", of, shortest(reduction)),
+          changed_stiffness(scene_, rows), [rows](Scene& s) { stiffen(s, rows); });
   }
 
   void couplings(const Section& section) {
@@ -214,6 +261,43 @@ class Effects {
               for (Section& one : s.sections)
                 if (one.name == name) one.damping.reset();
             });
+  }
+
+  // The waves of fibres that are critically damped over the longest beam of a section: steps need not follow them.
+  void axial_waves() {
+    if (!scene_.transient) return;
+    std::string change;
+    std::vector<std::pair<std::string, double>> viscous;  // by section [N.s]
+    for (const Section& section : scene_.sections) {
+      const std::optional<Mat6>& mass =
+          section.stations.empty() ? section.mass : section.stations.front().mass;
+      const double EA = first_stiffness(section)(0, 0);
+      if (!is_used(scene_, section) || !mass || !std::isfinite(EA)) continue;
+      double length = 0.0;
+      bool has_viscous = true;
+      for (const BeamScene& beam : scene_.beams) {
+        if (beam.section != section.name || rigid_with(scene_, beam.name) != nullptr) continue;
+        length = std::max(length, make_reference_line(beam).length);
+        has_viscous = has_viscous && beam.kinematics == Kinematics::motion &&
+                      reduction_with(scene_, beam.name) == nullptr;
+      }
+      if (!has_viscous) continue;
+      // 2 EA/omega, of the slowest wave between held ends: omega = pi/L sqrt(EA/m).
+      const double c = 2.0 * length * std::sqrt(EA * (*mass)(0, 0)) / std::numbers::pi;
+      viscous.emplace_back(section.name, c);
+      const double all = c + (section.damping ? section.damping->viscous(0, 0) : 0.0);
+      change += fmt::format("<section name=\"{}\"> <damping EA=\"{}\" …/>\n", section.name,
+                            shortest(all));
+    }
+    if (viscous.empty()) return;
+    add("axial_waves", "axial waves (critically damped)", change, [viscous](Scene& s) {
+      for (Section& section : s.sections)
+        for (const auto& [name, c] : viscous) {
+          if (section.name != name) continue;
+          if (!section.damping) section.damping.emplace().source = section.source;
+          section.damping->viscous(0, 0) += c;
+        }
+    });
   }
 
   void forces() {

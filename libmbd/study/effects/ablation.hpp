@@ -1,8 +1,10 @@
 // Scenes without one of their effects. An ablation is Scene -> Scene, and what it leaves is compiled anew: no switch
 // exists at run time, and what is left out costs nothing.
 //
-// What has a limit of no effect that needs no other equations is taken to this limit in part, by a stated factor:
-// stiffnesses EA, GA2, GA3 are raised, the rotary inertia of sections is lowered, `reduction` times.
+// Axial and shear flexibility are left out by infinite stiffnesses, without their couplings. What has a limit of no effect
+// that needs no other equations is taken to this limit in part, by a stated factor: the rotary inertia of sections is
+// lowered `reduction` times, and EA, GA2, GA3 are raised so of beams that know no infinite ones (kinematics, form, rule or
+// reduction).
 #pragma once
 
 #include <span>
@@ -13,7 +15,7 @@
 
 namespace mbd {
 
-// Of axial and shear flexibility and of the rotary inertia of sections: what is left of each is 1/reduction.
+// Of what is left out in part: 1/reduction is left.
 inline constexpr double reduction = 1e3;
 
 struct Ablation {
@@ -23,7 +25,7 @@ struct Ablation {
 };
 
 // Everything that can be left out of the scene, in the order of tables: flexibility beam by beam, axial and shear
-// flexibility, couplings, rotary inertia, masses, damping, gravity, loads, springs, initial curvature.
+// flexibility, couplings, rotary inertia, masses, axial waves (by damping of their own), damping, gravity, loads, springs, initial curvature.
 std::vector<Ablation> ablations_of(const Scene& scene);
 
 // The scene without the effects of these keys. Records, plots and expectations of what no longer exists (sectional

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libmbd/compile/model.hpp"
 #include "libmbd/scene/places.hpp"
@@ -32,6 +33,9 @@ Section piece_of(const Section& section, double from, double to) {
     station.source = section.source;
     station.at = (s - from) / (to - from);
     station.stiffness = table.stiffness(s);
+    for (Index c = 0; c < 6; ++c)
+      if (table.held()[static_cast<std::size_t>(c)])
+        station.stiffness(c, c) = std::numeric_limits<double>::infinity();
     if (table.has_mass()) station.mass = table.mass(s);
     piece.stations.push_back(std::move(station));
   };
