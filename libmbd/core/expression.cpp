@@ -257,6 +257,8 @@ std::string_view remedy_for_symbol(std::string_view symbol) {
 // Recursive descent. Code is appended to one program as it is read; what proves constant or
 // unreachable is cut off its end again, so no tree is built.
 class Expression::Parser {
+  static constexpr int most_calls = 10'000;
+
  public:
   Parser(std::string_view text, const Parameters& parameters, Variables allowed)
       : text_(text), parameters_(&parameters), allowed_(allowed), variable_(name_of(allowed)) {}
@@ -951,6 +953,12 @@ class Expression::Parser {
   Operand call(const NamedFunction& function, const Token& name) {
     const Level level(*this);
     const std::string shape = std::string(name.text) + "(t)";
+    if (++calls_ > most_calls)
+      fail(name.position,
+           "more than " + std::to_string(most_calls) + " calls of functions in one law",
+           "fewer, those within functions counted",
+           "functions that call others several times are read that often: give a <table>, or "
+           "shorten the chain");
     if (!is_of_time())
       fail(name.position, "the function of time " + quoted(name.text),
            allowed_ == Variables::none ? "a constant" : "a function of " + variable_,
@@ -1157,6 +1165,7 @@ class Expression::Parser {
   std::size_t at_ = 0;       // where the next token is looked for
   Token token_;              // the current token
   int depth_ = -1;           // levels of recursion; the whole is level 0
+  int calls_ = 0;            // of functions of the model
   bool has_inputs_ = false;  // the text names one
   bool has_sensors_ = false;
   std::vector<std::string> sensors_;
@@ -1254,6 +1263,16 @@ bool Expression::is_constant() const {
 bool Expression::has_inputs() const {
   return std::any_of(program_.begin(), program_.end(),
                      [](const Instruction& i) { return i.op == Opcode::input; });
+}
+
+Expression Expression::held_at(double sensors, double inputs) const {
+  Expression held = *this;
+  for (Instruction& i : held.program_) {
+    if (i.op == Opcode::sensor) i = {Opcode::constant, -1, sensors};
+    if (i.op == Opcode::input) i = {Opcode::constant, -1, i.value * inputs};
+  }
+  held.sensors_.clear();
+  return held;
 }
 
 double Expression::value() const {

@@ -99,7 +99,7 @@ class Expression {
   // from 1), what was found, what was expected and the remedy: for bad grammar, unknown names, a
   // condition where a number is needed or the reverse, conditions whose switching times are not
   // known, t where it is not allowed, a constant part that is not finite (1/0, sqrt(-1)), more than
-  // 200 levels of nesting or 100 000 bytes.
+  // 200 levels of nesting, 100 000 bytes, or 10 000 calls of functions of the model, those within functions counted.
   //
   // Switching times within 4 rounding units of each other (0.3 and 0.1+0.2) are one breakpoint.
   static Expression parse(std::string_view text, const Parameters& parameters, Variables allowed);
@@ -112,6 +112,10 @@ class Expression {
     const Expression* of;
   };
   static Expression sum(std::span<const Term> terms, double stretch = 1.0);
+
+  // The same where every sensor, and every input, has a value: of time alone. (Not what it is of: of a law whose sensors are
+  // not known, what it does in time beside them.)
+  Expression held_at(double sensors, double inputs) const;
 
   // Whether `name` is t, a constant or a function, and so cannot name a parameter. (x and v can, but not where
   // they are the variable of a law.)

@@ -70,7 +70,7 @@ Loads, drives and motions are expressions of the time `t` [s] too; `<distributed
 | `+` `-`, then `*` `/` | sum, difference, product, quotient |
 | `^` | power: `-2^2` is -4, `2^3^2` is 2^9 |
 
-Numbers are 0 or of a size from 1e-60 to 1e60, so that their products are numbers too.
+Numbers (of attributes; not those within laws) are 0 or of a size from 1e-60 to 1e60, so that their products are numbers too.
 
 In XML, `<` and `&` inside an attribute are written `&lt;` and `&amp;`; `1 > t` says the same as
 `t < 1`.
@@ -260,6 +260,13 @@ i1 with its web along `normal` = i3 bends about b2 under vertical loads: EI2 is 
 Elements have the integrals of the table for their mass and stiffness, so that a beam weighs what its table
 says on any mesh. Where a linear table has kinks inside elements, convergence is slow; `mesh="stations"`
 of the beam ends elements there.
+
+**Infinite stiffnesses.** `EA="inf"`, `GA2="inf"` and so on say that a beam does not stretch, shear, twist or bend that way at
+all: the strain is zero at the Gauss points of each element, by multipliers that are the sectional forces recorded there. Not of
+all six, without couplings, of the same entries at all stations; of beams with the kinematics, form and rule that are preset,
+outside of a `<reduction>`. A straight beam that cannot stretch between two supports that do not give way cannot bend either:
+`mbd check` names it. It is a statement about the beam and seldom saves time: equilibria cost the same at any stiffness, and
+adaptive steps become fewer only where stretching and shearing are left out together.
 
 Resultants N1 Q2 Q3 M1 M2 M3 are what the part behind the section (towards the end) exerts on the
 part before it, in section axes: a beam along i1 with `normal` i3 that sags has a negative M2.
@@ -547,8 +554,8 @@ functions; it stands before them in the file. An input with a `unit` is set in t
 A value may be held, or go on in a straight line or a parabola, over a step; where a load jumps by that the step begins with
 the accelerations that the new load gives. Conditions, `min`, `max` and `abs` of an input are not taken: the times at which
 they switch are not known, and the program can do it. What a `<drive>` or `<motion>` prescribes may depend on an input by its
-`angle` or `displacement`, and must not jump. Laws with inputs are not looked through for short pulses before a run, as others are:
-adaptive steps follow them by their error only. `mbd run` and all studies keep inputs at their `value`; `mbd linearize` gives the
+`angle` or `displacement`, and must not jump. Before a run laws are looked through for short pulses: those with inputs, or with sensors, at two values that
+these are held at (0 and 1 in SI units), so that a pulse in time is seen; what inputs and sensors do is followed by errors of steps only. `mbd run` and all studies keep inputs at their `value`; `mbd linearize` gives the
 matrices from inputs to what is recorded. `mbd check` counts inputs.
 )md",
      R"xml(<mbd name="servo_arm">
@@ -575,7 +582,7 @@ units and rad. A name with a `-` in it cannot be used.
 **At once.** `moment="-k*(elbow.angle-ref(t))-c*elbow.rate"` acts inside the iterations of each step with its exact tangent, as a
 spring does, however stiff it is; in equilibria rates are 0, and in linear analyses it is part of the matrices. Such a law has a
 derivative: it knows joint angles, displacements and their rates, and of places with a node position, displacement, velocity and
-angular velocity (also `_local`), and neither compares sensors nor takes their `abs`, `min`, `max` (write `a*tanh(u/a)`).
+angular velocity (the last two also `_local`), and neither compares sensors nor takes their `abs`, `min`, `max` (write `a*tanh(u/a)`).
 
 **Sampled.** A controller looks at the motion at the instants t = 0, `period`, 2 `period`, …, where steps of all methods end. At each,
 what it consists of is evaluated in its order: expressions know t, sensors (all that can be recorded without a section_point), inputs, outputs before

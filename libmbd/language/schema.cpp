@@ -251,7 +251,8 @@ std::vector<Element> elements_of_parts() {
   const std::vector<Attribute> mark = attributes_of<PathMarkScene>(Straight{});
   std::vector<Attribute> law = attributes_of<BushingLawScene>(Straight{});
   law.push_back(interpolation_of(
-      "of a table: linear or a cubic spline; linear beyond the first and the last point"));
+      "of a table: linear or a cubic spline, whose pieces meet between the points; linear "
+      "beyond the first and the last point"));
   return {
       beam_element(Straight{}),
       beam_element(Arc{}),

@@ -70,11 +70,14 @@ class SampledRow {
   template <class Add>
   void add(double s, const std::vector<double>& times, const Add& add) {
     const std::array<Expression, 3> laws{fields_[0].at(s), fields_[1].at(s), fields_[2].at(s)};
+    // Sensors are not known here: what they read is taken to be some number.
+    constexpr double reading = 0.73;
+    std::array<std::vector<double>, 3> read;
+    for (std::size_t c = 0; c < 3; ++c) read[c].assign(laws[c].sensors().size(), reading);
     for (std::size_t i = 0; i < times.size(); ++i) {
       Vec3 q;
       for (std::size_t c = 0; c < 3; ++c)
-        q(static_cast<Index>(c)) =
-            laws[c].has_sensors() ? 0.0 : laws[c](times[i], Side::right, inputs_).v;
+        q(static_cast<Index>(c)) = laws[c](times[i], Side::right, inputs_, read[c]).v;
       if (q.allFinite()) add(i, q);
     }
   }

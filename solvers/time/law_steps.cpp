@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <utility>
@@ -24,7 +25,21 @@ std::pair<double, double> narrowest(const std::vector<double>& ends) {
   return least;
 }
 
+// What sensors and inputs are held at, in SI units: at 0 what stands beside them is seen, otherwise what they are
+// multiplied with.
+constexpr std::array<double, 2> held_values{0.0, 1.0};
+constexpr double same_place = 1e-6;  // of the time that is looked at
+
 }  // namespace
+
+std::vector<Expression> held_laws(const Expression& law, double begin) {
+  std::vector<Expression> all;
+  for (const double value : held_values) {
+    Expression held = law.held_at(value, value);
+    if (std::isfinite(held(begin).v)) all.push_back(std::move(held));
+  }
+  return all;
+}
 
 LawSteps::LawSteps(const System& system, double begin, double end) {
   std::set<std::pair<std::string, std::size_t>>
@@ -34,31 +49,56 @@ LawSteps::LawSteps(const System& system, double begin, double end) {
   for (std::size_t i = 0; i < system.signals().size(); ++i) {
     bool is_rate = false;
     const Expression* const law = system.signals()[i].expression(is_rate);
-    if (law == nullptr || law->is_constant() || law->has_inputs() || law->has_sensors()) continue;
+    if (law == nullptr || law->is_constant()) continue;
     ++facts_.laws;
     const bool drives = system.signal_use(i) == SignalUse::drive;
     static constexpr std::array<int, 2> both{1, 2};
     const std::span<const int> more(both.data(), !drives ? 0 : is_rate ? 1 : 2);
     if (!known.emplace(law->text(), more.size()).second) continue;
-    LawCells cells = find_cells(*law, more, begin, end, std::min(most_cells, left));
-    left = std::max(left - cells.count(), 1L);
     const std::string& name = system.signal_name(i);
     const std::string who = name.empty() ? fmt::format("signal {}", i + 1) : name;
-    if (cells.unresolved)
+    const auto cells_of = [&](const Expression& of) {
+      LawCells cells = find_cells(of, more, begin, end, std::min(most_cells, left));
+      left = std::max(left - cells.count(), 1L);
+      return cells;
+    };
+    const auto limit = [&](LawCells cells) {
+      if (cells.ends.size() <= reach + 1) return;
+      if (!patterns.insert(cells.ends).second) return;
+      const auto [step, at] = narrowest(cells.ends);
+      if (facts_.longest_step == 0.0 || step < facts_.longest_step) {
+        facts_.longest_step = step;
+        facts_.at = at;
+        facts_.which = who;
+      }
+      limits_.push_back({std::move(cells.ends), who});
+    };
+    const auto say = [&](const LawCells& cells) {
       facts_.unresolved.push_back(fmt::format(
           "{} is not resolved near t = {:.9g} s, where it changes {}", who, *cells.unresolved,
           cells.count() >= std::min(most_cells, left)
               ? fmt::format("too often: {} cells are spent", cells.count())
               : std::string("within a time too short to be told apart, or has a pole")));
-    if (cells.ends.size() <= reach + 1) continue;
-    if (!patterns.insert(cells.ends).second) continue;
-    const auto [step, at] = narrowest(cells.ends);
-    if (facts_.longest_step == 0.0 || step < facts_.longest_step) {
-      facts_.longest_step = step;
-      facts_.at = at;
-      facts_.which = who;
+    };
+    if (!law->has_inputs() && !law->has_sensors()) {
+      LawCells cells = cells_of(*law);
+      if (cells.unresolved) say(cells);
+      limit(std::move(cells));
+      continue;
     }
-    limits_.push_back({std::move(cells.ends), who});
+    std::vector<LawCells> unresolved;
+    for (const Expression& held : held_laws(*law, begin)) {
+      LawCells cells = cells_of(held);
+      if (cells.unresolved)
+        unresolved.push_back(std::move(cells));
+      else
+        limit(std::move(cells));
+    }
+    // Where one value alone makes it so, that is a pole where sensors need not come.
+    const double near = same_place * (end - begin);
+    if (unresolved.size() == held_values.size() &&
+        std::abs(*unresolved.front().unresolved - *unresolved.back().unresolved) <= near)
+      say(unresolved.front());
   }
 }
 

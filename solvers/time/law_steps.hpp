@@ -25,6 +25,9 @@ struct LawFacts {
   double reach = 0.0;
 };
 
+// A law of time, sensors and inputs as laws of time alone, where these are held at some numbers; finite at `begin` [s].
+std::vector<Expression> held_laws(const Expression& law, double begin);
+
 class LawSteps {
  public:
   LawSteps() = default;

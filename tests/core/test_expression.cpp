@@ -541,5 +541,43 @@ TEST(Expression, SumsAndStretchesLaws) {
   EXPECT_THROW(Expression::sum(terms, 0.0), Error);
 }
 
+// A law of what stands beside sensors and inputs.
+TEST(Expression, HeldAt) {
+  Parameters parameters;
+  parameters.inputs["u"] = {};
+  const Expression law =
+      Expression::parse("sin(t)*(1+a.rate)+2*u-t*a.rate", parameters, Variables::time);
+  ASSERT_TRUE(law.has_sensors());
+  ASSERT_TRUE(law.has_inputs());
+  const Expression held = law.held_at(3.0, 0.5);
+  EXPECT_FALSE(held.has_sensors());
+  EXPECT_FALSE(held.has_inputs());
+  EXPECT_NEAR(held(0.7).v, 4.0 * std::sin(0.7) + parameters.inputs["u"].factor - 2.1, 1e-15);
+  EXPECT_NEAR(held(0.7).d, 4.0 * std::cos(0.7) - 3.0, 1e-15);
+}
+
+// Functions that call others twice are read 2^n times: refused before that takes time or memory.
+TEST(Expression, ChainsOfFunctionsEnd) {
+  Parameters parameters;
+  const auto shared = std::make_shared<Parameters>();
+  shared->functions["f0"] = {std::make_shared<std::string>("t"), std::make_shared<Parameters>(),
+                             1.0};
+  parameters = *shared;
+  for (int k = 1; k <= 40; ++k) {
+    const auto text = std::make_shared<std::string>("f" + std::to_string(k - 1) + "(t)*f" +
+                                                    std::to_string(k - 1) + "(t+1)");
+    parameters.functions["f" + std::to_string(k)] = {text, std::make_shared<Parameters>(parameters),
+                                                     1.0};
+  }
+  EXPECT_NO_THROW(Expression::parse("f8(t)", parameters, Variables::time));
+  try {
+    Expression::parse("f40(t)", parameters, Variables::time);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("calls of functions in one law"), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace mbd::test::test_expression

@@ -145,6 +145,44 @@ TEST(LawSteps, FixedStepsSayWhatTheyPassOver) {
   }
 }
 
+// A blow beside a damper that is written as a law of a sensor, or times what a sensor reads: it is found at sensors that are
+// held. m v' = -c v + blow: x = (1 - e^(-c (T - t0)))/c + v0 (1 - e^(-c T))/c.
+TEST(LawSteps, PulsesBesideSensors) {
+  constexpr double T = 10.0, c = 0.1, v0 = 0.3, t0 = 3.3;
+  const double want = (1.0 - std::exp(-c * (T - t0))) / c + v0 * (1.0 - std::exp(-c * T)) / c;
+  for (const char* const w : {"2e-4", "0.01"})
+    for (const char* const law : {"exp(-((t-3.3)/w)^2)/(w*sqrt(pi))-c*rail.speed",
+                                  "3*rail.speed*exp(-((t-3.3)/w)^2)/(w*sqrt(pi))-c*rail.speed"}) {
+      const Scene scene =
+          scene_of(std::string(R"(<parameter name="c" value="0.1"/><parameter name="w" value=")") +
+                   w + R"("/>
+          <body name="cart" mass="1" inertia="1 1 1" velocity="0.3 0 0"/>
+          <prismatic name="rail" between="ground cart" axis="1 0 0"/><load at="cart" force=")" +
+                   law + R"( 0 0"/><transient duration="10" method="radau" tolerance="1e-6"/>
+          <record name="cart" joint="rail" quantities="displacement"/>)");
+      const History history = run_to_table(scene);
+      ASSERT_EQ(history.report.failure, "");
+      // By 3 v blow the speed grows by e^3.
+      const double kick = law[0] == 'e' ? 1.0 : (std::exp(3.0) - 1.0) * v0 * std::exp(-c * t0);
+      EXPECT_NEAR(history.table["cart.displacement"].back(),
+                  want + (kick - 1.0) * (1.0 - std::exp(-c * (T - t0))) / c, 2e-4)
+          << w << " " << law;
+      EXPECT_LT(history.report.laws.longest_step, 3.0 * std::stod(w));
+    }
+}
+
+// A pole where a sensor need not come asks for nothing.
+TEST(LawSteps, PolesOfHeldSensorsAreNone) {
+  const RunReport report = run(scene_of(
+      R"(<body name="cart" mass="1" inertia="1 1 1"/><prismatic name="rail" between="ground cart" axis="1 0 0"/>
+         <load at="cart" force="1/(t+1+2*rail.displacement)+1/(t-5+5*(1+rail.displacement)^2+1) 0 0"/>
+         <transient duration="2" method="radau" tolerance="1e-6"/>
+         <record name="cart" joint="rail" quantities="displacement"/>)"));
+  EXPECT_EQ(report.failure, "");
+  EXPECT_TRUE(report.laws.unresolved.empty());
+  EXPECT_LT(report.transient_counters.steps, 200);
+}
+
 // What is too fast to be resolved is said as well.
 TEST(LawSteps, LawsThatAreNotResolvedAreSaid) {
   Scene scene = scene_of(oscillator + slides + spring + R"(<load at="b" force="sin(1e9*t) 0 0"/>)");

@@ -371,6 +371,45 @@ TEST(FloquetSlow, FromTheSteadyRotation) {
   }
 }
 
+// Hill's equation x'' = -(d + e cos w t + pulses) x - c x' by a law of sensors.
+Scene hill(const std::string& more, double w = 1.0) {
+  return read_model_text(fmt::format(R"xml(<mbd name="hill"><parameter name="w" value="{}"/>
+        <body name="b" mass="1" inertia="1 1 1" angular_velocity="0 0 1e-3"/>
+        <revolute name="h" between="ground b" axis="0 0 1"/>
+        <joint_torque joint="h" moment="-(0.25+{})*h.angle-0.05*h.rate"/>
+        <transient duration="1" step="0.01"/><record name="h" joint="h" quantities="angle"/></mbd>)xml",
+                                     w, more),
+                         "hill.xml");
+}
+
+// Laws of sensors must repeat as others: of half the period of this one a false "stable" was found (multipliers over 2 pi are
+// -2.117 and -0.345, by integration of the equation).
+TEST(Floquet, LawsOfSensorsMustRepeat) {
+  const Scene scene = hill("0.3*cos(w*t)");
+  EXPECT_NEAR(std::exp(floquet(scene, 2.0 * pi).growth()), 2.11694, 1e-4);
+  try {
+    floquet(scene, pi);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("does not repeat with the period"), std::string::npos)
+        << error.what();
+  }
+}
+
+// Pulses between the instants are not seen: with as many as see them there is a verdict, otherwise none.
+TEST(Floquet, PulsesBetweenInstants) {
+  const auto pulsed = [](double sharp) {
+    return hill(fmt::format("3*exp({}*(cos(w*(t-0.924))-1))", sharp));
+  };
+  const FloquetStudy seen = floquet(pulsed(50.0), 2.0 * pi);
+  EXPECT_EQ(seen.undecided, "");
+  const FloquetStudy unseen = floquet(pulsed(2e5), 2.0 * pi);
+  EXPECT_NE(unseen.stability(), Stability::stable);
+  EXPECT_NE(unseen.undecided.find("between them it is not seen"), std::string::npos)
+      << unseen.undecided;
+  EXPECT_NE(to_text(unseen).find("not decided"), std::string::npos);
+}
+
 TEST(Floquet, RefusesByName) {
   const auto said = [](const Scene& scene, double period, int settle = 0) -> std::string {
     try {

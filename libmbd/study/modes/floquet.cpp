@@ -20,6 +20,7 @@
 #include "libmbd/view/motion.hpp"
 #include "solvers/modes/linearizable.hpp"
 #include "solvers/statics/equilibrium.hpp"
+#include "solvers/time/law_steps.hpp"
 
 namespace mbd {
 namespace {
@@ -28,9 +29,30 @@ constexpr double turn = 2.0 * std::numbers::pi;
 constexpr std::array<int, 4> tried{8, 16, 32, 64};  // harmonics
 constexpr double resolved = 1e-8;                   // tail of the motion
 constexpr double shown = 1e-6;                      // tail of a small motion that is shown
+constexpr double slow_share = 0.25;                 // of the fastest motions that harmonics resolve
 constexpr int most_exponents = 256;
 constexpr Index most_unknowns =
     10000;  // for which more harmonics are tried: all instants are coupled
+
+// What a law of sensors does in time must repeat as well: at sensors that are held.
+void check_held_law(const Scene& scene, const System& system, std::size_t k, double t,
+                    double period) {
+  constexpr double same = 1e-9;
+  bool is_rate = false;
+  const Expression* const law = system.signals()[k].expression(is_rate);
+  if (law == nullptr || !law->has_sensors()) return;
+  for (const Expression& held : held_laws(*law, t)) {
+    const Taylor2 x = held(t), y = held(t + period);
+    const double size =
+        std::max({std::abs(x.v), std::abs(y.v), std::abs(x.d) * period, std::abs(y.d) * period});
+    if (std::isfinite(size) && !(std::abs(y.v - x.v) <= 1e3 * same * size))
+      throw Error(scene.source,
+                  fmt::format("floquet: {} does not repeat with the period {:.9g} s: at sensors "
+                              "that are held it is {:.9g} at {:.9g} s and {:.9g} a period later",
+                              system.signal_name(k).empty() ? "a law" : system.signal_name(k),
+                              period, x.v, t, y.v));
+  }
+}
 
 // Drives may go on by whole turns.
 void check_period(const Scene& scene, const System& system, const State& state, double begin,
@@ -43,6 +65,7 @@ void check_period(const Scene& scene, const System& system, const State& state, 
     system.set_time(a, t);
     system.set_time(b, t + period);
     for (std::size_t k = 0; k < a.signals.size(); ++k) {
+      check_held_law(scene, system, k, t, period);
       const SignalValue &x = a.signals[k], &y = b.signals[k];
       double change = y.f - x.f;
       if (system.signal_use(k) == SignalUse::drive) change -= turn * std::round(change / turn);
@@ -167,7 +190,14 @@ FoundMotion find_motion(const Scene& scene, const System& system, const RunOfPer
                         const FloquetOptions& options, FloquetStudy& study) {
   std::unique_ptr<PeriodicMotion> motion;
   FloquetFound found;
+  const LawFacts laws = LawSteps(system, study.begin, study.begin + options.period).facts();
+  const auto sees_laws = [&](int h) {
+    return laws.longest_step == 0.0 || options.period / (2 * h + 1) <= laws.longest_step;
+  };
   for (const int h : run.harmonics) {
+    if (!sees_laws(h) && h != run.harmonics.back() &&
+        (2 * h + 1) * system.unknowns() <= most_unknowns)
+      continue;
     if (motion != nullptr && (2 * h + 1) * system.unknowns() > most_unknowns) break;
     auto next = std::make_unique<PeriodicMotion>(system, study.begin, options.period, h);
     std::vector<State> states = run.at_instants_of(*next);
@@ -198,6 +228,14 @@ FoundMotion find_motion(const Scene& scene, const System& system, const RunOfPer
                               "periods before)",
                               motion_between(system, run.states.front(), run.states.back()))));
   refuse_kinks(scene, system, *motion);
+  if (!sees_laws(study.harmonics)) {
+    study.undecided = fmt::format(
+        "{} changes within {:.3g} s near t = {:.9g} s, and the {} instants of the motion lie "
+        "{:.3g} s apart: between them it is not seen; more --harmonics, or an integration over the "
+        "period, do",
+        laws.which, laws.longest_step, laws.at, 2 * study.harmonics + 1,
+        options.period / (2 * study.harmonics + 1));
+  }
   if (study.report.tail >= resolved)
     study.notes.push_back(
         fmt::format("the motion is not smooth: of its velocities {:.2g} is in the fastest of {} "
@@ -213,8 +251,14 @@ void name_modes(const Scene& scene, const System& system, FoundMotion& found, in
                 FloquetStudy& study) {
   std::vector<FloquetMode>& modes = found.small.modes;
   study.all = found.small.all;
+  const double slow = slow_share * turn * study.fastest();
+  bool may_grow = false;  // a slow motion that is not resolved: not one that is too fast to be
   for (FloquetMode& mode : modes) {
-    if (!is_seen(mode)) continue;
+    if (!is_seen(mode)) {
+      may_grow = may_grow || (std::abs(mode.frequency) < slow &&
+                              mode.exponent.real() * study.period > -neutral_growth);
+      continue;
+    }
     ++study.resolved;
     if (study.modes.size() >= static_cast<std::size_t>(count)) continue;
     NamedFloquetMode named;
@@ -224,6 +268,10 @@ void name_modes(const Scene& scene, const System& system, FoundMotion& found, in
   }
   if (study.modes.empty())
     throw Error(scene.source, "floquet: no small motion is resolved; give more --harmonics");
+  if (may_grow && study.undecided.empty())
+    study.undecided = fmt::format(
+        "a slow motion that may grow changes too much in a period for {} harmonics to judge it",
+        study.harmonics);
   if (study.resolved < modes.size())
     study.notes.push_back(
         fmt::format("{} small motions are too fast, or change too much in a period, for {} "
@@ -304,12 +352,23 @@ FloquetStudy study_floquet(const Scene& scene, const FloquetOptions& options,
                            const std::filesystem::path& motion_file) {
   constexpr double led_to = 1e-3;  // `apart`
   constexpr int settled = 8;
+  constexpr double scale_of_transients = 0.1;  // what a run that goes there has left, at most
   double apart = 0.0;
   FloquetStudy study = study_from_run(scene, options, motion_file, apart);
   const auto is_astray = [](const FloquetStudy& of, double how_far) {
     return of.stability() == Stability::unstable && how_far > led_to;
   };
-  if (options.rotation || !is_astray(study, apart)) return study;
+  if (options.rotation) return study;
+  if (!is_astray(study, apart)) {
+    // A run that has not settled is apart as well, and goes there.
+    if (apart > led_to && study.stability() == Stability::stable &&
+        apart > std::exp(study.growth() * options.settle) * scale_of_transients)
+      study.notes.push_back(fmt::format(
+          "after {} periods the run is {:.2g} of the scene's size, or rad, away from this motion: "
+          "it may not have settled, or lead to another one; --settle with more periods says which",
+          options.settle, apart));
+    return study;
+  }
   FloquetOptions longer = options;
   longer.settle = std::max(settled, 2 * options.settle);
   try {
@@ -348,6 +407,11 @@ std::string verdict(const FloquetStudy& study) {
     case Stability::neutral:
       break;
   }
+  if (!study.undecided.empty())
+    return fmt::format(
+        "not decided: {}; of what was judged, what disturbs it changes by {:.6g} or "
+        "less in a period",
+        study.undecided, std::exp(study.growth()));
   if (std::abs(study.growth()) > neutral_growth)
     return fmt::format(
         "not decided: what disturbs it changes by a factor {:.6g} in a period, and laws that jump "

@@ -49,6 +49,8 @@ struct FloquetStudy {
   bool all = false;                     // those of every motion that the harmonics resolve
   // What is not known of growth over a period, where laws jump between the instants: of the first order of these.
   double uncertain = 0.0;
+  // Why there is no verdict but "unstable": something may grow that was not looked at. Empty: nothing was found.
+  std::string undecided;
   std::vector<std::string> notes;
 
   // The fastest motions that harmonics can be [Hz]: of faster ones nothing is said.
@@ -57,9 +59,9 @@ struct FloquetStudy {
   double growth() const { return modes.empty() ? 0.0 : modes.front().exponent.real() * period; }
   Stability stability() const {
     const double least = std::max(neutral_growth, uncertain);
-    return growth() > least    ? Stability::unstable
-           : growth() < -least ? Stability::stable
-                               : Stability::neutral;
+    return growth() > least                         ? Stability::unstable
+           : undecided.empty() && growth() < -least ? Stability::stable
+                                                    : Stability::neutral;
   }
 };
 

@@ -24,7 +24,12 @@ double hertz(double rate) { return rate / (2.0 * std::numbers::pi); }
 constexpr std::array<std::string_view, 5> verdicts{"stable", "neutral", "unstable", "failed",
                                                    "open"};
 
+constexpr std::string_view undecided = "undecided";
+
 std::string_view verdict_of(const FloquetMap::Point& point) {
+  if (point.study && !point.study->undecided.empty() &&
+      point.study->stability() == Stability::neutral)
+    return undecided;
   if (point.study) return verdicts[static_cast<std::size_t>(point.study->stability())];
   return point.failure.empty() ? "open" : "failed";
 }
@@ -119,7 +124,7 @@ std::string over_two(const FloquetMap& map, const std::vector<std::size_t>& over
   panel.x_label = title_of(map.plan, over[0]);
   panel.y_label = title_of(map.plan, over[1]);
   int style = 0;
-  for (const std::string_view verdict : {"unstable", "neutral", "stable", "failed"}) {
+  for (const std::string_view verdict : {"unstable", "neutral", "stable", "failed", "undecided"}) {
     plot::Curve curve = points_of(std::string(verdict), style++);
     for (std::size_t i = 0; i < map.points.size(); ++i)
       if (verdict_of(map.points[i]) == verdict) curve.trace.add({x[i], y[i]});
