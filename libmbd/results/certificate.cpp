@@ -752,6 +752,15 @@ void Audit::add_steps(Certificate& all, const RunReport& report) const {
                                                    "needed near t = {:.6g} s",
                                                    laws.longest_step, laws.at)
                                      : std::string())});
+  if (c.passed_kinks > 0)
+    all.add({.name = "kinks passed over",
+             .value = static_cast<double>(c.passed_kinks),
+             .warn = 0.0,
+             .fail = std::numeric_limits<double>::max(),
+             .why =
+                 "steps between whose ends a stop, a rope or another law with a kink was met and "
+                 "left again: neither the motion nor an estimate of its error knows of it; take "
+                 "shorter steps"});
   if (c.tolerant > 0)
     all.add({.name = "rank-tolerant steps",
              .value = static_cast<double>(c.tolerant),

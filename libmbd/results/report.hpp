@@ -26,13 +26,14 @@ struct NamedCounter {
   std::string_view name;
   long Counters::*counter;
 };
-inline constexpr std::array<NamedCounter, 12> named_counters{{
+inline constexpr std::array<NamedCounter, 13> named_counters{{
     {"steps", &Counters::steps},
     {"substeps", &Counters::substeps},
     {"retries", &Counters::retries},
     {"rejected", &Counters::rejected},
     {"rank_tolerant_steps", &Counters::tolerant},
     {"restarts", &Counters::restarts},
+    {"passed_kinks", &Counters::passed_kinks},
     {"iterations", &Counters::iterations},
     {"residuals", &Counters::residuals},
     {"tangents", &Counters::tangents},

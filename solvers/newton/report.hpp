@@ -26,6 +26,8 @@ struct Counters {
   long rejected = 0;  // steps whose estimated error was too large
   long tolerant = 0;  // steps near a singular configuration, done with a rank-tolerant tangent
   long restarts = 0;  // at jumps of loads and drives
+  long passed_kinks =
+      0;  // steps in which a law of the motion passed a kink and came back unseen (passed_kinks.hpp)
   long iterations = 0;
   long residuals = 0;
   long tangents = 0;

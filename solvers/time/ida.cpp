@@ -496,6 +496,7 @@ StepReport Ida::one_step(State& state) {
   system_.set_time(state, landed ? landing.t : reached, Side::left);
   system_.follow_angles(state);
   integrator_->accepted(begin_, state);
+  if (passed_.turn(begin_, {}, state, false)) ++counters_.passed_kinks;
   if (const std::optional<std::string> open =
           idle_rows_open(system_, state, idle_share * options_.tolerances.relative)) {
     parted_ = true;

@@ -22,6 +22,7 @@
 #include <memory>
 
 #include "libmbd/core/system.hpp"
+#include "solvers/laws/passed_kinks.hpp"
 #include "solvers/time/error_control.hpp"
 #include "solvers/time/stepper.hpp"
 
@@ -71,6 +72,7 @@ class Ida final : public Stepper {
   std::string unusable_;  // which does not go on
   bool parted_ = false;   // idle rows have, in the last step, which began at begin_
   State begin_, scratch_;
+  PassedKinks passed_{system_};
 };
 
 }  // namespace mbd

@@ -18,6 +18,7 @@ constexpr int most_halvings = 40;
 constexpr int most_contradictions = 30;  // beyond these steps would only creep
 // So many steps in a row, each that many times the round-off of times: a run that would never end.
 constexpr int most_short_steps = 300;
+constexpr double least_of_turn = 0.02;  // of a step: what turns at once has been met where it began
 constexpr double short_step = 100.0;
 constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
@@ -284,6 +285,7 @@ StepReport OneStep::fixed_step(State& state) {
       usual_ = std::ldexp(settings_.step, -halvings_);
       last = h > (landing.t - state.t) * (1.0 - time_rounding);
       if (try_step(state, last ? landing.t : state.t + h, report)) {
+        if (passed_.turn(begin_, inside(), solved(), false)) ++counters_.passed_kinks;
         take_step(state);
         if (halvings_ > 0 && ++good_ == successes_double) {
           --halvings_;
@@ -370,7 +372,7 @@ StepReport OneStep::adaptive_step(State& state) {
   const double end = std::min(settings_.end, stop_);
   Landing landing = landing_of(system_, state, end, slack_, controller_->step());
   std::string unusable;  // why the step has to end at landing.t, if a signal is the reason
-  bool again = false, contradicted = false;
+  bool again = false, contradicted = false, turned = false;
   const double creeping = 100.0 * short_step * slack_;  // of longer ones none asks why
   if (!(landing.t - state.t > slack_)) return past_the_end(state.t);
   for (;;) {
@@ -406,6 +408,15 @@ StepReport OneStep::adaptive_step(State& state) {
       controller_->rejected(h, report.error);
       if (tolerant_) settle();
       continue;
+    }
+    if (!turned) {
+      const std::optional<double> turn = passed_.turn(begin_, inside(), solved(), true);
+      turned = turn && *turn - state.t > least_of_turn * h;
+      if (turned) {
+        landing = {.t = *turn};
+        if (tolerant_) settle();
+        continue;
+      }
     }
     controller_->accepted(h, report.error);
     if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);

@@ -1,7 +1,8 @@
 // Drives a method of one step: fixed steps, which land on breakpoints and are halved where they fail, and
 // adaptive ones by an estimate of their error (error_control.hpp).
 //
-// Adaptive steps do not pass over what laws of time do (law_steps.hpp), whatever their error is.
+// Adaptive steps do not pass over what laws of time do (law_steps.hpp), nor over kinks of laws of the motion (passed_kinks.hpp),
+// whatever their error is; fixed ones count the latter.
 //
 // A step ends on every breakpoint of the signals inside it, and starts afresh where accelerations jump. A fixed
 // step that fails is tried in halves, down to 2^-max_halvings.
@@ -28,6 +29,7 @@
 #include <string>
 
 #include "libmbd/core/system.hpp"
+#include "solvers/laws/passed_kinks.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/time/error_control.hpp"
 #include "solvers/time/stepper.hpp"
@@ -127,8 +129,9 @@ class OneStep : public Stepper {
   virtual void pass_failure(double) {}
   // Other rows are idle: neither tangents nor multipliers of the past are of use.
   virtual void forget() = 0;
-  // The end of the step that has been solved.
+  // The end of the step that has been solved, and states inside it, if any are known.
   virtual const State& solved() const = 0;
+  virtual std::span<const State> inside() const { return {}; }
 
   StepReport restart(State& state) final;
   const System& system() const final { return system_; }
@@ -149,8 +152,9 @@ class OneStep : public Stepper {
 
   int error_order_;
   std::unique_ptr<StepController> controller_;  // of adaptive steps
-  double origin_ = 0.0;                         // time of start() [s]
-  double slack_ = 0.0;                          // round-off of times [s]
+  PassedKinks passed_{system_};
+  double origin_ = 0.0;  // time of start() [s]
+  double slack_ = 0.0;   // round-off of times [s]
   // Of a step that met a signal that cannot be used: the last time at which all can [s].
   std::optional<double> last_usable_;
   long count_ = 0;    // whole fixed steps since

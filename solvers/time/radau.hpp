@@ -99,6 +99,7 @@ class Radau final : public OneStep {
   void forget() override;
   void pass_failure(double h) override;
   const State& solved() const override { return stage_[last()]; }
+  std::span<const State> inside() const override { return {stage_.data(), last()}; }
 
   std::string signature() const override;
   void archive(Archive& a) override;

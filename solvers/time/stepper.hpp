@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "libmbd/core/system.hpp"
+#include "solvers/laws/law_steps.hpp"
 #include "solvers/newton/report.hpp"
 #include "solvers/time/archive.hpp"
-#include "solvers/time/law_steps.hpp"
 
 namespace mbd {
 

@@ -1,6 +1,6 @@
 // What laws of time do is not passed over, however short it is: by the motion that follows, in closed form.
 
-#include "solvers/time/law_steps.hpp"
+#include "solvers/laws/law_steps.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -18,9 +18,9 @@
 #include "libmbd/text/tables.hpp"
 #include "libmbd/view/drawing.hpp"
 #include "libmbd/view/motion.hpp"
+#include "solvers/laws/law_steps.hpp"
 #include "solvers/modes/linearizable.hpp"
 #include "solvers/statics/equilibrium.hpp"
-#include "solvers/time/law_steps.hpp"
 
 namespace mbd {
 namespace {

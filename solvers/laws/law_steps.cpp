@@ -1,4 +1,4 @@
-#include "solvers/time/law_steps.hpp"
+#include "solvers/laws/law_steps.hpp"
 
 #include <fmt/format.h>
 
