@@ -949,16 +949,20 @@ class Expression::Parser {
     return {Operand::general, begin, name.position};
   }
 
-  // A function of the model: its text is read in place of the call, with the argument as its t.
-  Operand call(const NamedFunction& function, const Token& name) {
-    const Level level(*this);
-    const std::string shape = std::string(name.text) + "(t)";
+  void count_call(const Token& name) {
     if (++calls_ > most_calls)
       fail(name.position,
            "more than " + std::to_string(most_calls) + " calls of functions in one law",
            "fewer, those within functions counted",
            "functions that call others several times are read that often: give a <table>, or "
            "shorten the chain");
+  }
+
+  // A function of the model: its text is read in place of the call, with the argument as its t.
+  Operand call(const NamedFunction& function, const Token& name) {
+    const Level level(*this);
+    const std::string shape = std::string(name.text) + "(t)";
+    count_call(name);
     if (!is_of_time())
       fail(name.position, "the function of time " + quoted(name.text),
            allowed_ == Variables::none ? "a constant" : "a function of " + variable_,

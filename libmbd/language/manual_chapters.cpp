@@ -697,7 +697,9 @@ stated adds up. A `<joint_torque>` is a motor that does not prescribe how fast.
 Besides constant coefficients there are laws: expressions of the displacement `x` or of its rate `v`
 (`force="1e4*x + 1e7*x^3"`, `damping_force="50*v*abs(v)"`), or tables, linear between their points or
 smooth, and linear beyond the first and the last. A law is continuous; its conditions and kinks
-compare terms `a*x + b`, as those of time do.
+compare terms `a*x + b`, as those of time do. Adaptive steps of radau and generalized_alpha end where x passes a kink and turns
+back (a stop that is just touched); fixed steps, and ida, count what they passed over, and the certificate warns. A narrow bump
+without a kink, in x, is found only by steps that happen to end in it: `max_step` bounds them.
 
 The motion of a bushing is six numbers: for small motions the displacement and the rotation of b from
 a along and about its axes; for large ones those of the screw motion that takes a to b, so that

@@ -752,6 +752,11 @@ void Audit::add_steps(Certificate& all, const RunReport& report) const {
                                                    "needed near t = {:.6g} s",
                                                    laws.longest_step, laws.at)
                                      : std::string())});
+  add_troubles(all, c);
+}
+
+// Of steps that went on where something could not be done as usual.
+void Audit::add_troubles(Certificate& all, const Counters& c) {
   if (c.passed_kinks > 0)
     all.add({.name = "kinks passed over",
              .value = static_cast<double>(c.passed_kinks),
@@ -759,8 +764,8 @@ void Audit::add_steps(Certificate& all, const RunReport& report) const {
              .fail = std::numeric_limits<double>::max(),
              .why =
                  "steps between whose ends a stop, a rope or another law with a kink was met and "
-                 "left again: neither the motion nor an estimate of its error knows of it; take "
-                 "shorter steps"});
+                 "left again, or in a few of which it was: neither the motion nor an estimate "
+                 "of its error knows of it; take shorter steps"});
   if (c.tolerant > 0)
     all.add({.name = "rank-tolerant steps",
              .value = static_cast<double>(c.tolerant),

@@ -145,6 +145,7 @@ class Audit {
   void add_energy(Certificate& all) const;
   void add_constraints(Certificate& all) const;
   void add_steps(Certificate& all, const RunReport& report) const;
+  static void add_troubles(Certificate& all, const Counters& c);
   void add_motion(Certificate& all, const RunReport& report) const;
   void add_equilibrium(Certificate& all, const RunReport& report) const;
   void add_round_off(Certificate& all) const;

@@ -789,22 +789,27 @@ CheckReport check_model(const Scene& scene, const Model& model) {
   return report;
 }
 
+namespace {
+
+std::string size_in_words(const CheckReport& report) {
+  const std::string elements =
+      report.elements > 0 ? counted(report.elements, "beam elements") + ", " : "";
+  const Index held = report.mechanism.held_strains;
+  return fmt::format(
+      "{}{} with the ground, {}, of which {}{}", elements, counted(report.nodes, "nodes"),
+      counted(report.unknowns, "unknowns"), counted(report.multipliers, "multipliers"),
+      held == 0 ? std::string() : fmt::format(" ({} of strains that are held at zero)", held));
+}
+
+}  // namespace
+
 std::string to_text(const CheckReport& report) {
   std::string text = title(report.model, report.file);
   std::vector<std::string> items;
   for (const Count& count : report.stated)
     if (count.count > 0) items.push_back(counted(count.count, count.what));
   text += entry("stated", joined(items));
-  const std::string elements =
-      report.elements > 0 ? counted(report.elements, "beam elements") + ", " : "";
-  text += entry("system",
-                fmt::format("{}{} with the ground, {}, of which {}", elements,
-                            counted(report.nodes, "nodes"), counted(report.unknowns, "unknowns"),
-                            counted(report.multipliers, "multipliers")) +
-                    (report.mechanism.held_strains == 0
-                         ? ""
-                         : fmt::format(" ({} of strains that are held at zero)",
-                                       report.mechanism.held_strains)));
+  text += entry("system", size_in_words(report));
   if (report.fused > 0)
     text +=
         entry("fused", fmt::format("{}: what {} is one node", counted(report.fused, "fixed joints"),

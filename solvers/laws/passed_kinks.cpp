@@ -8,7 +8,7 @@ namespace mbd {
 namespace {
 
 constexpr double near_share = 0.01;  // of the rise over the chord
-constexpr double inside = 1e-3;      // of a cubic: at its ends it is where the states are
+constexpr double inside = 1e-9;      // of a cubic: at its ends it is where the states are
 
 bool is_place(const NearKink& kink) {
   return kink.of == ArgumentOf::length || kink.of == ArgumentOf::angle;
@@ -84,6 +84,25 @@ std::optional<double> PassedKinks::turn(const State& begin, std::span<const Stat
     std::swap(before_, after_);
   }
   return first;
+}
+
+bool PassedKinks::passes(const State& begin, std::span<const State> inside_states,
+                         const State& end) {
+  bool passed = turn(begin, inside_states, end, false).has_value();
+  if (!any_ || !*any_) return passed;
+  const std::vector<NearKink> from = system_.near_kinks(begin), to = system_.near_kinks(end);
+  last_.resize(from.size());
+  for (std::size_t k = 0; k < std::min(from.size(), to.size()); ++k) {
+    if (!is_place(from[k])) continue;
+    if (last_[k].steps < few) ++last_[k].steps;
+    for (const double kink : {from[k].kink.at, to[k].kink.at}) {
+      if ((from[k].x < kink) == (to[k].x < kink)) continue;
+      passed = passed || (last_[k].steps < few && last_[k].kink == kink);
+      last_[k] = {kink, 0};
+      break;
+    }
+  }
+  return passed;
 }
 
 }  // namespace mbd

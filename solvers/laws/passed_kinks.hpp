@@ -19,12 +19,23 @@ class PassedKinks {
  public:
   explicit PassedKinks(const System& system) : system_(system) {}
 
-  // The first time [s] between the states, of rising times and with velocities, at which an argument has passed a kink (`nearly`:
-  // or has come near) and turns back; nothing: none does. Costs nothing where no law has kinks.
-  std::optional<double> turn(const State& begin, std::span<const State> inside, const State& end,
-                             bool nearly);
+  // The first time [s] between the states, of rising times and with velocities, at which an argument has passed a kink, or has
+  // come near, and turns back; nothing: none does. Costs nothing where no law has kinks.
+  std::optional<double> turn(const State& begin, std::span<const State> inside, const State& end) {
+    return turn(begin, inside, end, true);
+  }
+  // Of steps that are what they are, one after the other: whether an argument has passed a kink in this one and turned back, or
+  // had passed it less than `few` steps before and comes back now.
+  static constexpr int few = 4;
+  bool passes(const State& begin, std::span<const State> inside, const State& end);
 
  private:
+  std::optional<double> turn(const State& begin, std::span<const State> inside, const State& end,
+                             bool nearly);
+  struct Crossing {
+    double kink = 0.0;
+    int steps = few;  // since then
+  };
   struct Place {
     double t = 0.0;
     std::vector<NearKink> kinks;  // with the arguments
@@ -35,6 +46,7 @@ class PassedKinks {
   const System& system_;
   std::optional<bool> any_;  // whether a law of a length or an angle has kinks; not yet known
   Place before_, after_;
+  std::vector<Crossing> last_;  // of each argument
   State moved_;
 };
 

@@ -445,7 +445,8 @@ StepReport Ida::with_other_rows(State& state, StepReport report) {
 }
 
 // Of the step that has been taken, by Gauss's rule.
-void Ida::add_work(State& state) {
+void Ida::add_up(State& state) {
+  counters_.passed_kinks += passed_.passes(begin_, {}, state) ? 1 : 0;
   const double h = state.t - begin_.t;
   std::array<Work, 3> powers;
   Work work = begin_.work;
@@ -496,7 +497,6 @@ StepReport Ida::one_step(State& state) {
   system_.set_time(state, landed ? landing.t : reached, Side::left);
   system_.follow_angles(state);
   integrator_->accepted(begin_, state);
-  if (passed_.turn(begin_, {}, state, false)) ++counters_.passed_kinks;
   if (const std::optional<std::string> open =
           idle_rows_open(system_, state, idle_share * options_.tolerances.relative)) {
     parted_ = true;
@@ -505,7 +505,7 @@ StepReport Ida::one_step(State& state) {
   }
   const double h = state.t - begin_.t;
   record_size(h, landed);
-  add_work(state);
+  add_up(state);
   if (observer_) observer_(*integrator_);
 
   if (landed && landing.breakpoint && !restart_at(landing.restart_at, state, slack_, report))

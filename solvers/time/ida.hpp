@@ -57,7 +57,7 @@ class Ida final : public Stepper {
   StepReport restart(State& state) override;
   const System& system() const override { return system_; }
   StepReport one_step(State& state);
-  void add_work(State& state);
+  void add_up(State& state);  // work, and kinks that were passed over
   StepReport with_other_rows(State& state, StepReport report);
 
   const System& system_;

@@ -18,7 +18,7 @@ constexpr int most_halvings = 40;
 constexpr int most_contradictions = 30;  // beyond these steps would only creep
 // So many steps in a row, each that many times the round-off of times: a run that would never end.
 constexpr int most_short_steps = 300;
-constexpr double least_of_turn = 0.02;  // of a step: what turns at once has been met where it began
+constexpr double least_of_turn = 1e-4;  // of a step: what turns at once has been met where it began
 constexpr double short_step = 100.0;
 constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
@@ -285,7 +285,7 @@ StepReport OneStep::fixed_step(State& state) {
       usual_ = std::ldexp(settings_.step, -halvings_);
       last = h > (landing.t - state.t) * (1.0 - time_rounding);
       if (try_step(state, last ? landing.t : state.t + h, report)) {
-        if (passed_.turn(begin_, inside(), solved(), false)) ++counters_.passed_kinks;
+        if (passed_.passes(begin_, inside(), solved())) ++counters_.passed_kinks;
         take_step(state);
         if (halvings_ > 0 && ++good_ == successes_double) {
           --halvings_;
@@ -367,6 +367,15 @@ StepReport OneStep::past_the_end(double t) const {
   return report;
 }
 
+// Whether in the solved step of h [s] something turns beyond a kink of its law: there the step should end.
+bool OneStep::turns_in_step(double h, Landing& landing) {
+  const std::optional<double> turn = passed_.turn(begin_, inside(), solved());
+  if (!turn || *turn - begin_.t <= least_of_turn * h) return false;
+  if (tolerant_) settle();
+  landing = {.t = *turn};
+  return true;
+}
+
 StepReport OneStep::adaptive_step(State& state) {
   StepReport report;
   const double end = std::min(settings_.end, stop_);
@@ -409,15 +418,8 @@ StepReport OneStep::adaptive_step(State& state) {
       if (tolerant_) settle();
       continue;
     }
-    if (!turned) {
-      const std::optional<double> turn = passed_.turn(begin_, inside(), solved(), true);
-      turned = turn && *turn - state.t > least_of_turn * h;
-      if (turned) {
-        landing = {.t = *turn};
-        if (tolerant_) settle();
-        continue;
-      }
-    }
+    turned = !turned && turns_in_step(h, landing);
+    if (turned) continue;
     controller_->accepted(h, report.error);
     if (!contradicted) contradictions_ = std::max(contradictions_ - 1, 0);
     if (stays_short(h, last, state.t, report)) return report;

@@ -138,6 +138,7 @@ class OneStep : public Stepper {
   void prepare();
   StepReport fixed_step(State& state);
   StepReport adaptive_step(State& state);
+  bool turns_in_step(double h, Landing& landing);
   StepReport past_the_end(double t) const;
   static double fitted(double wanted, double rest);
   void record_error(double error);

@@ -2790,17 +2790,18 @@ class DefaultsElement(Element):
           Stands in <section>, <station>, <defaults>. Its text: 36 numbers.
 
         Attributes:
-          EA                 number > 0 [N], optional
-                             D11, axial
-          GA2                number > 0 [N], optional
+          EA                 number > 0, or inf [N], optional
+                             D11, axial; as all of the diagonal it may be inf: no
+                             compliance, the strain is zero
+          GA2                number > 0, or inf [N], optional
                              D22, shear along b2
-          GA3                number > 0 [N], optional
+          GA3                number > 0, or inf [N], optional
                              D33, shear along b3
-          GJ                 number > 0 [N.m2], optional
+          GJ                 number > 0, or inf [N.m2], optional
                              D44, torsion
-          EI2                number > 0 [N.m2], optional
+          EI2                number > 0, or inf [N.m2], optional
                              D55, bending about b2
-          EI3                number > 0 [N.m2], optional
+          EI3                number > 0, or inf [N.m2], optional
                              D66, bending about b3
           D12                number [N], default 0
                              coupling of extension and shear along b2; D21 is the same,
@@ -4171,17 +4172,18 @@ class SectionElement(Element):
           Stands in <section>, <station>, <defaults>. Its text: 36 numbers.
 
         Attributes:
-          EA                 number > 0 [N], optional
-                             D11, axial
-          GA2                number > 0 [N], optional
+          EA                 number > 0, or inf [N], optional
+                             D11, axial; as all of the diagonal it may be inf: no
+                             compliance, the strain is zero
+          GA2                number > 0, or inf [N], optional
                              D22, shear along b2
-          GA3                number > 0 [N], optional
+          GA3                number > 0, or inf [N], optional
                              D33, shear along b3
-          GJ                 number > 0 [N.m2], optional
+          GJ                 number > 0, or inf [N.m2], optional
                              D44, torsion
-          EI2                number > 0 [N.m2], optional
+          EI2                number > 0, or inf [N.m2], optional
                              D55, bending about b2
-          EI3                number > 0 [N.m2], optional
+          EI3                number > 0, or inf [N.m2], optional
                              D66, bending about b3
           D12                number [N], default 0
                              coupling of extension and shear along b2; D21 is the same,
@@ -4960,17 +4962,18 @@ class StationElement(Element):
           Stands in <section>, <station>, <defaults>. Its text: 36 numbers.
 
         Attributes:
-          EA                 number > 0 [N], optional
-                             D11, axial
-          GA2                number > 0 [N], optional
+          EA                 number > 0, or inf [N], optional
+                             D11, axial; as all of the diagonal it may be inf: no
+                             compliance, the strain is zero
+          GA2                number > 0, or inf [N], optional
                              D22, shear along b2
-          GA3                number > 0 [N], optional
+          GA3                number > 0, or inf [N], optional
                              D33, shear along b3
-          GJ                 number > 0 [N.m2], optional
+          GJ                 number > 0, or inf [N.m2], optional
                              D44, torsion
-          EI2                number > 0 [N.m2], optional
+          EI2                number > 0, or inf [N.m2], optional
                              D55, bending about b2
-          EI3                number > 0 [N.m2], optional
+          EI3                number > 0, or inf [N.m2], optional
                              D66, bending about b3
           D12                number [N], default 0
                              coupling of extension and shear along b2; D21 is the same,
@@ -6405,8 +6408,9 @@ class BushingElement(Element):
           moment             expression of x [N.m], optional
                              of components 4 to 6: over the rotation x [rad]
           interpolation      linear or smooth, default linear
-                             of a table: linear or a cubic spline; linear beyond the
-                             first and the last point
+                             of a table: linear or a cubic spline, whose pieces meet
+                             between the points; linear beyond the first and the last
+                             point
 
         For example:
           <mbd name="gate">
