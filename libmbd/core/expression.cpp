@@ -1272,8 +1272,9 @@ bool Expression::has_inputs() const {
 Expression Expression::held_at(double sensors, double inputs) const {
   Expression held = *this;
   for (Instruction& i : held.program_) {
-    if (i.op == Opcode::sensor) i = {Opcode::constant, -1, sensors};
-    if (i.op == Opcode::input) i = {Opcode::constant, -1, i.value * inputs};
+    const double place = i.target;
+    if (i.op == Opcode::sensor) i = {Opcode::constant, -1, sensors * (1.0 + 0.37 * place)};
+    if (i.op == Opcode::input) i = {Opcode::constant, -1, i.value * inputs * (0.77 + 0.29 * place)};
   }
   held.sensors_.clear();
   return held;

@@ -113,8 +113,8 @@ class Expression {
   };
   static Expression sum(std::span<const Term> terms, double stretch = 1.0);
 
-  // The same where every sensor, and every input, has a value: of time alone. (Not what it is of: of a law whose sensors are
-  // not known, what it does in time beside them.)
+  // The same where the k-th sensor reads sensors (1 + 0.37 k), and the k-th input is inputs (0.77 + 0.29 k): of time alone.
+  // What a law does in time whose sensors are not known; they differ, so that what depends on a difference is seen.
   Expression held_at(double sensors, double inputs) const;
 
   // Whether `name` is t, a constant or a function, and so cannot name a parameter. (x and v can, but not where

@@ -554,8 +554,8 @@ functions; it stands before them in the file. An input with a `unit` is set in t
 A value may be held, or go on in a straight line or a parabola, over a step; where a load jumps by that the step begins with
 the accelerations that the new load gives. Conditions, `min`, `max` and `abs` of an input are not taken: the times at which
 they switch are not known, and the program can do it. What a `<drive>` or `<motion>` prescribes may depend on an input by its
-`angle` or `displacement`, and must not jump. Before a run laws are looked through for short pulses: those with inputs, or with sensors, at two values that
-these are held at (0 and 1 in SI units), so that a pulse in time is seen; what inputs and sensors do is followed by errors of steps only. `mbd run` and all studies keep inputs at their `value`; `mbd linearize` gives the
+`angle` or `displacement`, and must not jump. Before a run laws are looked through for short pulses: those with inputs, or with sensors, at three sets of values that
+these are held at (0, about 1 and about -0.6 in SI units), so that a pulse in time is seen; what inputs and sensors do is followed by errors of steps only. `mbd run` and all studies keep inputs at their `value`; `mbd linearize` gives the
 matrices from inputs to what is recorded. `mbd check` counts inputs.
 )md",
      R"xml(<mbd name="servo_arm">

@@ -25,9 +25,9 @@ std::pair<double, double> narrowest(const std::vector<double>& ends) {
   return least;
 }
 
-// What sensors and inputs are held at, in SI units: at 0 what stands beside them is seen, otherwise what they are
-// multiplied with.
-constexpr std::array<double, 2> held_values{0.0, 1.0};
+// What sensors and inputs are held at, in SI units (Expression::held_at): at 0 what stands beside them is seen, otherwise what
+// they are multiplied with.
+constexpr std::array<double, 3> held_values{0.0, 1.0, -0.6};
 constexpr double same_place = 1e-6;  // of the time that is looked at
 
 }  // namespace
@@ -94,9 +94,9 @@ LawSteps::LawSteps(const System& system, double begin, double end) {
       else
         limit(std::move(cells));
     }
-    // Where one value alone makes it so, that is a pole where sensors need not come.
+    // At the same time whatever is held; elsewhere it may be a pole to which sensors need not come.
     const double near = same_place * (end - begin);
-    if (unresolved.size() == held_values.size() &&
+    if (unresolved.size() > 1 &&
         std::abs(*unresolved.front().unresolved - *unresolved.back().unresolved) <= near)
       say(unresolved.front());
   }

@@ -25,7 +25,8 @@ struct LawFacts {
   double reach = 0.0;
 };
 
-// A law of time, sensors and inputs as laws of time alone, where these are held at some numbers; finite at `begin` [s].
+// A law of time, sensors and inputs as laws of time alone, where these are held at some numbers; those that are finite at
+// `begin` [s].
 std::vector<Expression> held_laws(const Expression& law, double begin);
 
 class LawSteps {

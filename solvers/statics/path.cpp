@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "libmbd/core/stop.hpp"
+#include "solvers/constraints/redundancy.hpp"
 #include "solvers/newton/increments.hpp"
 #include "solvers/newton/root.hpp"
 #include "solvers/statics/equilibrium.hpp"
@@ -293,10 +294,7 @@ class Follower {
             !(std::abs(deflated_.head(n_).dot(r.tail(n_))) <= balanced * scale_))
           return std::nullopt;
         report_.most_iterations = std::max(report_.most_iterations, k + 1);
-        if (!system_.out_of_range(point.state).empty()) {
-          why_ = range_failure(system_.out_of_range(point.state));
-          return std::nullopt;
-        }
+        if (!is_admissible(point.state)) return std::nullopt;
         point.arc = from.arc + sign_of_branch_ * size_of(moved_between(from.state, point.state));
         return point;
       }
@@ -304,6 +302,17 @@ class Follower {
       previous = e;
     }
     return std::nullopt;
+  }
+
+  // Whether what the iterations have converged to is an equilibrium.
+  bool is_admissible(const State& state) {
+    if (const std::string element = system_.out_of_range(state); !element.empty())
+      why_ = range_failure(element);
+    else if (std::optional<std::string> open = idle_rows_open(system_, state))
+      why_ = std::move(*open), is_open_ = true;
+    else
+      return true;
+    return false;
   }
 
   // Motions of the nodes from one state to another, and of such their measure, rms (W).
@@ -791,9 +800,11 @@ class Follower {
   // A step from `at` for one of h that failed. False where none is left: the report says why.
   bool shorten(const Point& at, double& h, int& leaps) {
     h *= 0.5;
-    if (h >= smallest_step * options_.max_step) return true;
+    // Rows that open do so beyond, with steps of any size.
+    const bool opens = is_open_ && h < 1e-3 * options_.max_step;
+    if (h >= smallest_step * options_.max_step && !opens) return true;
     // Within round-off of a singular point small steps do not converge; a large one may get past it.
-    if (leaps < most_leaps) {
+    if (leaps < most_leaps && !opens) {
       h = options_.max_step / std::pow(4.0, ++leaps);
       return true;
     }
@@ -883,6 +894,7 @@ class Follower {
         return finish(who, "the length asked for is reached");
       int iterations = 0;
       why_.clear();
+      is_open_ = false;
       double turn = 0.0;
       std::optional<Point> next = step(at, h, iterations, turn);
       if (!next && h <= corner_step * options_.max_step && !at.is_branching) {
@@ -983,6 +995,7 @@ class Follower {
   State last_;
   bool going_ = true;
   std::string why_;
+  bool is_open_ = false;  // that is because rows that repeated others no longer do
   std::vector<Bifurcation> bifurcations_;
   PathReport report_;
 };

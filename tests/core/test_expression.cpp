@@ -552,8 +552,15 @@ TEST(Expression, HeldAt) {
   const Expression held = law.held_at(3.0, 0.5);
   EXPECT_FALSE(held.has_sensors());
   EXPECT_FALSE(held.has_inputs());
-  EXPECT_NEAR(held(0.7).v, 4.0 * std::sin(0.7) + parameters.inputs["u"].factor - 2.1, 1e-15);
+  EXPECT_NEAR(held(0.7).v, 4.0 * std::sin(0.7) + 2.0 * 0.5 * 0.77 - 2.1, 1e-15);
   EXPECT_NEAR(held(0.7).d, 4.0 * std::cos(0.7) - 3.0, 1e-15);
+}
+
+// Two sensors do not read the same.
+TEST(Expression, HeldDifferencesAreNotZero) {
+  const Expression held =
+      Expression::parse("(a.rate-b.rate)*(1+t)", {}, Variables::time).held_at(1.0, 1.0);
+  EXPECT_GT(std::abs(held(0.0).v), 0.1);
 }
 
 // Functions that call others twice are read 2^n times: refused before that takes time or memory.

@@ -325,6 +325,25 @@ TEST(HeldStrains, StraightBetweenSupports) {
   EXPECT_EQ(checks(section(slender) + straight(2, 3) + clamp + "<static/>").redundant.size(), 0U);
 }
 
+// A path ends where rows that repeated others open, as load steps do: it went on with a beam that stretched, and with rods.
+TEST(HeldStrains, PathsEndWhereRowsOpen) {
+  for (
+      const std::string& model :
+      {section(slender) + straight(4, 3) + clamp +
+           R"(<fixed name="other" between="ground b.end"/><load name="P" at="b@0.5" force="0 -1 0"/>)",
+       std::string(R"xml(<body name="m" mass="1" inertia="1 1 1"/>
+            <planar name="pl" between="ground m" axis="0 1 0"/>
+            <distance name="d1" between="ground m" at_a="-1 0 0" at_b="0 0 0"/>
+            <distance name="d2" between="ground m" at_a="1 0 0" at_b="0 0 0"/>
+            <bushing name="k" between="ground m" stiffness="0 0 10" angular_stiffness="1 1 1"/>
+            <load name="P" at="m" force="0 0 -1"/>)xml")}) {
+    const RunReport r = run(read(model + R"(<path step="0.1" points="10"/>)"));
+    EXPECT_NE(r.failure, "");
+    EXPECT_LT(r.load_factor, 0.1);
+    EXPECT_SAYS(r.failure, "repeated each other");
+  }
+}
+
 TEST(HeldStrains, WhatIsRefused) {
   const auto beam_says = [](const std::string& attributes) {
     return refusal([&] {

@@ -172,6 +172,23 @@ TEST(LawSteps, PulsesBesideSensors) {
     }
 }
 
+// A blow times a difference: e = exp(-sqrt(pi)) is left of it. What nothing resolves is said, beside sensors too.
+TEST(LawSteps, PulsesTimesDifferences) {
+  const auto model = [](const std::string& law) {
+    return scene_of(
+        R"(<body name="a" mass="1" inertia="1 1 1" velocity="1 0 0"/><body name="c" mass="1" inertia="1 1 1"/>
+           <prismatic name="ra" between="ground a" axis="1 0 0"/><prismatic name="rc" between="ground c" axis="1 0 0"/>
+           <load at="c" force=")" +
+        law + R"( 0 0"/><transient duration="2" method="radau" tolerance="1e-6"/>
+           <record name="c" joint="rc" quantities="speed"/>)");
+  };
+  const History history = run_to_table(model("1000*exp(-((t-1.0371)/1e-3)^2)*(ra.speed-rc.speed)"));
+  EXPECT_NEAR(history.table["c.speed"].back(), 1.0 - std::exp(-std::sqrt(std::numbers::pi)), 1e-4);
+  const RunReport sharp = run(model("1e13*exp(-((t-1.0371)/1e-13)^2)*ra.speed"));
+  ASSERT_EQ(sharp.laws.unresolved.size(), 1U);
+  EXPECT_NE(sharp.laws.unresolved[0].find("near t = 1.037"), std::string::npos);
+}
+
 // A pole where a sensor need not come asks for nothing.
 TEST(LawSteps, PolesOfHeldSensorsAreNone) {
   const RunReport report = run(scene_of(

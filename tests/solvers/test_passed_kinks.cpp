@@ -84,7 +84,9 @@ TEST(PassedKinks, FixedStepsSaySo) {
       const History h = run_to_table(
           read(oscillator(gap, 1.0, 20.0, fmt::format(R"(method="{}" step="{}")", m, step))));
       const Check* const check = find(h.report.certificate, "kinks passed over");
-      if (check != nullptr) EXPECT_EQ(check->verdict, Verdict::warn);
+      if (check != nullptr) {
+        EXPECT_EQ(check->verdict, Verdict::warn);
+      }
       return check == nullptr ? 0.0 : check->value;
     };
     EXPECT_GE(value(coarse), 2.0) << method;
