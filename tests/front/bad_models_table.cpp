@@ -203,7 +203,7 @@ const std::vector<BadModel>& bad_models() {
       {"not_a_number", "pendulum", {8}, "transient", {"step", R"("ten"|ten)", "parameter|dt"},
        expression},
       {"nan", "pendulum", {4}, R"(body "rod")", {"mass", "nan"}, expression},
-      {"infinite", "cantilever", {5}, "stiffness", {"EA", "inf"}, expression},
+      {"infinite", "cantilever", {3}, R"(parameter "L")", {"value", "inf"}, expression},
       {"number_out_of_range", "cantilever", {5}, "stiffness", {"EA", "1e999"}, expression},
       {"overflow", "cantilever", {5}, "stiffness", {"EA", "finite"}, expression},
       {"decimal_comma", "pendulum", {4}, R"(body "rod")", {"center", "0,5", "point"}, expression},

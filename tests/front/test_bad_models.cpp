@@ -430,7 +430,7 @@ const std::vector<NotFinite>& not_finite() {
          std::get<Curve>(s.beams[0].line).points[1].normal = Vec3(0, 0, x);
        }},
       {"cantilever", "section \"strip\"|stiffness", "stiffness|EA",
-       [](Scene& s, double x) { s.sections[0].stiffness(0, 0) = x; }},
+       [](Scene& s, double x) { s.sections[0].stiffness(0, 0) = -x; }},
       {"cantilever", "section \"strip\"|stiffness", "stiffness|D14",
        [](Scene& s, double x) {
          s.sections[0].stiffness(0, 3) = s.sections[0].stiffness(3, 0) = x;

@@ -161,7 +161,7 @@ std::string csv_header(const AccuracyStudy& study) {
   header +=
       ",text,state,failure,cpu,cpu_stepping,repeats,memory,nodes,unknowns,multipliers,steps,"
       "substeps,retries,"
-      "rejected,tolerant,restarts,iterations,residuals,tangents,factorizations,"
+      "rejected,tolerant,restarts,passed_kinks,iterations,residuals,tangents,factorizations,"
       "substeps_of_five_stages,substeps_of_seven_stages";
   for (const Quantity& q : study.quantities)
     for (const char* what : {"rms", "largest", "at", "below_reference", "front"})
