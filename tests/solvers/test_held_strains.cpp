@@ -107,6 +107,9 @@ TEST(HeldStrains, RatesAreDerivatives) {
   for (std::size_t n = 1; n < state.V.size(); ++n) state.V[n] = random_vector<6>(rng, 1.0);
   VecX g, gdot, rate, rest;
   system.constraints(state, g, gdot);
+  VecX r;
+  system.residual(state, r);
+  EXPECT_LT((r.tail(system.multipliers()) - g).norm(), 1e-13 * g.norm());
   system.constraint_rates(state, rate, rest);
   const auto at = [&](double tau) {
     State moved = state;
