@@ -98,13 +98,9 @@ Scene part_of(const Scene& scene, const ReductionMembers& members, const Reducti
 }
 
 void check_stiffnesses(const Scene& part, const ReductionScene& reduction) {
-  const auto is_infinite = [](const Mat6& D) {
-    const auto held = infinite_stiffnesses(D);
-    return std::find(held.begin(), held.end(), true) != held.end();
-  };
   for (const Section& section : part.sections)
-    if (is_infinite(section.stations.empty() ? section.stiffness
-                                             : section.stations.front().stiffness))
+    if (const auto held = infinite_stiffnesses(section);
+        std::find(held.begin(), held.end(), true) != held.end())
       throw Error(reduction.source,
                   fmt::format("{}: {} has infinite stiffnesses, which component modes do not know; "
                               "give them numbers, or leave its beams out of the reduction",

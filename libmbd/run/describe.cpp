@@ -352,10 +352,6 @@ class Explainer {
   static constexpr std::array<std::string_view, 6> held_names = {
       "stretching", "shearing along b2", "shearing along b3",
       "twisting",   "bending about b2",  "bending about b3"};
-  static std::array<bool, 6> infinite_in(const Section& section) {
-    return infinite_stiffnesses(section.stations.empty() ? section.stiffness
-                                                         : section.stations.front().stiffness);
-  }
 
   static bool is_coupled(const Section& section) {
     const auto off_diagonal = [](const Mat6& D) { return !D.isDiagonal(0.0); };
@@ -407,7 +403,8 @@ class Explainer {
                   [this, which](const Section& s) { return is_used(s) && which(s); });
     };
     for (std::size_t c = 0; c < held_names.size(); ++c)
-      if (Names held = used([c](const Section& s) { return infinite_in(s)[c]; }); !held.empty())
+      if (Names held = used([c](const Section& s) { return infinite_stiffnesses(s)[c]; });
+          !held.empty())
         present(fmt::format("no {} of beams: its stiffness is infinite", held_names[c]),
                 std::move(held));
     either("coupling of stretching, shearing, bending and twisting", used(is_coupled),

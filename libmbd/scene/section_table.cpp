@@ -185,6 +185,11 @@ std::array<bool, 6> infinite_stiffnesses(const Mat6& D) {
   return held;
 }
 
+std::array<bool, 6> infinite_stiffnesses(const Section& section) {
+  return infinite_stiffnesses(section.stations.empty() ? section.stiffness
+                                                       : section.stations.front().stiffness);
+}
+
 double scaled_definiteness(const Mat6& M) {
   const Vec6 d = M.diagonal();
   if (!(d.minCoeff() > 0.0)) return d.minCoeff() < 0.0 ? -1.0 : 0.0;
@@ -249,9 +254,7 @@ struct SectionTable::Smooth {
 };
 
 SectionTable::SectionTable(const Section& section, double length)
-    : section_(&section),
-      held_(infinite_stiffnesses(section.stations.empty() ? section.stiffness
-                                                          : section.stations.front().stiffness)) {
+    : section_(&section), held_(infinite_stiffnesses(section)) {
   if (std::find(held_.begin(), held_.end(), true) != held_.end()) {
     auto finite = std::make_shared<Section>(section);
     stand_in(finite->stiffness, length);

@@ -28,8 +28,9 @@ Mat6 viscosity(const SectionDamping& damping, const Mat6& D);
 // section, the same at all stations, without couplings.
 void check_section(const Section& section);
 
-// The strains in which D is infinite.
+// The strains in which D is infinite; of a section that of the first of its stations, as all are alike in it.
 std::array<bool, 6> infinite_stiffnesses(const Mat6& D);
+std::array<bool, 6> infinite_stiffnesses(const Section& section);
 
 class SectionTable {
  public:

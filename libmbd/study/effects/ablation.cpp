@@ -86,7 +86,7 @@ const Mat6& first_stiffness(const Section& section) {
 using StiffnessRows = std::vector<Index>;
 
 bool is_infinite(const Section& section, const StiffnessRows& rows) {
-  const std::array<bool, 6> held = infinite_stiffnesses(first_stiffness(section));
+  const std::array<bool, 6> held = infinite_stiffnesses(section);
   return std::all_of(rows.begin(), rows.end(),
                      [&](Index i) { return held[static_cast<std::size_t>(i)]; });
 }
