@@ -41,7 +41,7 @@ std::string_view kept(std::string text) {
 }
 
 // Entries of D, or of what is viscous in its place: the diagonal, and couplings, which are 0 unless they are given.
-// `words`: what those of the diagonal may be instead of a number.
+// `words_instead`: what those of the diagonal may be instead of a number.
 std::vector<Attribute> entries(const Blocks& units, std::string_view fallback, const Range& range,
                                std::string_view more_of_first, std::string_view more_of_couplings,
                                std::string_view words_instead = {}) {

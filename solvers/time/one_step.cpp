@@ -18,9 +18,9 @@ constexpr int most_halvings = 40;
 constexpr int most_contradictions = 30;  // beyond these steps would only creep
 // So many steps in a row, each that many times the round-off of times: a run that would never end.
 constexpr int most_short_steps = 300;
-constexpr double least_of_turn = 1e-4;  // of a step: what turns at once has been met where it began
 constexpr double short_step = 100.0;
-constexpr int successes_double = 4;         // so many small steps in a row: back to twice the size
+constexpr double least_of_turn = 1e-4;  // of a step: what turns at once has been met where it began
+constexpr int successes_double = 4;     // so many small steps in a row: back to twice the size
 constexpr double loose_multipliers = 1e-2;  // their relative tolerance in a rank-tolerant step
 
 // A law of time may ask for less than the estimate of the error does, which knows only what it has seen.
