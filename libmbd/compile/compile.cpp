@@ -165,7 +165,10 @@ class Compiler {
     if (const std::string unusable = system_->unusable_signal(model.initial); !unusable.empty())
       throw Error(unusable);
     set_velocities(model.initial);
-    check(model.initial);
+    model.makers = joints_->makers();
+    for (const HeldElement& one : held_)
+      model.makers.insert(model.makers.end(), one.rows(), {one.beam->source, label(*one.beam)});
+    check(model.makers, model.initial);
     check_plugins(model.initial);
     find_repetitions(model);
     if (scene_.path) add_path_channel(model);
@@ -173,9 +176,6 @@ class Compiler {
     add_lines(model);
     add_places(model);
     model.joints = joints_->frames();
-    model.makers = joints_->makers();
-    for (const HeldElement& one : held_)
-      model.makers.insert(model.makers.end(), one.rows(), {one.beam->source, label(*one.beam)});
     model.fused = joints_->fused();
     for (const Mat6& M : masses_) model.mass += M(0, 0);
     for (const auto& part : reductions_) model.mass += part->model().mass;
@@ -1337,11 +1337,11 @@ class Compiler {
   // --- checks ---
 
   // Without a transient prescribed motions grow with the load, from none.
-  void check(State initial) const {
+  void check(const std::vector<Model::Maker>& makers, State initial) const {
     if (!scene_.transient) initial.load_factor = 0.0;
     if (const std::optional<OpenConstraint> open = find_open_constraint(
             *system_, initial, scene_.transient ? 1.0 / scene_.transient->duration : 1.0)) {
-      const Model::Maker& maker = joints_->makers()[static_cast<std::size_t>(open->multiplier)];
+      const Model::Maker& maker = makers[static_cast<std::size_t>(open->multiplier)];
       throw Error(maker.source, fmt::format("{}: {}: {}", maker.label, open->row, open->what));
     }
   }
@@ -1352,7 +1352,7 @@ class Compiler {
     system_->set_reaction_length(largest_distance());
     Redundancy found = find_redundancy(*system_, model.initial);
     if (found.rows.empty()) return;
-    refuse_contradictions(scene_, *system_, model.initial, joints_->makers(), found);
+    refuse_contradictions(scene_, *system_, model.initial, model.makers, found);
     system_->allow_idle_rows();
     model.initial.idle = std::move(found.idle);
     model.redundant = std::move(found.rows);

@@ -70,8 +70,10 @@ TEST(PassedKinks, AdaptiveStepsMeetStops) {
         const History h = run_to_table(read(oscillator(g, sign, 40.0, settings)));
         ASSERT_EQ(h.report.failure, "") << settings;
         const bool fine = std::string(settings).find("1e-8") != std::string::npos;
-        // After six touches that are missed it is 0.15 and 0.05 off.
-        EXPECT_LT(error_of(h, g, sign), fine ? 1e-3 : 0.02) << g << " " << settings;
+        // After six touches that are missed it is 0.15 and 0.05 off. Those that are met leave more than the tolerance:
+        // steps of 1e-4 s, in which velocities may be 1e-8 / 1e-4 off, turn 0.014 m/s round, so the amplitude is 1.4e-6
+        // off, and each touch after it comes 140 times that too late: 1e-3 after six. What it is depends on round-off.
+        EXPECT_LT(error_of(h, g, sign), fine ? 3e-3 : 0.02) << g << " " << settings;
         EXPECT_EQ(find(h.report.certificate, "kinks passed over"), nullptr) << settings;
       }
 }
