@@ -24,10 +24,6 @@
 
 namespace mbd::beam {
 
-// Orders above have kernels for single elements only: an element of theirs fills the registers by itself, and they take
-// long to compile.
-inline constexpr int most_packed = 4;
-
 struct EnergyForm {
   static constexpr const char* name = "energy form";
 };
@@ -55,8 +51,7 @@ struct Elastic {
   template <class S>
   using Output = ElementOutput<S, nodes, max_nodes>;
   // Real = Pack: constants of as many elements side by side as a pack has lanes.
-  static constexpr bool has_packs =
-      N >= 1 && N <= most_packed && is_energy && std::is_same_v<Real, double>;
+  static constexpr bool has_packs = is_energy && std::is_same_v<Real, double>;
   using Packed = std::conditional_t<has_packs, Elastic<Metric, Form, N, Pack>, void>;
 
   static int node_count(const Shared& shared) { return shared.table.order() + 1; }
