@@ -20,7 +20,8 @@ class KeptTangent {
     double memory;   // how fast a good contraction is believed
     double renew;    // worse: a new tangent inside the step
     double fresh;    // assumed of a new tangent
-    int iterations;  // this many: a new tangent at the next step
+    int iterations;  // this many: a new tangent at the next step,
+    int more;        // or so many more than with the last new one
   };
 
   constexpr explicit KeptTangent(const Policy& policy) : policy_(policy) {}
@@ -31,15 +32,20 @@ class KeptTangent {
   }
   // Of an increment, how much is left after it.
   double share_left() const { return std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999))); }
-  void accepted_after(int iterations) {
+  // A step, in which the tangent was new or not.
+  void accepted_after(int iterations, bool was_new) {
     if (iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
+    if (was_new) least_ = iterations;
   }
   bool is_poor() const { return theta_ > policy_.renew; }
-  bool is_old_after(int iterations) const { return iterations >= policy_.iterations; }
+  bool is_old_after(int iterations) const {
+    return iterations >= policy_.iterations || iterations >= least_ + policy_.more;
+  }
 
  private:
   Policy policy_;
   double theta_ = 0.1;
+  int least_ = 0;  // iterations of the step that it was new in
 };
 
 }  // namespace mbd

@@ -17,7 +17,7 @@ namespace mbd {
 namespace {
 
 constexpr KeptTangent::Policy tangent_policy{
-    .floor = 0.02, .memory = 0.3, .renew = 0.35, .fresh = 0.05, .iterations = 6};
+    .floor = 0.02, .memory = 0.3, .renew = 0.35, .fresh = 0.05, .iterations = 6, .more = 2};
 constexpr double stagnation = 0.3;  // increments below round-off that fall no faster are round-off
 // The tolerance of fixed steps is near the round-off of stiff scenes: what stalls this close to it is accepted.
 constexpr double stalled_fixed = 20.0;
@@ -458,7 +458,7 @@ bool Radau::iterate(StepReport& report) {
       // As small as asked for; or as round-off lets it become.
       if (exact * factor < 1.0 || (e * factor < stalled && stagnates)) {
         if (!in_range) break;
-        kept_.accepted_after(report.iterations);
+        kept_.accepted_after(report.iterations, fresh_);
         relinearize_next_ = kept_.is_old_after(report.iterations) && !fresh_ && !stagnates;
         return true;
       }
