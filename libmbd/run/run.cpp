@@ -241,8 +241,10 @@ class Run {
     for (const RecordScene& record : scene.records)
       shares_reactions_ = shares_reactions_ || (record.joint && !report_.redundant.empty());
     if (keeps_motion_) shares_reactions_ = shares_reactions_ || !report_.redundant.empty();
-    audit_.emplace(scene_, system, options.certify);
-    audit_->set_load_sampling(load_sampling(scene_, model_));
+    if (options.audit) {
+      audit_.emplace(scene_, system, options.certify);
+      audit_->set_load_sampling(load_sampling(scene_, model_));
+    }
     for (const auto& batch : system.batches())
       report_.batches.push_back({std::string(batch->type()), batch->size(), batch->bytes()});
     report_.compile = watch_.lap();
@@ -695,7 +697,7 @@ class Run {
     State inside = state;  // where steps are interpolated
     const bool rows_inside = steps == 0 || rows_->inside_steps();
     stepper->on_substep([&](const DenseStep& step) {
-      audit_->piece(step);
+      if (audit_) audit_->piece(step);
       if (frames_) write_inside(step, *frames_, inside, going, [&] { return write_frame(inside); });
       if (rows_inside) write_inside(step, *rows_, inside, going, [&] { return write_row(inside); });
     });
@@ -794,7 +796,7 @@ class Run {
         report_.kind = step.kind;
         break;
       }
-      audit_->step(step, state);
+      if (audit_) audit_->step(step, state);
       report_.most_iterations = std::max(report_.most_iterations, step.iterations);
       watch_.lap(report_.integration);
       at_end = steps > 0 ? n == steps : state.t > rows_->end() - rows_->slack();
@@ -963,7 +965,7 @@ class Run {
                                                 ? size
                                                 : size / model_.system->length_scale());
       }
-    audit_->sample(state);
+    if (audit_) audit_->sample(state);
     if (time_error_ && scene_.transient) time_error_->sample(state);
   }
 
@@ -1013,7 +1015,7 @@ class Run {
     if (!report_.complete() && report_.kind == Failure::none) report_.kind = Failure::convergence;
     check_energy();
     estimate_time_error();
-    report_.certificate = audit_->certificate(report_);
+    if (audit_) report_.certificate = audit_->certificate(report_);
     report_.expects = expectations_->results();
     for (Observer* const observer : observers_) {
       try {

@@ -27,6 +27,7 @@ struct RunOptions {
   std::vector<Observer*> observers = {};        // more of them; they must outlive the run
   std::vector<std::string> notes = {};          // that the report begins with
   std::optional<ChosenAccuracy> accuracy = {};  // for the report
+  bool audit = true;     // the certificate; false: none, and no step is looked at for one
   bool certify = false;  // the dear checks of the certificate too (certificate.hpp)
   // Of a transient that comes to its end, a second run in other steps, of 0.5 to 0.8 times its cost, which estimates its
   // error (time_error.hpp).

@@ -29,12 +29,13 @@ constexpr double to_believe = 2.5;  // times the cost of a run: of one with a fi
 constexpr int first_order = 3, highest_order = 8;
 constexpr int usual_highest = 6;  // of a transient: above, more elements cost less
 constexpr int most_elements = 4000;
-constexpr double slow = 3.0;            // decay below which elements are doubled
-constexpr double much_jump = 0.3;       // of the strain
-constexpr int most_without_gain = 3;    // refinements in a row
-constexpr double worth_a_look = 0.05;   // [s] of a run for which what is cheaper is tried
-constexpr double enough_cheaper = 0.7;  // for less, nothing is changed
-constexpr double zero_by_name = 1e-12;  // of the largest quantity of the unit: round-off
+constexpr double most_per_order = 100.0;  // that is believed
+constexpr double slow = 3.0;              // decay below which elements are doubled
+constexpr double much_jump = 0.3;         // of the strain
+constexpr int most_without_gain = 3;      // refinements in a row
+constexpr double worth_a_look = 0.05;     // [s] of a run for which what is cheaper is tried
+constexpr double enough_cheaper = 0.7;    // for less, nothing is changed
+constexpr double zero_by_name = 1e-12;    // of the largest quantity of the unit: round-off
 
 std::vector<Components> vectors_of(const Findings& findings,
                                    const std::vector<std::string>& names) {
@@ -162,9 +163,9 @@ class Chooser {
     if (options_.progress) options_.progress(pilot.text);
     Known known{setting, {}, choice_.pilots.size()};
     try {
-      known.trial =
-          run_trial(with(scene_, setting),
-                    {.resolution = flexible(), .limit = std::min(left, limit), .repeats = 1});
+      known.trial = run_trial(
+          with(scene_, setting),
+          {.resolution = flexible(), .audit = false, .limit = std::min(left, limit), .repeats = 1});
     } catch (const Error& error) {
       known.trial.failure = error.what();
     }
@@ -312,9 +313,12 @@ class Chooser {
 
   static Mesh finer(const Mesh& mesh) {
     Mesh better = mesh;
-    if (better.order < highest_order) ++better.order;
-    // By symmetry an order more may change nothing of a single element.
-    if (better.order == mesh.order || better.elements == 1) better.elements *= 2;
+    // By symmetry one order more may change nothing of a single element.
+    const int more = mesh.elements == 1 ? 2 : 1;
+    if (mesh.order + more <= highest_order)
+      better.order += more;
+    else
+      better.elements *= 2;
     return better;
   }
 
@@ -333,7 +337,7 @@ class Chooser {
   // The next mesh, for an error `factor` times smaller.
   Mesh refined(const Mesh& mesh, double factor, const Trial& trial, std::optional<double> rate) {
     const int highest = moving() ? usual_highest : highest_order;
-    const double per_order = std::min(rate.value_or(expected_rate(trial)), 100.0);
+    const double per_order = std::min(rate.value_or(expected_rate(trial)), most_per_order);
     Mesh next = mesh;
     if (per_order >= slow && mesh.order < highest) {
       const int more = static_cast<int>(std::ceil(std::log(factor) / std::log(per_order) - 0.1));
@@ -378,7 +382,7 @@ class Chooser {
     if (moving()) {
       tolerance_ = std::max(tolerance_, loose_tolerance);
       choose_steps(mesh);
-      settle_time(mesh, part_of_time * accuracy);
+      if (fixed_ || !is_of_mesh(mesh, measured)) settle_time(mesh, part_of_time * accuracy);
     }
     for (int without_gain = 0;;) {
       const Known& run = get(setting(mesh, tolerance_));
@@ -417,6 +421,38 @@ class Chooser {
         throw Enough{fmt::format("more than {} elements", most_elements)};
       mesh = next;
     }
+  }
+
+  // Does the first mesh err by more than the loosest tolerance does? Then no time is spent on how that has to fall there: the
+  // next mesh is tried with the tolerance that the difference of two runs lets expect, and time is settled where it matters.
+  bool is_of_mesh(Mesh& mesh, std::vector<std::pair<Mesh, double>>& measured) {
+    const double target = part_of_time * options_.accuracy, finer_tolerance = better(tolerance_);
+    const Known& run = get(setting(mesh, finer_tolerance));
+    const double in_time = compare(get(setting(mesh, tolerance_)), run).rms * (1.0 + rest_of(1.0));
+    if (!std::isfinite(in_time) || in_time <= target) return false;
+    const Known& finer_run = get(setting(finer(mesh), finer_tolerance));
+    const Disagreement d = compare(run, finer_run);
+    if (!std::isfinite(d.rms) || d.rms < std::max(in_time, options_.accuracy)) return false;
+    believe(run, finer_run, 0.2 + in_time / d.rms);
+    const double next = std::max(tolerance_ * aimed * target / in_time, 10.0 * finest_tolerance);
+    tolerance_ = allowed(std::clamp(next, 1e-4 * tolerance_, 0.5 * tolerance_));
+    in_time_ = target;
+    measured.push_back({mesh, d.rms});
+    mesh = cheapest(mesh, d.rms / (aimed * options_.accuracy), run.trial);
+    return true;
+  }
+
+  // The next mesh where nothing is measured yet. What is very smooth takes fewer nodes by higher orders on elements twice as
+  // long: the error of order N is then 2^(N + 1) times as large.
+  Mesh cheapest(const Mesh& mesh, double factor, const Trial& trial) {
+    const Mesh same = refined(mesh, factor, trial, std::nullopt);
+    const double per_order = std::min(expected_rate(trial), most_per_order);
+    if (mesh.elements % 2 != 0) return same;
+    for (int order = mesh.order + 1; order <= usual_highest; ++order)
+      if (std::pow(per_order, order - mesh.order) >= factor * std::pow(2.0, order + 1) &&
+          order * mesh.elements / 2 < same.order * same.elements)
+        return {order, mesh.elements / 2};
+    return same;
   }
 
   // By what factor one order more has lessened the difference to the finer mesh.

@@ -126,6 +126,7 @@ Trial run_here(Scene scene, const TrialOptions& options) {
   RunOptions run_options;
   run_options.observers = {&finder};
   run_options.estimate_error = false;
+  run_options.audit = options.audit;
   run_options.progress = [&](const Progress&) { deadline.check(); };
   try {
     const RunReport report = run(scene, run_options);

@@ -48,6 +48,7 @@ struct Trial {
 struct TrialOptions {
   int samples = 200;        // of a transient
   bool resolution = false;  // look at how well elements resolve the beams (Trial::beams)
+  bool audit = true;        // as runs are; false: what a certificate takes is left out of its cost
   double limit = 1e30;      // CPU time at which it is stopped [s]
   double wall =
       1e30;  // wall time at which it is stopped [s]: it may wait for a processor that others use
