@@ -33,6 +33,7 @@ constexpr double most_per_order = 100.0;  // that is believed
 constexpr double slow = 3.0;              // decay below which elements are doubled
 constexpr double much_jump = 0.3;         // of the strain
 constexpr int most_without_gain = 3;      // refinements in a row
+constexpr double hardly_less = 0.1;       // after all of them
 constexpr double worth_a_look = 0.05;     // [s] of a run for which what is cheaper is tried
 constexpr double enough_cheaper = 0.7;    // for less, nothing is changed
 constexpr double zero_by_name = 1e-12;    // of the largest quantity of the unit: round-off
@@ -262,6 +263,9 @@ class Chooser {
       if (without_gain >= most_without_gain)
         throw Enough{not_approaching("runs with ever smaller tolerances", d), true};
       const double finest = fixed_ ? finest_step : 10.0 * finest_tolerance;
+      // Of chaos one pair in a few may differ less by luck.
+      if (!(tolerance_ > finest) && d.rms > hardly_less * measured.front().error)
+        throw Enough{not_approaching("runs with ever smaller tolerances", d), true};
       if (!(tolerance_ > finest))
         throw Enough{
             fmt::format("{} below {:g} are not tried{}{}",
