@@ -20,6 +20,9 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double part_of_time = 0.4, part_alone = 0.7;
 constexpr double loose_tolerance = 1e-4;  // the first of beams
 constexpr double aimed = 0.5;             // of a part, when a knob is turned
+constexpr double dear_look =
+    1.0 / 20;  // of the limit: such runs are not made to see what strains show to be
+constexpr double far_off = 100.0;  // so many times the accuracy
 constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
 constexpr double finest_step = 1.0 / 4096;     // part of the model's own
 constexpr double part_of_first_run = 1.0 / 6;  // of the limit: for one run with a tolerance, and
@@ -434,15 +437,20 @@ class Chooser {
     const Known& run = get(setting(mesh, finer_tolerance));
     const double in_time = compare(get(setting(mesh, tolerance_)), run).rms * (1.0 + rest_of(1.0));
     if (!std::isfinite(in_time) || in_time <= target) return false;
-    const Known& finer_run = get(setting(finer(mesh), finer_tolerance));
-    const Disagreement d = compare(run, finer_run);
-    if (!std::isfinite(d.rms) || d.rms < std::max(in_time, options_.accuracy)) return false;
-    believe(run, finer_run, 0.2 + in_time / d.rms);
+    double in_space = 0.0;
+    for (const BeamResolution& beam : run.trial.beams) in_space = std::max(in_space, beam.last());
+    // What strains lack says enough where it is much and a run that says more is dear.
+    if (run.trial.cpu < dear_look * options_.limit || in_space < far_off * options_.accuracy) {
+      const Known& finer_run = get(setting(finer(mesh), finer_tolerance));
+      in_space = compare(run, finer_run).rms;
+      if (!std::isfinite(in_space) || in_space < std::max(in_time, options_.accuracy)) return false;
+      believe(run, finer_run, 0.2 + in_time / in_space);
+      measured.push_back({mesh, in_space});
+    }
     const double next = std::max(tolerance_ * aimed * target / in_time, 10.0 * finest_tolerance);
     tolerance_ = allowed(std::clamp(next, 1e-4 * tolerance_, 0.5 * tolerance_));
     in_time_ = target;
-    measured.push_back({mesh, d.rms});
-    mesh = cheapest(mesh, d.rms / (aimed * options_.accuracy), run.trial);
+    mesh = cheapest(mesh, in_space / (aimed * options_.accuracy), run.trial);
     return true;
   }
 
