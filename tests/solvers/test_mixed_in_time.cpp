@@ -36,7 +36,7 @@ struct Law {
     return fmt::format("{} {} {}", name_of(metric), name_of(form), order);
   }
   // How many elements lie side by side in its numbers.
-  std::size_t lanes() const { return form == Form::energy && order <= 4 ? pack_count : 1; }
+  std::size_t lanes() const { return form == Form::energy ? pack_count : 1; }
 };
 // Orders with packs, without, and of run-time size.
 std::vector<Law> laws() {

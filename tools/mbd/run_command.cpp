@@ -137,7 +137,7 @@ void choose_settings(const RunArguments& arguments, Scene& scene, RunOptions& op
     fmt::print("accuracy {:g}: {} pilot run{}, {:.3g} s of CPU time\n", choice.accuracy,
                choice.pilots.size(), choice.pilots.size() == 1 ? "" : "s", choice.cpu);
     for (const Pilot& pilot : choice.pilots)
-      fmt::print("{} {:8.3g} s  {:<22}  {}\n", pilot.setting == choice.setting ? '>' : ' ',
+      fmt::print("{} {:8.3g} s  {:<22}  {}\n", pilot.text == options.accuracy->setting ? '>' : ' ',
                  pilot.cpu,
                  pilot.cut_off            ? "cut off: too dear"
                  : !pilot.failure.empty() ? "failed"
@@ -146,7 +146,8 @@ void choose_settings(const RunArguments& arguments, Scene& scene, RunOptions& op
                  pilot.text);
     const std::string permanent = snippet(scene, choice.setting);
     if (permanent.empty())
-      fmt::print("The model's own settings do.\n\n");
+      fmt::print("{}\n\n", choice.met ? "The model's own settings do."
+                                      : "It runs with the model's own settings.");
     else
       fmt::print("To make it permanent, write into the model:\n{}\n", permanent);
     std::fflush(stdout);

@@ -9,6 +9,7 @@
 
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/language/quantities.hpp"
+#include "libmbd/scene/places.hpp"
 #include "libmbd/study/trial/norm.hpp"
 
 namespace mbd {
@@ -91,6 +92,7 @@ class Chooser {
       errors_ = ErrorsOf::motion;
     try {
       search();
+      look_at_stations();
     } catch (const Enough& enough) {
       choice_.reason = enough.reason;
       lost_ = enough.lost;
@@ -414,7 +416,7 @@ class Chooser {
       }
       if (std::isfinite(d.rms)) {
         choice_.pilots[run.pilot].in_space = std::max(0.0, error - in_time_);
-        if (is_of_time(mesh, run, error, !measured.empty())) continue;
+        if (is_of_time(mesh, run, error, !measured.empty() || time_is_guessed_)) continue;
       }
       if (!measured.empty() && std::isfinite(d.rms) && std::isfinite(measured.back().second)) {
         without_gain = d.rms > 0.5 * measured.back().second ? without_gain + 1 : 0;
@@ -440,7 +442,8 @@ class Chooser {
     double in_space = 0.0;
     for (const BeamResolution& beam : run.trial.beams) in_space = std::max(in_space, beam.last());
     // What strains lack says enough where it is much and a run that says more is dear.
-    if (run.trial.cpu < dear_look * options_.limit || in_space < far_off * options_.accuracy) {
+    if (run.trial.cpu < dear_look * options_.limit ||
+        in_space < std::max(in_time, far_off * options_.accuracy)) {
       const Known& finer_run = get(setting(finer(mesh), finer_tolerance));
       in_space = compare(run, finer_run).rms;
       if (!std::isfinite(in_space) || in_space < std::max(in_time, options_.accuracy)) return false;
@@ -450,6 +453,7 @@ class Chooser {
     const double next = std::max(tolerance_ * aimed * target / in_time, 10.0 * finest_tolerance);
     tolerance_ = allowed(std::clamp(next, 1e-4 * tolerance_, 0.5 * tolerance_));
     in_time_ = target;
+    time_is_guessed_ = true;
     mesh = cheapest(mesh, in_space / (aimed * options_.accuracy), run.trial);
     return true;
   }
@@ -558,6 +562,68 @@ class Chooser {
     }
   }
 
+  // The scene as chosen, but with ends of elements at all stations of linear tables that had kinks inside; nothing where there
+  // are none. `whose`: a beam of them.
+  std::optional<Scene> with_ends_at_stations(std::string& whose) const {
+    Scene scene = with(scene_, choice_.setting);
+    for (BeamScene& beam : scene.beams) {
+      const Section* const section = section_of(scene, beam);
+      if (section == nullptr || section->interpolation != Interpolation::linear ||
+          beam.mesh == mbd::Mesh::stations)
+        continue;
+      const auto is_inside = [&](const Station& station) {
+        const double place = station.at * beam.elements;
+        return std::abs(place - std::round(place)) > 1e-9;
+      };
+      if (std::none_of(section->stations.begin(), section->stations.end(), is_inside)) continue;
+      const auto parts = static_cast<int>(section->stations.size()) - 1;
+      beam.mesh = mbd::Mesh::stations;
+      beam.elements = (beam.elements + parts - 1) / parts;
+      whose = beam.name;
+    }
+    if (whose.empty()) return std::nullopt;
+    return scene;
+  }
+
+  // Kinks inside elements are smoothed by every order alike: runs that agree may all be wrong. One run whose elements end there
+  // tells.
+  void look_at_stations() {
+    if (!choice_.error || *choice_.error > options_.accuracy) return;
+    std::string whose;
+    const std::optional<Scene> scene = with_ends_at_stations(whose);
+    if (!scene) return;
+    Pilot pilot;
+    pilot.setting = choice_.setting;
+    pilot.text = "the same, mesh=\"stations\"";
+    if (options_.progress) options_.progress(pilot.text);
+    const Known& chosen = get(choice_.setting);
+    const Trial trial = run_trial(
+        *scene,
+        {.audit = false, .limit = std::max(options_.limit - choice_.cpu, 0.0), .repeats = 1});
+    pilot.cpu = trial.cpu;
+    pilot.cut_off = trial.stopped;
+    pilot.failure = trial.failure;
+    choice_.cpu += trial.cpu;
+    choice_.pilots.push_back(std::move(pilot));
+    const std::string remedy = fmt::format(
+        "the table of beam \"{}\" has kinks inside its elements; give it mesh=\"stations\"", whose);
+    if (!trial.complete) {
+      choice_.error.reset();
+      throw Enough{
+          fmt::format("a run that ends elements at the stations of tables did not come to "
+                      "its end: {}",
+                      remedy)};
+    }
+    const Disagreement d =
+        disagreement(chosen.trial.findings, trial.findings, options_.accuracy, options_.quantities);
+    if (!(d.rms > *choice_.error)) return;
+    choice_.error = d.rms;
+    choice_.worst = d.worst;
+    if (d.rms > options_.accuracy)
+      throw Enough{
+          fmt::format("{} (elements that end there move {} by {:.1e})", remedy, d.worst, d.rms)};
+  }
+
   void finish() {
     if (!choice_.error) {  // the best of what came to its end, the finest being the last
       for (const Known& known : known_)
@@ -591,7 +657,8 @@ class Chooser {
   double tolerance_ = 0.0;          // or that fraction
   std::optional<ErrorsOf> errors_;  // the scene's own where there is none
   double in_time_ = 0.0;
-  double verified_ = 0.0;  // believed of the run that was verified
+  bool time_is_guessed_ = false;  // the tolerance follows from runs on another mesh
+  double verified_ = 0.0;         // believed of the run that was verified
   // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].
   std::optional<Kept> kept_;
   double reserve_ = 0.0;
@@ -653,7 +720,7 @@ ChosenAccuracy summary_of(const Choice& choice) {
                         .cpu = choice.cpu};
   for (const Pilot& pilot : choice.pilots) {
     chosen.pilots.push_back({pilot.text, pilot.cpu, pilot.error, pilot.cut_off, pilot.failure});
-    if (pilot.setting == choice.setting) chosen.setting = pilot.text;
+    if (pilot.setting == choice.setting && chosen.setting.empty()) chosen.setting = pilot.text;
   }
   return chosen;
 }

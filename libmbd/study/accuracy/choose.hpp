@@ -6,16 +6,19 @@
 // by those; that, rotations and branches: norm.hpp. Of a path, loads and recorded numbers at its special points count.
 //
 // What is believed is a difference, never a formula: a run and one with all its knobs finer (a tenth of the
-// tolerance, one order more, and of one element two). The finer run's own error, by the rate at which earlier
+// tolerance, one order more, of one element two). The finer run's own error, by the rate at which earlier
 // differences fell, is added.
 //
 //   time   radau with tolerances: tau and tau/10 on a coarse mesh; from their difference e the next tau is
-//          tau (target / e)^(1/p), p measured, 1 until it is. Rounded down to 1, 2, 5 10^k.
+//          tau (target / e)^(1/p), p measured, 1 until it is. Rounded down to 1, 2, 5 10^k. Where the first mesh errs by
+//          more than e, the next tau is not tried on it but on the next mesh.
 //   space  one order more: the next mesh by the measured rate, or, before there is one, by the decay sigma of
 //          Legendre coefficients (resolution.hpp): sigma^1.5, between that of strains (sigma) and of displacements
 //          (sigma^2). Where sigma is small, or strains jump from element to element, the motion is not smooth at the
-//          size of the elements, and their number is doubled instead.
-//   last   what is cheaper and, measured against the run that verified the choice, as good: at coarse accuracies the
+//          size of the elements, and their number is doubled instead. Of the first mesh a run that takes more than a
+//          twentieth of the limit is not repeated with one order more: the last coefficients say how much it errs. Where
+//          sigma is large, half the elements with a higher order are taken if they have fewer nodes (2^(N+1) the error).
+//   last   of tables with kinks inside elements, a run whose elements end there. And what is cheaper and, measured against the run that verified the choice, as good: at coarse accuracies the
 //          scene's own time steps, fixed steps of radau (fewer than the tolerance took), and half the elements, as long as
 //          each does.
 //
