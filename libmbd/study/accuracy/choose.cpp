@@ -391,6 +391,7 @@ class Chooser {
     if (moving()) {
       tolerance_ = std::max(tolerance_, loose_tolerance);
       choose_steps(mesh);
+      bend_enough(mesh, own);
       if (fixed_ || !is_of_mesh(mesh, measured)) settle_time(mesh, part_of_time * accuracy);
     }
     for (int without_gain = 0;;) {
@@ -430,6 +431,15 @@ class Chooser {
         throw Enough{fmt::format("more than {} elements", most_elements)};
       mesh = next;
     }
+  }
+
+  // A first mesh that cannot be bent so far is not made to by smaller tolerances.
+  void bend_enough(Mesh& mesh, int own) {
+    for (Mesh more = mesh; more.elements <= 4 * own; more.elements *= 2)
+      if (get(setting(more, tolerance_)).trial.complete) {
+        mesh = more;
+        return;
+      }
   }
 
   // Does the first mesh err by more than the loosest tolerance does? Then no time is spent on how that has to fall there: the
