@@ -35,25 +35,17 @@ class KeptTangent {
   // A step, in which the tangent was new or not.
   void accepted_after(int iterations, bool was_new) {
     if (iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
-    if (was_new) {
-      // Where a new one was of no use, it was not the tangent.
-      if (grown(last_)) patience_ = iterations < last_ - 1 ? 0 : patience_ + 1;
-      least_ = iterations;
-    }
-    last_ = iterations;
+    if (was_new) least_ = iterations;
   }
   bool is_poor() const { return theta_ > policy_.renew; }
   bool is_old_after(int iterations) const {
-    return iterations >= policy_.iterations || grown(iterations);
+    return iterations >= policy_.iterations || iterations >= least_ + policy_.more;
   }
 
  private:
-  bool grown(int iterations) const { return iterations >= least_ + policy_.more + patience_; }
-
   Policy policy_;
   double theta_ = 0.1;
-  // Iterations of the step that it was new in, and of the last; how many more are borne.
-  int least_ = 0, last_ = 0, patience_ = 0;
+  int least_ = 0;  // iterations of the step that it was new in
 };
 
 }  // namespace mbd

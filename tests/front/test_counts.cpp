@@ -31,7 +31,7 @@ const Case cases[] = {
     {"double_pendulum_beams", "double_pendulum_beams", TimeMethod::generalized_alpha, 0.0, 0.2, 400,
      440, 6},
     {"slider_crank", "slider_crank", TimeMethod::generalized_alpha, 0.0, 0.02, 200, 444, 47},
-    {"heavy_top_radau", "heavy_top", TimeMethod::radau, 1e-6, 0.5, 82, 330, 2},
+    {"heavy_top_radau", "heavy_top", TimeMethod::radau, 1e-6, 0.5, 82, 332, 10},
     {"shaft_radau", "shaft", TimeMethod::radau, 1e-4, 0.5, 54, 127, 4},
     {"heavy_top_ida", "heavy_top", TimeMethod::ida, 1e-5, 0.5, 552, 583, 19},
     {"bend45", "bend45", TimeMethod::generalized_alpha, 0.0, 0.0, 3, 14, 18},
