@@ -290,11 +290,12 @@ std::optional<CriticalMode> critical_mode(const System& system, LinearSolver& so
 }
 
 std::string name_of_motion(const System& system, const VecX& shape) {
+  constexpr double alike = 1.0 + 1e-6;  // by symmetry: the first is named, whatever round-off says
   const VecX w = motion_weights(system);
   Index largest = 0;
   double most = -1.0;
   for (Index i = 0; i < 6 * (system.nodes() - 1); ++i)
-    if (const double size = w(i) * shape(i) * shape(i); size > most) {
+    if (const double size = w(i) * shape(i) * shape(i); size > alike * most) {
       most = size;
       largest = i;
     }
