@@ -15,13 +15,14 @@ namespace mbd {
 
 class KeptTangent {
  public:
+  static constexpr int never = 1 << 20;
   struct Policy {
-    double floor;    // least contraction that is believed
-    double memory;   // how fast a good contraction is believed
-    double renew;    // worse: a new tangent inside the step
-    double fresh;    // assumed of a new tangent
-    int iterations;  // this many: a new tangent at the next step,
-    int more;        // or so many more than with the last new one
+    double floor;      // least contraction that is believed
+    double memory;     // how fast a good contraction is believed
+    double renew;      // worse: a new tangent inside the step
+    double fresh;      // assumed of a new tangent
+    int iterations;    // this many: a new tangent at the next step,
+    int more = never;  // or so many more than with the last new one
   };
 
   constexpr explicit KeptTangent(const Policy& policy) : policy_(policy) {}
@@ -33,7 +34,7 @@ class KeptTangent {
   // Of an increment, how much is left after it.
   double share_left() const { return std::min(1.0, theta_ / (1.0 - std::min(theta_, 0.999))); }
   // A step, in which the tangent was new or not.
-  void accepted_after(int iterations, bool was_new) {
+  void accepted_after(int iterations, bool was_new = false) {
     if (iterations == 1) theta_ = std::min(2.0 * theta_, 0.9);
     if (was_new) least_ = iterations;
   }

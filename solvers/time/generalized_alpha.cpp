@@ -16,7 +16,7 @@ namespace {
 // With a floor of 1e-3 a stale contraction let multipliers of a chain pass that were wrong by 1e-3; 0.1 costs a few per
 // cent of the iterations.
 constexpr KeptTangent::Policy tangent_policy{
-    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3, .more = 3};
+    .floor = 0.1, .memory = 0.3, .renew = 0.5, .fresh = 0.05, .iterations = 3};
 // Adaptive steps: the estimate (4) goes with h^3, the error with h^2; the constant was chosen so that errors of
 // the dynamic models are about the tolerance.
 constexpr int error_order = 3;
@@ -427,7 +427,7 @@ bool GeneralizedAlpha::iterate(StepReport& report) {
     if (is_settled) report.contraction = contraction;
     if (left < 1.0 || is_settled) {
       if (!in_range) break;
-      kept_.accepted_after(report.iterations, false);
+      kept_.accepted_after(report.iterations);
       refactor_next_ = kept_.is_old_after(report.iterations);
       return true;
     }

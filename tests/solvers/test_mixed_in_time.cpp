@@ -38,7 +38,7 @@ struct Law {
   // How many elements lie side by side in its numbers.
   std::size_t lanes() const { return form == Form::energy ? pack_count : 1; }
 };
-// Orders with packs, without, and of run-time size.
+// Orders of fixed and of run-time size; the paper's form has no packs.
 std::vector<Law> laws() {
   std::vector<Law> all;
   for (const Metric metric : all_metrics)
