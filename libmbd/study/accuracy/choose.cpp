@@ -21,9 +21,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double part_of_time = 0.4, part_alone = 0.7;
 constexpr double loose_tolerance = 1e-4;  // the first of beams
 constexpr double aimed = 0.5;             // of a part, when a knob is turned
-constexpr double dear_look =
-    1.0 / 20;  // of the limit: such runs are not made to see what strains show to be
-constexpr double far_off = 100.0;  // so many times the accuracy
+// Runs longer than that part of the limit are not made to see what strains show to err by so many times the accuracy.
+constexpr double dear_look = 1.0 / 20, far_off = 100.0;
 constexpr double finest_tolerance = 1e-13, coarsest_tolerance = 1e-3;
 constexpr double finest_step = 1.0 / 4096;     // part of the model's own
 constexpr double part_of_first_run = 1.0 / 6;  // of the limit: for one run with a tolerance, and
@@ -92,11 +91,16 @@ class Chooser {
       errors_ = ErrorsOf::motion;
     try {
       search();
-      look_at_stations();
     } catch (const Enough& enough) {
       choice_.reason = enough.reason;
       lost_ = enough.lost;
       if (enough.late) believe_kept();
+    }
+    try {  // where the search ended before
+      if (!at_stations_ && choice_.error && *choice_.error <= options_.accuracy)
+        look_at_stations(get(choice_.setting));
+    } catch (const Enough& enough) {
+      choice_.reason = enough.reason;
     }
     finish();
     return std::move(choice_);
@@ -155,6 +159,29 @@ class Chooser {
   }
   double better(double knob) const { return allowed(knob / refinement()); }
 
+  // Runs a pilot, of a scene that is made then, and writes it down.
+  template <class MakeScene>
+  Trial try_out(const Setting& setting, const std::string& text, const MakeScene& scene,
+                double limit) {
+    if (options_.progress) options_.progress(text);
+    Trial trial;
+    try {
+      trial = run_trial(scene(),
+                        {.resolution = flexible(), .audit = false, .limit = limit, .repeats = 1});
+    } catch (const Error& error) {
+      trial.failure = error.what();
+    }
+    Pilot pilot;
+    pilot.setting = setting;
+    pilot.text = text;
+    pilot.cpu = trial.cpu;
+    pilot.cut_off = trial.stopped;
+    pilot.failure = trial.failure;
+    choice_.cpu += pilot.cpu;
+    choice_.pilots.push_back(std::move(pilot));
+    return trial;
+  }
+
   // Made once. Throws Enough where there is no time left.
   const Known& get(const Setting& setting, double limit = infinite) {
     for (const Known& known : known_)
@@ -163,24 +190,12 @@ class Chooser {
     const std::string out_of_time =
         fmt::format("the limit of {:g} s of CPU time for choosing is reached", options_.limit);
     if (!(left > 0.0)) throw Enough{.reason = out_of_time, .late = true};
-    Pilot pilot;
-    pilot.setting = setting;
-    pilot.text = to_text(scene_, setting);
-    if (options_.progress) options_.progress(pilot.text);
-    Known known{setting, {}, choice_.pilots.size()};
-    try {
-      known.trial = run_trial(
-          with(scene_, setting),
-          {.resolution = flexible(), .audit = false, .limit = std::min(left, limit), .repeats = 1});
-    } catch (const Error& error) {
-      known.trial.failure = error.what();
-    }
-    pilot.cpu = known.trial.cpu;
-    pilot.cut_off = known.trial.stopped;
-    pilot.failure = known.trial.failure;
-    choice_.cpu += pilot.cpu;
-    choice_.pilots.push_back(std::move(pilot));
-    known_.push_back(std::move(known));
+    const std::size_t pilot = choice_.pilots.size();
+    known_.push_back({setting,
+                      try_out(
+                          setting, to_text(scene_, setting), [&] { return with(scene_, setting); },
+                          std::min(left, limit)),
+                      pilot});
     if (known_.back().trial.stopped && limit >= left)
       throw Enough{.reason = out_of_time, .late = true};
     return known_.back();
@@ -265,13 +280,13 @@ class Chooser {
         }
         without_gain = gain || !std::isfinite(d.rms) ? 0 : without_gain + 1;
       }
-      if (without_gain >= most_without_gain)
-        throw Enough{not_approaching("runs with ever smaller tolerances", d), true};
       const double finest = fixed_ ? finest_step : 10.0 * finest_tolerance;
+      const bool at_end = !(tolerance_ > finest);
       // Of chaos one pair in a few may differ less by luck.
-      if (!(tolerance_ > finest) && d.rms > hardly_less * measured.front().error)
+      if (without_gain >= most_without_gain ||
+          (at_end && d.rms > hardly_less * measured.front().error))
         throw Enough{not_approaching("runs with ever smaller tolerances", d), true};
-      if (!(tolerance_ > finest))
+      if (at_end)
         throw Enough{
             fmt::format("{} below {:g} are not tried{}{}",
                         fixed_ ? "parts of the model's step" : "tolerances", tolerance_,
@@ -395,12 +410,8 @@ class Chooser {
       if (fixed_ || !is_of_mesh(mesh, measured)) settle_time(mesh, part_of_time * accuracy);
     }
     for (int without_gain = 0;;) {
+      bend_enough(mesh, own);
       const Known& run = get(setting(mesh, tolerance_));
-      // A mesh too coarse to be bent so far.
-      if (!run.trial.complete && mesh.elements < 4 * own) {
-        mesh.elements *= 2;
-        continue;
-      }
       if (!run.trial.complete) throw Enough{"no run came to its end: " + run.trial.failure};
       const Mesh better_mesh = finer(mesh);
       const Known& finer_run =
@@ -412,6 +423,7 @@ class Chooser {
           std::max(rate ? 1.0 / (std::max(*rate, 2.0) - 1.0) : 0.2, fixed_ ? rest_of(2.0) : 0.0);
       const double error = believe(run, finer_run, std::clamp(rest, 0.1, 1.0));
       if (error <= 0.9 * accuracy) {
+        look_at_stations(run);
         try_cheaper(mesh);
         return;
       }
@@ -433,13 +445,13 @@ class Chooser {
     }
   }
 
-  // A first mesh that cannot be bent so far is not made to by smaller tolerances.
+  // A mesh too coarse to be bent so far gets more elements; smaller tolerances do not help it.
   void bend_enough(Mesh& mesh, int own) {
-    for (Mesh more = mesh; more.elements <= 4 * own; more.elements *= 2)
-      if (get(setting(more, tolerance_)).trial.complete) {
-        mesh = more;
-        return;
-      }
+    for (Mesh more = mesh;; more.elements *= 2) {
+      const bool complete = get(setting(more, tolerance_)).trial.complete;
+      if (complete) mesh = more;
+      if (complete || more.elements >= 4 * own) return;
+    }
   }
 
   // Does the first mesh err by more than the loosest tolerance does? Then no time is spent on how that has to fall there: the
@@ -519,7 +531,8 @@ class Chooser {
     const Known& run = get(other, cost);
     const Disagreement d = compare(run, verifier);
     if (!std::isfinite(d.rms)) return false;
-    const double error = d.rms + 0.2 * verified_;
+    double error = d.rms + 0.2 * verified_;
+    if (at_stations_) error = std::max(error, from_stations(run).rms);
     choice_.pilots[run.pilot].error = error;
     if (error > 0.9 * options_.accuracy || run.trial.cpu > cost) return false;
     choice_.setting = other;
@@ -596,42 +609,35 @@ class Chooser {
   }
 
   // Kinks inside elements are smoothed by every order alike: runs that agree may all be wrong. One run whose elements end there
-  // tells.
-  void look_at_stations() {
-    if (!choice_.error || *choice_.error > options_.accuracy) return;
+  // tells; what is cheaper is held against it too.
+  void look_at_stations(const Known& run) {
     std::string whose;
     const std::optional<Scene> scene = with_ends_at_stations(whose);
     if (!scene) return;
-    Pilot pilot;
-    pilot.setting = choice_.setting;
-    pilot.text = "the same, mesh=\"stations\"";
-    if (options_.progress) options_.progress(pilot.text);
-    const Known& chosen = get(choice_.setting);
-    const Trial trial = run_trial(
-        *scene,
-        {.audit = false, .limit = std::max(options_.limit - choice_.cpu, 0.0), .repeats = 1});
-    pilot.cpu = trial.cpu;
-    pilot.cut_off = trial.stopped;
-    pilot.failure = trial.failure;
-    choice_.cpu += trial.cpu;
-    choice_.pilots.push_back(std::move(pilot));
+    at_stations_ = try_out(
+        run.setting, "the same, mesh=\"stations\"", [&] { return *scene; },
+        std::max(options_.limit - choice_.cpu, 0.0));
     const std::string remedy = fmt::format(
         "the table of beam \"{}\" has kinks inside its elements; give it mesh=\"stations\"", whose);
-    if (!trial.complete) {
+    if (!at_stations_->complete) {
       choice_.error.reset();
       throw Enough{
           fmt::format("a run that ends elements at the stations of tables did not come to "
                       "its end: {}",
                       remedy)};
     }
-    const Disagreement d =
-        disagreement(chosen.trial.findings, trial.findings, options_.accuracy, options_.quantities);
+    const Disagreement d = from_stations(run);
     if (!(d.rms > *choice_.error)) return;
     choice_.error = d.rms;
     choice_.worst = d.worst;
     if (d.rms > options_.accuracy)
       throw Enough{
           fmt::format("{} (elements that end there move {} by {:.1e})", remedy, d.worst, d.rms)};
+  }
+
+  Disagreement from_stations(const Known& run) const {
+    return disagreement(run.trial.findings, at_stations_->findings, options_.accuracy,
+                        options_.quantities);
   }
 
   void finish() {
@@ -667,8 +673,9 @@ class Chooser {
   double tolerance_ = 0.0;          // or that fraction
   std::optional<ErrorsOf> errors_;  // the scene's own where there is none
   double in_time_ = 0.0;
-  bool time_is_guessed_ = false;  // the tolerance follows from runs on another mesh
-  double verified_ = 0.0;         // believed of the run that was verified
+  bool time_is_guessed_ = false;      // the tolerance follows from runs on another mesh
+  double verified_ = 0.0;             // believed of the run that was verified
+  std::optional<Trial> at_stations_;  // with ends of elements where tables had kinks inside
   // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].
   std::optional<Kept> kept_;
   double reserve_ = 0.0;

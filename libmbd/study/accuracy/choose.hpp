@@ -18,9 +18,10 @@
 //          size of the elements, and their number is doubled instead. Of the first mesh a run that takes more than a
 //          twentieth of the limit is not repeated with one order more: the last coefficients say how much it errs. Where
 //          sigma is large, half the elements with a higher order are taken if they have fewer nodes (2^(N+1) the error).
-//   last   of tables with kinks inside elements, a run whose elements end there. And what is cheaper and, measured against the run that verified the choice, as good: at coarse accuracies the
-//          scene's own time steps, fixed steps of radau (fewer than the tolerance took), and half the elements, as long as
-//          each does.
+//   last   of tables with kinks inside elements, which every order smooths alike, a run whose elements end there. And what
+//          is cheaper and, measured against the run that verified the choice (and that one), as good: at coarse accuracies
+//          the scene's own time steps, fixed steps of radau (fewer than the tolerance took), and half the elements, as long
+//          as each does.
 //
 // Not used: the integrator's own estimates, which are of a step, and a priori constants of elements, which are of
 // beams of one kind. Differences that do not fall are chaos or ringing that is not resolved: then nothing is claimed.
