@@ -192,7 +192,7 @@ class ElementBatch : public Base {
     return {};
   }
 
-  void near_kinks(const State& state, std::vector<NearKink>& all) const override {
+  void law_arguments(const State& state, std::vector<LawArgument>& all) const override {
     if constexpr (requires(const NodeState<double>* x, Environment env) {
                     E::each_law(shared_, data_[0], x, env, [](const Law&, double, ArgumentOf) {});
                   }) {
@@ -202,8 +202,7 @@ class ElementBatch : public Base {
         gather(state, e, x);
         E::each_law(shared_, data_[e], x.data(), env,
                     [&](const Law& law, double argument, ArgumentOf of) {
-                      if (const auto kink = law.nearest_kink(argument))
-                        all.push_back({names_[e], argument, *kink, of});
+                      all.push_back({&names_[e], &law, argument, of});
                     });
       }
     }

@@ -38,6 +38,14 @@ struct Energies {
   double total() const { return kinetic + strain + potential; }
 };
 
+// A law of an element ("spring 'k'"), and where it is evaluated.
+struct LawArgument {
+  const std::string* element;
+  const Law* law;
+  double x;
+  ArgumentOf of;
+};
+
 // An element with a law that has kinks, and the one nearest to where the law is evaluated.
 struct NearKink {
   std::string element;  // "spring 'k'"
@@ -101,8 +109,8 @@ class Batch {
   // The first element out of range, or an empty string.
   virtual std::string out_of_range(const State& /*state*/) const { return {}; }
 
-  // Appends all laws that have kinks.
-  virtual void near_kinks(const State& /*state*/, std::vector<NearKink>& /*all*/) const {}
+  // Appends all laws of x and v, in an order that stays.
+  virtual void law_arguments(const State& /*state*/, std::vector<LawArgument>& /*all*/) const {}
 
   // Constraint rows at position and velocity level: g [m, rad] and gdot = B V + g_t.
   virtual void constraints(const State& /*state*/, VecX& /*g*/, VecX& /*gdot*/) const {}

@@ -56,7 +56,10 @@ constexpr std::array kConstants{
 constexpr std::string_view kTime = "t";
 
 std::string_view name_of(Variables allowed) {
-  return allowed == Variables::x ? "x" : allowed == Variables::v ? "v" : kTime;
+  return allowed == Variables::x       ? "x"
+         : allowed == Variables::v     ? "v"
+         : allowed == Variables::place ? "s"
+                                       : kTime;
 }
 
 template <class Table>
@@ -869,7 +872,8 @@ class Expression::Parser {
     const auto parameter = parameters_->find(name.text);
     const bool is_parameter = parameter != parameters_->end();
     const bool is_variable = allowed_ != Variables::none && name.text == variable_;
-    if (is_parameter && (is_variable || is_reserved(name.text))) {
+    const bool is_instant = allowed_ == Variables::place && name.text == kTime;
+    if (is_parameter && !is_instant && (is_variable || is_reserved(name.text))) {
       fail(name.position, "a parameter named " + quoted(name.text),
            "the built-in meaning of this name", "rename the parameter");
     }
@@ -1278,6 +1282,21 @@ Expression Expression::held_at(double sensors, double inputs) const {
   }
   held.sensors_.clear();
   return held;
+}
+
+std::optional<Expression> Expression::of_sensor(std::size_t k, std::span<const double> sensors,
+                                                double t) const {
+  if (!breakpoints_.empty() || has_inputs()) return std::nullopt;
+  Expression result = *this;
+  for (Instruction& i : result.program_) {
+    const auto place = static_cast<std::size_t>(i.target);
+    if (i.op == Opcode::time) i = {Opcode::constant, -1, t};
+    if (i.op == Opcode::sensor)
+      i = place == k ? Instruction{Opcode::time, -1, 0.0}
+                     : Instruction{Opcode::constant, -1, sensors[place]};
+  }
+  result.sensors_.clear();
+  return result;
 }
 
 double Expression::value() const {

@@ -36,6 +36,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -75,8 +76,8 @@ class Parameters : public std::map<std::string, double, std::less<>> {
 
 // What an expression may depend on besides parameters: t, or in laws (law.hpp) a displacement x or a rate v.
 // `sampled`: t and all that depends on time, at an instant: nothing is differentiated, so conditions may compare anything, and
-// abs, min, max, floor, ceil and round may be of anything.
-enum class Variables { none, time, x, v, sampled };
+// abs, min, max, floor, ceil and round may be of anything. `place`: s along a beam at an instant, which is the parameter t.
+enum class Variables { none, time, x, v, sampled, place };
 
 // The limit taken at a breakpoint: from earlier or from later times.
 enum class Side { left, right };
@@ -116,6 +117,10 @@ class Expression {
   // The same where the k-th sensor reads sensors (1 + 0.37 k), and the k-th input is inputs (0.77 + 0.29 k): of time alone.
   // What a law does in time whose sensors are not known; they differ, so that what depends on a difference is seen.
   Expression held_at(double sensors, double inputs) const;
+
+  // The same as a function of its k-th sensor alone, where the others read `sensors` at t; nothing where it depends on inputs, or
+  // switches in time.
+  std::optional<Expression> of_sensor(std::size_t k, std::span<const double> sensors, double t) const;
 
   // Whether `name` is t, a constant or a function, and so cannot name a parameter. (x and v can, but not where
   // they are the variable of a law.)

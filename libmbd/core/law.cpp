@@ -169,6 +169,13 @@ double Law::integral(double x) const {
   return antiderivative(table, x) - antiderivative(table, 0.0);
 }
 
+std::vector<double> Law::knots() const {
+  std::vector<double> all;
+  if (const auto* const table = std::get_if<Table>(&law_))
+    for (std::size_t i = 1; i < table->size(); ++i) all.push_back((*table)[i].from);
+  return all;
+}
+
 std::optional<Kink> Law::nearest_kink(double x) const {
   std::optional<Kink> nearest;
   const auto offer = [&](const Kink& kink, double round_off) {

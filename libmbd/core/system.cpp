@@ -469,10 +469,18 @@ std::string System::out_of_range(const State& given) const {
   return {};
 }
 
-std::vector<NearKink> System::near_kinks(const State& given) const {
+std::vector<LawArgument> System::law_arguments(const State& given) const {
   const State& state = fed_back(given);
+  std::vector<LawArgument> all;
+  for (const auto& batch : batches_) batch->law_arguments(state, all);
+  return all;
+}
+
+std::vector<NearKink> System::near_kinks(const State& state) const {
   std::vector<NearKink> all;
-  for (const auto& batch : batches_) batch->near_kinks(state, all);
+  for (const LawArgument& one : law_arguments(state))
+    if (const auto kink = one.law->nearest_kink(one.x))
+      all.push_back({*one.element, one.x, *kink, one.of});
   return all;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,8 +16,9 @@
 namespace mbd {
 namespace {
 
-constexpr std::size_t most_elements = 400;               // looked at of a beam
-constexpr int parts_of_element = 3, points_of_part = 4;  // of the quadrature in an element
+constexpr std::size_t most_elements = 400;  // looked at of a beam, besides those in which a load does more
+constexpr int points_of_piece = 4;            // of the quadrature
+constexpr std::size_t pieces_of_element = 3, pieces_of_beam = 600;  // of what is known place by place alone
 
 using Fields = std::array<FieldExpression, 3>;
 
@@ -24,35 +26,34 @@ using Fields = std::array<FieldExpression, 3>;
 class SampledRow {
  public:
   SampledRow(const Fields& fields, int order, std::span<const InputValue> inputs)
-      : fields_(fields), nodes_(gauss_lobatto_rule(order + 1)), inputs_(inputs) {
-    const Quadrature gauss = gauss_rule(points_of_part);
-    for (int part = 0; part < parts_of_element; ++part)
-      for (std::size_t i = 0; i < gauss.points.size(); ++i) {
-        const double xi = -1.0 + (2.0 * part + 1.0 + gauss.points[i]) / parts_of_element;
-        xi_.push_back(xi);
-        weights_.push_back(gauss.weights[i] / parts_of_element);
-        shapes_.push_back(lagrange(nodes_.points, xi));
-      }
-  }
+      : fields_(fields), nodes_(gauss_lobatto_rule(order + 1)), inputs_(inputs) {}
 
-  // `nodes`: s of those of the beam, each once. What elements share is added.
+  // `s`: of the nodes of the beam, each once. What elements share is added.
   double error(std::span<const double> s, const std::vector<double>& times) {
+    look_along(times);
     const std::size_t order = nodes_.points.size() - 1, elements = (s.size() - 1) / order,
                       stride = (elements + most_elements - 1) / most_elements;
     const std::size_t n = times.size();
     std::vector<std::vector<Vec3>> sampled(s.size(), std::vector<Vec3>(n, Vec3::Zero())),
         whole = sampled;
-    for (std::size_t e = 0; e < elements; e += stride) {
-      const double a = s[e * order], half = 0.5 * (s[(e + 1) * order] - a);
+    for (std::size_t e = 0; e < elements; ++e) {
+      const double a = s[e * order], b = s[(e + 1) * order], half = 0.5 * (b - a);
+      const std::vector<double> pieces = pieces_of(a, b, elements);
+      if (e % stride != 0 && pieces.size() == pieces_of_element + 1) continue;
       for (std::size_t k = 0; k <= order; ++k)
         add(a + half * (1.0 + nodes_.points[k]), times, [&](std::size_t i, const Vec3& q) {
           sampled[e * order + k][i] += half * nodes_.weights[k] * q;
         });
-      for (std::size_t j = 0; j < xi_.size(); ++j)
-        add(a + half * (1.0 + xi_[j]), times, [&](std::size_t i, const Vec3& q) {
-          for (std::size_t k = 0; k <= order; ++k)
-            whole[e * order + k][i] += half * weights_[j] * shapes_[j](static_cast<Index>(k)) * q;
-        });
+      for (std::size_t piece = 0; piece + 1 < pieces.size(); ++piece)
+        for (std::size_t j = 0; j < gauss_.points.size(); ++j) {
+          const double part = 0.5 * (pieces[piece + 1] - pieces[piece]),
+                       x = pieces[piece] + part * (1.0 + gauss_.points[j]);
+          const VecX N = lagrange(nodes_.points, (x - a) / half - 1.0);
+          add(x, times, [&](std::size_t i, const Vec3& q) {
+            for (std::size_t k = 0; k <= order; ++k)
+              whole[e * order + k][i] += part * gauss_.weights[j] * N(static_cast<Index>(k)) * q;
+          });
+        }
     }
     double worst = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -67,8 +68,51 @@ class SampledRow {
   }
 
  private:
+  using Profiles = std::array<FieldExpression::Profile, 3>;
+
+  // Where the load is known as a function of the place, with the ends of what it does there; else all of it is looked at place by
+  // place.
+  void look_along(const std::vector<double>& times) {
+    for (const double t : times) {
+      Profiles all;
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::optional<FieldExpression::Profile> one = fields_[c].profile(t);
+        if (!one) {
+          profiles_.clear();
+          ends_.clear();
+          return;
+        }
+        ends_.insert(ends_.end(), one->ends().begin(), one->ends().end());
+        all[c] = std::move(*one);
+      }
+      profiles_.push_back(std::move(all));
+    }
+    std::ranges::sort(ends_);
+  }
+
+  // Ends of the pieces of an element in which the load is integrated.
+  std::vector<double> pieces_of(double a, double b, std::size_t elements) const {
+    const std::size_t count = profiles_.empty()
+                                  ? std::max(pieces_of_element, pieces_of_beam / elements)
+                                  : pieces_of_element;
+    std::vector<double> pieces;
+    for (std::size_t i = 0; i <= count; ++i)
+      pieces.push_back(a + (b - a) * static_cast<double>(i) / static_cast<double>(count));
+    pieces.insert(pieces.end(), std::ranges::upper_bound(ends_, a),
+                  std::ranges::lower_bound(ends_, b));
+    std::ranges::sort(pieces);
+    return pieces;
+  }
+
   template <class Add>
   void add(double s, const std::vector<double>& times, const Add& add) {
+    if (!profiles_.empty()) {
+      for (std::size_t i = 0; i < times.size(); ++i) {
+        const Vec3 q(profiles_[i][0](s), profiles_[i][1](s), profiles_[i][2](s));
+        if (q.allFinite()) add(i, q);
+      }
+      return;
+    }
     const std::array<Expression, 3> laws{fields_[0].at(s), fields_[1].at(s), fields_[2].at(s)};
     // Sensors are not known here: what they read is taken to be some number.
     constexpr double reading = 0.73;
@@ -83,10 +127,10 @@ class SampledRow {
   }
 
   const Fields& fields_;
-  const Quadrature nodes_;
+  const Quadrature nodes_, gauss_ = gauss_rule(points_of_piece);
   std::span<const InputValue> inputs_;
-  std::vector<double> xi_, weights_;
-  std::vector<VecX> shapes_;
+  std::vector<Profiles> profiles_;  // by time; none: place by place
+  std::vector<double> ends_;        // places, rising
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "libmbd/core/error.hpp"
+#include "libmbd/core/law_cells.hpp"
 
 namespace mbd {
 namespace {
@@ -94,6 +95,35 @@ Expression FieldExpression::at(double s) const {
   std::vector<Expression::Term> terms;
   for (const Expression& e : scaled) terms.push_back({1.0, &e});
   return Expression::sum(terms);
+}
+
+double FieldExpression::Profile::operator()(double s) const {
+  double sum = 0.0;
+  for (const Part& part : parts_)
+    sum += part.factor * part.of_place(part.from + (part.to - part.from) * s).v;
+  return sum;
+}
+
+std::optional<FieldExpression::Profile> FieldExpression::profile(double t) const {
+  constexpr long most = 20'000;  // cells
+  Profile profile;
+  for (const Part& part : parts_) {
+    Parameters all = *part.parameters;
+    all["t"] = t / part.stretch;
+    try {
+      profile.parts_.push_back({Expression::parse(part.text, all, Variables::place), part.factor,
+                                part.from, part.to});
+    } catch (const Error&) {
+      return std::nullopt;
+    }
+    const double length = part.to - part.from;
+    if (!part.varies() || !(length > 0.0)) continue;
+    for (const double s :
+         find_cells(profile.parts_.back().of_place, {}, part.from, part.to, most).ends)
+      profile.ends_.push_back((s - part.from) / length);
+  }
+  std::ranges::sort(profile.ends_);
+  return profile;
 }
 
 }  // namespace mbd

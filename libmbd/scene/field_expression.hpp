@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,6 +33,25 @@ class FieldExpression {
 
   // Whether it mentions s.
   bool varies() const;
+
+  // The field along the beam at an instant.
+  class Profile {
+   public:
+    double operator()(double s) const;
+    // Places between 0 and 1, rising, between which nothing of it hides (law_cells.hpp).
+    const std::vector<double>& ends() const { return ends_; }
+
+   private:
+    friend FieldExpression;
+    struct Part {
+      Expression of_place;
+      double factor, from, to;
+    };
+    std::vector<Part> parts_;
+    std::vector<double> ends_;
+  };
+  // Of a field of place and time alone whose conditions are affine in s; nothing otherwise (sensors, inputs, functions of time).
+  std::optional<Profile> profile(double t) const;
 
   // For messages and drawings: how it is made. Factors and texts; not places and times, if they are another's.
   std::string text() const;

@@ -53,6 +53,13 @@ void PassedKinks::look(const State& state, double h, Place& place) {
 }
 
 std::optional<double> PassedKinks::turn(const State& begin, std::span<const State> inside_states,
+                                        const State& end) {
+  const std::optional<double> kink = turn(begin, inside_states, end, true),
+                              feature = features_.end(begin, inside_states, end);
+  return kink && feature ? std::min(*kink, *feature) : kink ? kink : feature;
+}
+
+std::optional<double> PassedKinks::turn(const State& begin, std::span<const State> inside_states,
                                         const State& end, bool nearly) {
   if (!any_) {
     const std::vector<NearKink> all = system_.near_kinks(begin);
@@ -88,7 +95,8 @@ std::optional<double> PassedKinks::turn(const State& begin, std::span<const Stat
 
 bool PassedKinks::passes(const State& begin, std::span<const State> inside_states,
                          const State& end) {
-  bool passed = turn(begin, inside_states, end, false).has_value();
+  bool passed = features_.end(begin, inside_states, end).has_value();
+  passed = turn(begin, inside_states, end, false).has_value() || passed;
   if (!any_ || !*any_) return passed;
   const std::vector<NearKink> from = system_.near_kinks(begin), to = system_.near_kinks(end);
   last_.resize(from.size());

@@ -9,6 +9,7 @@
 
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/language/quantities.hpp"
+#include "libmbd/results/load_sampling.hpp"
 #include "libmbd/scene/places.hpp"
 #include "libmbd/study/trial/norm.hpp"
 
@@ -79,7 +80,8 @@ class Chooser {
   }
 
   Choice go() {
-    const Model model = compile(scene_);  // what is wrong with the scene is told as run() tells it
+    const Model model = compiled();
+    length_ = model.system->length_scale();
     Findings empty;
     for (const Column& column : columns(model)) {
       empty.columns.push_back(column.name);
@@ -97,8 +99,10 @@ class Chooser {
       if (enough.late) believe_kept();
     }
     try {  // where the search ended before
-      if (!at_stations_ && choice_.error && *choice_.error <= options_.accuracy)
-        look_at_stations(get(choice_.setting));
+      if (choice_.error && *choice_.error <= options_.accuracy) {
+        if (flexible() && !loads_seen_) look_at_loads_of(choice_.setting);
+        if (!at_stations_) look_at_stations(get(choice_.setting));
+      }
     } catch (const Enough& enough) {
       choice_.reason = enough.reason;
     }
@@ -135,6 +139,29 @@ class Chooser {
         if (!quantity || !follows_from_motion(*quantity)) return false;
       }
     return !asked.empty();
+  }
+
+  // What is wrong with the scene is told as run() tells it, but for elements that are bent too far as they are: the number of
+  // them is to be chosen.
+  Model compiled() {
+    constexpr int most = 64;
+    try {
+      return compile(scene_);
+    } catch (const Error&) {
+      if (!flexible()) throw;
+      const int own = *setting_of(scene_).elements;
+      for (int more = 2; more <= most; more *= 2) {
+        Setting finer;
+        finer.elements = more * own;
+        try {
+          Model model = compile(with(scene_, finer));
+          least_elements_ = more * own;
+          return model;
+        } catch (const Error&) {  // the first of them is told
+        }
+      }
+      throw;
+    }
   }
 
   bool flexible() const { return !scene_.beams.empty(); }
@@ -205,7 +232,21 @@ class Chooser {
   Disagreement compare(const Known& run, const Known& better) const {
     if (!run.trial.complete || !better.trial.complete) return {.rms = infinite};
     return disagreement(run.trial.findings, better.trial.findings, options_.accuracy,
-                        options_.quantities);
+                        options_.quantities, length_);
+  }
+
+  // Of equilibria: is all that is recorded round-off? Angles, and displacements beside the scene, tell.
+  bool is_at_rest(const Findings& findings) const {
+    constexpr double round_off = 1e-12;
+    bool any = false;
+    for (std::size_t c = 0; c < findings.columns.size(); ++c) {
+      const std::string& unit = findings.units[c];
+      if ((unit != "m" && unit != "rad") || depends_on_origin(findings.columns[c])) continue;
+      any = true;
+      for (const std::vector<double>& row : findings.rows)
+        if (std::abs(row[c]) > round_off * (unit == "m" ? length_ : 1.0)) return false;
+    }
+    return any;
   }
 
   // What is believed of a run: its difference to a better one, whose own error is a part `rest` of it.
@@ -214,7 +255,8 @@ class Chooser {
     const double error = d.rms * (1.0 + rest);
     if (!std::isfinite(error)) return error;
     // Two runs that agree in nothing happening may both have missed what should.
-    if (moving() && d.rms == 0.0 && !anything_changes(better.trial.findings))
+    if (moving() ? d.rms == 0.0 && !anything_changes(better.trial.findings)
+                 : is_at_rest(better.trial.findings))
       throw Enough{
           "nothing that is recorded changes in the whole run: there is no error to be seen", true};
     Pilot& pilot = choice_.pilots[run.pilot];
@@ -254,7 +296,10 @@ class Chooser {
     std::string text = fmt::format("{} do not approach each other (they differ by {:.1e} in {}",
                                    what, d.rms, d.worst);
     if (moving() && d.from) text += fmt::format(", from t = {:.4g} s on", *d.from);
-    return text + "): the motion is chaotic, or rings faster than these runs resolve";
+    return text + (moving() ? "): the motion is chaotic, rings faster than these runs resolve, or "
+                              "loads change within less than an element"
+                            : "): something changes within less than an element, or round-off is "
+                              "all there is");
   }
 
   // Makes the tolerance as small as the part of the error that is time's needs on this mesh.
@@ -332,17 +377,53 @@ class Chooser {
 
   Mesh first_mesh() const {
     const int own = *setting_of(scene_).elements;
-    return {first_order, moving() ? own : (own + 1) / 2};
+    return {first_order, std::max(least_elements_, moving() ? own : (own + 1) / 2)};
   }
 
-  static Mesh finer(const Mesh& mesh) {
+  // Of each beam that has elements of its own, the largest of them, a part of the beam: places divide beams too.
+  std::vector<double> largest_parts(const Mesh& mesh) const {
+    const Scene scene = with(scene_, setting(mesh, tolerance_));
+    const ElementEnds ends(scene);
+    const auto is_one = [&](const std::string& name) {
+      return std::ranges::any_of(scene.rigids, [&](const RigidScene& rigid) {
+        return std::ranges::find(rigid.of, name) != rigid.of.end();
+      });
+    };
+    std::vector<double> parts;
+    for (const BeamScene& beam : scene.beams) {
+      if (is_one(beam.name)) continue;
+      const std::vector<double> of = ends.of(beam, beam.elements);
+      double most = 0.0;
+      for (std::size_t i = 0; i + 1 < of.size(); ++i) most = std::max(most, of[i + 1] - of[i]);
+      parts.push_back(most);
+    }
+    return parts;
+  }
+
+  // The mesh with twice the elements, or as many more as change it: where places divide beams into more than that, twice as many is
+  // the same mesh. `all`: of every beam, and by nearly a half.
+  Mesh divided(Mesh mesh, bool all) const {
+    constexpr double same = 1.0 - 1e-9, nearly_half = 0.6;
+    const std::vector<double> before = largest_parts(mesh);
+    while (mesh.elements <= most_elements) {
+      mesh.elements *= 2;
+      const std::vector<double> now = largest_parts(mesh);
+      const auto is_divided = [&](std::size_t i) {
+        return now[i] < (all ? nearly_half : same) * before[i];
+      };
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < now.size(); ++i) count += is_divided(i) ? 1U : 0U;
+      if (count == now.size() || (!all && count > 0)) break;
+    }
+    return mesh;
+  }
+
+  Mesh finer(const Mesh& mesh) const {
     Mesh better = mesh;
     // By symmetry one order more may change nothing of a single element.
     const int more = mesh.elements == 1 ? 2 : 1;
-    if (mesh.order + more <= highest_order)
-      better.order += more;
-    else
-      better.elements *= 2;
+    if (mesh.order + more > highest_order) return divided(mesh, true);
+    better.order += more;
     return better;
   }
 
@@ -373,7 +454,8 @@ class Chooser {
         per_order >= slow ? std::pow(2.0, mesh.order) : std::min(4.0, std::pow(2.0, mesh.order));
     const double doublings =
         std::clamp(std::ceil(std::log(factor) / std::log(per_doubling) - 0.1), 1.0, 2.0);
-    next.elements = mesh.elements * static_cast<int>(std::pow(2.0, doublings));
+    next = divided(mesh, false);
+    if (doublings > 1.0) next = divided(next, false);
     // Where neither alone helps much, both do.
     if (mesh.order < highest) ++next.order;
     return next;
@@ -423,6 +505,11 @@ class Chooser {
           std::max(rate ? 1.0 / (std::max(*rate, 2.0) - 1.0) : 0.2, fixed_ ? rest_of(2.0) : 0.0);
       const double error = believe(run, finer_run, std::clamp(rest, 0.1, 1.0));
       if (error <= 0.9 * accuracy) {
+        if (const Mesh sees = look_at_loads(mesh, run); sees != mesh) {
+          measured.clear();
+          mesh = sees;
+          continue;
+        }
         look_at_stations(run);
         try_cheaper(mesh);
         return;
@@ -608,6 +695,50 @@ class Chooser {
     return scene;
   }
 
+  LoadSampling missed_loads(const Mesh& mesh) const {
+    if (scene_.distributed_loads.empty()) return {};
+    const Scene scene = with(scene_, setting(mesh, tolerance_));
+    return load_sampling(scene, compile(scene));
+  }
+
+  // A load along a beam may do something between all nodes of all runs, which then agree. Where nodes do not see it (load_sampling.hpp)
+  // one more run tells whether it matters, on elements that do. Returns the mesh to go on with, `mesh` where it does not.
+  Mesh look_at_loads(const Mesh& mesh, const Known& run) {
+    constexpr double far_less = 0.1, less = 0.5;
+    const LoadSampling missed = missed_loads(mesh);
+    loads_seen_ = true;
+    if (!(missed.error > options_.accuracy)) return mesh;
+    const std::optional<double> believed = std::exchange(choice_.error, std::nullopt);
+    Mesh sees = mesh;
+    double left = missed.error;
+    while (left > std::max(options_.accuracy, far_less * missed.error)) {
+      const Mesh more = divided(sees, false);
+      if (more.elements > most_elements) break;
+      sees = more;
+      left = missed_loads(sees).error;
+    }
+    if (left > less * missed.error)
+      throw Enough{fmt::format("{} changes within less than an element, of which more than {} are "
+                               "not tried",
+                               missed.where, most_elements)};
+    const Disagreement d = compare(run, get(setting(sees, tolerance_)));
+    if (!(d.rms <= 0.9 * options_.accuracy)) {
+      choice_.pilots[run.pilot].error = d.rms;
+      return sees;
+    }
+    choice_.error = std::max(*believed, d.rms);
+    return mesh;
+  }
+
+  // The same of a setting with which the search ended, which is not met where they matter.
+  void look_at_loads_of(const Setting& chosen) {
+    const Setting own = setting_of(with(scene_, chosen));
+    if (!own.order || !own.elements) return;
+    const Mesh mesh{*own.order, *own.elements};
+    if (look_at_loads(mesh, get(chosen)) != mesh)
+      throw Enough{"distributed loads change within less than an element"};
+  }
+
   // Kinks inside elements are smoothed by every order alike: runs that agree may all be wrong. One run whose elements end there
   // tells; what is cheaper is held against it too.
   void look_at_stations(const Known& run) {
@@ -637,7 +768,7 @@ class Chooser {
 
   Disagreement from_stations(const Known& run) const {
     return disagreement(run.trial.findings, at_stations_->findings, options_.accuracy,
-                        options_.quantities);
+                        options_.quantities, length_);
   }
 
   void finish() {
@@ -674,7 +805,10 @@ class Chooser {
   std::optional<ErrorsOf> errors_;  // the scene's own where there is none
   double in_time_ = 0.0;
   bool time_is_guessed_ = false;      // the tolerance follows from runs on another mesh
+  int least_elements_ = 1;            // with fewer they are bent too far as they are
+  double length_ = 0.0;               // of the scene [m]
   double verified_ = 0.0;             // believed of the run that was verified
+  bool loads_seen_ = false;           // it is known what nodes miss of distributed loads
   std::optional<Trial> at_stations_;  // with ends of elements where tables had kinks inside
   // Nothing is believed yet: the finest run in time whose differences fell, and the CPU time kept to judge it [s].
   std::optional<Kept> kept_;
@@ -687,16 +821,30 @@ class Chooser {
 }  // namespace
 
 Disagreement disagreement(const Findings& run, const Findings& better, double accuracy,
-                          const std::vector<std::string>& quantities) {
+                          const std::vector<std::string>& quantities, double length) {
   Disagreement result;
   if (run.columns != better.columns || run.at.size() != better.at.size() || better.at.empty()) {
     result.rms = infinite;
     return result;
   }
+  // Forces beside moments over the scene, and the reverse: what is less is round-off of statics.
+  constexpr double nothing_beside = 1e-9;
+  double most_force = 0.0, most_moment = 0.0;
+  for (const std::vector<double>& row : better.rows)
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (better.units[c] == "N") most_force = std::max(most_force, std::abs(row[c]));
+      if (better.units[c] == "N.m") most_moment = std::max(most_moment, std::abs(row[c]));
+    }
   for (const Components& vector : vectors_of(better, quantities)) {
     // What somebody asks for by name is not zero because another is large; total energies cancel, asked for or not.
     const double zero = quantities.empty() || vector.unit == "J" ? accuracy : zero_by_name;
-    const Scale scale = scale_of(vector, better, better.rows.size(), zero, Measure::change);
+    Scale scale = scale_of(vector, better, better.rows.size(), zero, Measure::change);
+    if (length > 0.0) {
+      const double beside = nothing_beside * (vector.unit == "N"     ? most_moment / length
+                                              : vector.unit == "N.m" ? most_force * length
+                                                                     : 0.0);
+      if (scale.value < beside) scale = {beside, true};
+    }
     if (scale.is_zero) result.as_zero.push_back(vector.name);
     double sum = 0.0;
     std::optional<double> from;

@@ -91,7 +91,9 @@ struct Disagreement {
   // Quantities measured by the largest of their unit: below the accuracy beside that; of those asked for by name, round-off.
   std::vector<std::string> as_zero = {};
 };
+// `length` [m] of the scene: moments of less than 1e-9 of the largest recorded force times that, and forces so far below
+// moments, are zero; 0: none are.
 Disagreement disagreement(const Findings& run, const Findings& better, double accuracy,
-                          const std::vector<std::string>& quantities = {});
+                          const std::vector<std::string>& quantities = {}, double length = 0.0);
 
 }  // namespace mbd

@@ -28,7 +28,12 @@ double to_turned(const Vec3& a, const Vec3& b) {
   return least;
 }
 
-// In a scene that stands elsewhere it is another number.
+bool on_branch(const Findings& findings, std::size_t row) {
+  return row < findings.branch.size() && findings.branch[row] != 0;
+}
+
+}  // namespace
+
 bool depends_on_origin(std::string_view column) {
   std::string_view name = quantity_of(column);
   name.remove_prefix(name.rfind('.') + 1);
@@ -39,12 +44,6 @@ bool depends_on_origin(std::string_view column) {
                       quantity->moved == Quantity::Moved::as_potential ||
                       quantity->moved == Quantity::Moved::as_momentum);
 }
-
-bool on_branch(const Findings& findings, std::size_t row) {
-  return row < findings.branch.size() && findings.branch[row] != 0;
-}
-
-}  // namespace
 
 void add_components(std::vector<Components>& all, const Findings& findings,
                     std::span<const std::string> names, const std::string& file, bool apart) {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "libmbd/study/trial/trial.hpp"
@@ -51,6 +52,9 @@ enum class Measure { change, value };
 // angles, if all of them are round-off, one radian. 1 if all are zero.
 Scale scale_of(const Components& vector, const Findings& findings, std::size_t places, double zero,
                Measure measure);
+
+// Whether the column is a place, potential or momentum that is another in a scene that stands elsewhere.
+bool depends_on_origin(std::string_view column);
 
 // Whether any number changes from place to place, by more than round-off. Of a motion where none does, runs agree that
 // may all have missed what should move it.

@@ -147,7 +147,9 @@ Trial run_here(Scene scene, const TrialOptions& options) {
     if (trial.complete && scene.path && trial.findings.at.empty()) {
       trial.complete = false;
       trial.failure =
-          "the path has no limit point, bifurcation or mark to compare; give it a <mark>";
+          fmt::format("the path met no limit point, bifurcation or mark to compare before its end "
+                      "({}); give it a <mark> on the way, or more points",
+                      report.path_end);
     }
   } catch (const TooLong&) {
     trial.stopped = true;
