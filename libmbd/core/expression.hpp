@@ -120,7 +120,8 @@ class Expression {
 
   // The same as a function of its k-th sensor alone, where the others read `sensors` at t; nothing where it depends on inputs, or
   // switches in time.
-  std::optional<Expression> of_sensor(std::size_t k, std::span<const double> sensors, double t) const;
+  std::optional<Expression> of_sensor(std::size_t k, std::span<const double> sensors,
+                                      double t) const;
 
   // Whether `name` is t, a constant or a function, and so cannot name a parameter. (x and v can, but not where
   // they are the variable of a law.)

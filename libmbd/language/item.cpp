@@ -269,6 +269,11 @@ double Item::factor(std::string_view name, std::string_view unit, std::string_vi
   try {
     return unit_factor(unit, wanted);
   } catch (const Error& error) {
+    // A moment per angle may say so.
+    if (name.starts_with("angular_stiffness") || name.starts_with("angular_damping")) try {
+        return unit_factor(unit, std::string(wanted) + "/rad");
+      } catch (const Error&) {  // the first is told
+      }
     fail(name, error.what());
   }
 }

@@ -698,8 +698,9 @@ Besides constant coefficients there are laws: expressions of the displacement `x
 (`force="1e4*x + 1e7*x^3"`, `damping_force="50*v*abs(v)"`), or tables, linear between their points or
 smooth, and linear beyond the first and the last. A law is continuous; its conditions and kinks
 compare terms `a*x + b`, as those of time do. Adaptive steps of radau and generalized_alpha end where x passes a kink and turns
-back (a stop that is just touched); fixed steps, and ida, count what they passed over, and the certificate warns. A narrow bump
-without a kink, in x, is found only by steps that happen to end in it: `max_step` bounds them.
+back (a stop that is just touched), and before a peak of a law that they would go over, however narrow it is, in x, in v or in a
+sensor of a load; fixed steps, and ida, count what they passed over, and the certificate warns. Of a law with several sensors each
+is looked at with the others held: a peak that moves with them may be missed, and `max_step` bounds steps there.
 
 The motion of a bushing is six numbers: for small motions the displacement and the rotation of b from
 a along and about its axes; for large ones those of the screw motion that takes a to b, so that
@@ -813,7 +814,9 @@ bifurcation; `event`: 0 none, 1 limit point, 2 bifurcation, 3 mark or stop;
 `negative_eigenvalues` counts the ways in which an equilibrium is unstable: 0 is stable, -1 not known
 to round-off. It is there
 when all forces have a potential: no dead moments, no follower loads, beams not in the paper's
-form. Without it bifurcations are found where a determinant changes its sign.
+form. Without it the twelve motions nearest to losing stability are followed from point to point (by their shapes; where they
+cannot be told apart steps become shorter), and bifurcations are where one of them does: two at once, as of a round column, are
+said to be two. A flutter is no bifurcation: `mbd modes` finds it.
 
 A path goes on until a `<stop>`, its `length` or its `points`. Where a law has a kink (a stop, a rope) it has a corner, which is
 passed and noted.

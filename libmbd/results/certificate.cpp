@@ -762,10 +762,10 @@ void Audit::add_troubles(Certificate& all, const Counters& c) {
              .value = static_cast<double>(c.passed_kinks),
              .warn = 0.0,
              .fail = std::numeric_limits<double>::max(),
-             .why =
-                 "steps between whose ends a stop, a rope or another law with a kink, or with a "
-                 "peak, was met and left again, or in a few of which it was: neither the motion nor an estimate "
-                 "of its error knows of it; take shorter steps"});
+             .why = "steps between whose ends a stop, a rope or another law with a kink, or with a "
+                    "peak, was met and left again, or in a few of which it was: neither the motion "
+                    "nor an estimate "
+                    "of its error knows of it; take shorter steps"});
   if (c.tolerant > 0)
     all.add({.name = "rank-tolerant steps",
              .value = static_cast<double>(c.tolerant),

@@ -16,9 +16,11 @@
 namespace mbd {
 namespace {
 
-constexpr std::size_t most_elements = 400;  // looked at of a beam, besides those in which a load does more
-constexpr int points_of_piece = 4;            // of the quadrature
-constexpr std::size_t pieces_of_element = 3, pieces_of_beam = 600;  // of what is known place by place alone
+constexpr std::size_t most_elements =
+    400;                            // looked at of a beam, besides those in which a load does more
+constexpr int points_of_piece = 4;  // of the quadrature
+constexpr std::size_t pieces_of_element = 3,
+                      pieces_of_beam = 600;  // of what is known place by place alone
 
 using Fields = std::array<FieldExpression, 3>;
 

@@ -577,7 +577,7 @@ class Run {
     }
     note_neutral(result.neutral, "of the equilibrium");
     report_.notes.insert(report_.notes.end(), result.passed.begin(), result.passed.end());
-    if (result.converged) judge_stability(result.negative);
+    if (result.converged) judge_stability(result);
     in_statics_ = false;
   }
 
@@ -592,13 +592,21 @@ class Run {
   }
 
   // Of the equilibrium of a <static>, by its negative eigenvalues, if they were counted.
-  void judge_stability(const std::optional<Index>& counted) {
+  void judge_stability(const StaticReport& result) {
     if (!has_potential(scene_)) {
-      report_.notes.push_back("the stability of the equilibrium is not judged: " +
+      if (const Index ways = result.diverging.value_or(0); ways > 0)
+        report_.notes.push_back(fmt::format(
+            "the equilibrium is unstable: forces drive it on in {} of the motions nearest to that "
+            "(divergence); it would not stay there",
+            ways));
+      report_.notes.push_back("the stability of the equilibrium is not judged" +
+                              std::string(result.diverging.value_or(1) == 0
+                                              ? " but for divergence, of which there is none: "
+                                              : ": ") +
                               without_potential(scene_));
       return;
     }
-    report_.negative_eigenvalues = counted;
+    report_.negative_eigenvalues = result.negative;
     report_.equilibrium += watch_.lap();
     if (report_.negative_eigenvalues.value_or(0) > 0)
       report_.notes.push_back(fmt::format(
@@ -639,7 +647,7 @@ class Run {
     if (!options.has_potential)
       report_.notes.push_back(
           "stability is not counted: " + without_potential(scene_) +
-          "; bifurcations show as changes of the sign of a determinant, one at a time");
+          "; bifurcations are looked for among the motions that are nearest to losing stability");
     const std::unique_ptr<LinearSolver> solver = make_klu_solver();
     const PathReport result = follow_path(*model_.system, *solver, options, state);
     report_.static_counters = result.counters;

@@ -111,8 +111,8 @@ std::optional<FieldExpression::Profile> FieldExpression::profile(double t) const
     Parameters all = *part.parameters;
     all["t"] = t / part.stretch;
     try {
-      profile.parts_.push_back({Expression::parse(part.text, all, Variables::place), part.factor,
-                                part.from, part.to});
+      profile.parts_.push_back(
+          {Expression::parse(part.text, all, Variables::place), part.factor, part.from, part.to});
     } catch (const Error&) {
       return std::nullopt;
     }

@@ -12,9 +12,10 @@
 namespace mbd {
 namespace {
 
-constexpr long most_cells_of_a_law = 20'000;     // cells of a law
-constexpr double beside = 0.5;    // of the range
-constexpr double aside = 1e-3;    // of a law's range, out of its values at both places: what it does between them
+constexpr long most_cells_of_a_law = 20'000;  // cells of a law
+constexpr double beside = 0.5;                // of the range
+constexpr double aside =
+    1e-3;  // of a law's range, out of its values at both places: what it does between them
 constexpr double scatter = 0.02;  // the same of tables, which are measured
 
 }  // namespace
@@ -75,17 +76,17 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
       law.law = one.law;
       return law;
     });
-  system_.each_law_of_sensors(state, [&](const std::string&, const Expression& law,
-                                         std::span<const double> readings) {
-    for (std::size_t i = 0; i < readings.size(); ++i)
-      add(readings[i], [&] {
-        std::vector<double> others(readings.begin(), readings.end());
-        std::ranges::replace(others, 0.0, 1.0);  // what the law is multiplied with
-        Known of;
-        of.other = law.of_sensor(i, others, state.t);
-        return of;
+  system_.each_law_of_sensors(
+      state, [&](const std::string&, const Expression& law, std::span<const double> readings) {
+        for (std::size_t i = 0; i < readings.size(); ++i)
+          add(readings[i], [&] {
+            std::vector<double> others(readings.begin(), readings.end());
+            std::ranges::replace(others, 0.0, 1.0);  // what the law is multiplied with
+            Known of;
+            of.other = law.of_sensor(i, others, state.t);
+            return of;
+          });
       });
-  });
 }
 
 // What part of the way from one argument to another the law goes as far as it may, if it does more.

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/modes/krylov.hpp"
+#include "solvers/linear/krylov.hpp"
 #include "solvers/modes/small_motions.hpp"
 
 namespace mbd {

@@ -13,6 +13,7 @@
 #include "solvers/newton/increments.hpp"
 #include "solvers/newton/root.hpp"
 #include "solvers/statics/equilibrium.hpp"
+#include "solvers/statics/nearest_modes.hpp"
 #include "solvers/statics/stability.hpp"
 
 namespace mbd {
@@ -104,8 +105,10 @@ class Follower {
     VecX bend;     // how it changed over the last step, per measure; empty if not known
     std::vector<Vec6> bend_of_resultants;  // the same of how resultants change along the tangent
     double arc = 0.0;
-    std::optional<Index> index;  // negative eigenvalues, or 1 for a negative determinant of (1)
-    bool is_branching = false;   // a bifurcation, left in the direction of its mode
+    std::optional<Index>
+        index;  // negative eigenvalues; without a potential those that have come to be so
+    std::shared_ptr<const NearestModes> modes;  // without a potential
+    bool is_branching = false;                  // a bifurcation, left in the direction of its mode
   };
   struct Bifurcation {
     Point point;
@@ -218,16 +221,28 @@ class Follower {
     return true;
   }
 
-  // After tangent().
-  std::optional<Index> index(const Point& point) {
-    if (!stability_) {
-      const int sign = bordered_->determinant_sign();
-      return sign == 0 ? std::nullopt : std::optional<Index>(sign < 0 ? 1 : 0);
-    }
+  // Of a point, or where there is no potential that of the point `beside` it and what has changed since.
+  std::optional<Index> index(Point& point, const Point* beside = nullptr) {
     ++report_.counters.tangents;
+    if (!stability_) return index_beside(point, beside);
     const std::optional<Index> count = (*stability_)(point.state, holds_, point.resultants);
     asymmetry_ = std::max(asymmetry_, stability_->asymmetry());
     return count;
+  }
+
+  // Where modes cannot be matched the sign of the determinant has to do, and told_ becomes false.
+  std::optional<Index> index_beside(Point& point, const Point* beside) {
+    ++report_.counters.factorizations;
+    std::optional<NearestModes> modes =
+        nearest_modes(system_, plain_, point.state, point.resultants, holds_);
+    if (!modes) return std::nullopt;
+    point.modes = std::make_shared<const NearestModes>(std::move(*modes));
+    if (beside == nullptr || !beside->index || !beside->modes) return point.modes->negative();
+    if (const auto more = more_negative(w_, *beside->modes, *point.modes))
+      return *beside->index + *more;
+    told_ = false;
+    const bool changes = beside->modes->determinant_sign * point.modes->determinant_sign < 0;
+    return *beside->index + (changes ? (*beside->index > 0 ? -1 : 1) : 0);
   }
 
   // How resultants change along the tangent of a point.
@@ -474,7 +489,7 @@ class Follower {
       std::optional<Point> point =
           between_near(same ? found.shape : VecX(), scale, from, h, right.h - left.h);
       if (!point) break;
-      point->index = index(*point);
+      point->index = index(*point, &at_a);
       End middle = end_at(h, *point);
       // Singular to the last bit: of the mode that crosses.
       if (middle.shape.size() == 0 && same) middle.shape = found.shape;
@@ -569,8 +584,7 @@ class Follower {
       }
     }
     find_crossings(from, to, whole, met);
-    if (!find_bifurcations(from, to, whole, limits, middle_of(from, whole), met.events))
-      met.all = false;
+    if (!find_bifurcations(from, to, whole, limits, met.events)) met.all = false;
     std::sort(met.events.begin(), met.events.end(),
               [](const Event& a, const Event& b) { return a.h < b.h; });
     return met;
@@ -597,19 +611,10 @@ class Follower {
         point = to;
         h = whole;
       } else {
-        point->index = index(*point);
+        point->index = index(*point, &from);
       }
       met.events.push_back({h, PathEvent::crossing, crossing.stops, std::move(*point), {}, {}, {}});
     }
-  }
-
-  // Of a sign alone two changes do not show: it is looked at in the middle of a step as well.
-  std::optional<std::pair<double, Point>> middle_of(const Point& from, double whole) {
-    if (stability_) return std::nullopt;
-    std::optional<Point> middle = between(from, 0.5 * whole);
-    if (middle) middle->index = index(*middle);
-    if (!middle || !middle->index) return std::nullopt;
-    return std::pair(0.5 * whole, std::move(*middle));
   }
 
   struct Piece {  // of a step, from a to b
@@ -634,7 +639,7 @@ class Follower {
           break;
         }
         behind = between(from, next);
-        if (behind) behind->index = index(*behind);
+        if (behind) behind->index = index(*behind, &piece.at_a);
         if (!behind || !behind->index) return false;
         if (behind->index != piece.at_a.index) break;
       }
@@ -649,9 +654,7 @@ class Follower {
 
   // Changes of the index that are no limit points.
   bool find_bifurcations(const Point& from, const Point& to, double whole,
-                         const std::vector<double>& limits,
-                         std::optional<std::pair<double, Point>> middle,
-                         std::vector<Event>& found) {
+                         const std::vector<double>& limits, std::vector<Event>& found) {
     if (!from.index || !to.index) return true;
     std::vector<Piece> pieces;
     double a = 0.0;
@@ -661,35 +664,27 @@ class Follower {
       a = h;
       at_a = std::move(at);
     };
-    const auto end_at_middle = [&](double h) {
-      if (!middle || !((middle->first - a) * whole > 0.0 && (h - middle->first) * whole > 0.0))
-        return;
-      end_piece(middle->first, std::move(middle->second));
-      middle.reset();
-    };
     for (const double h : limits) {
       // Near enough to tell it from others, far enough to see it: where it is, is known to a share only.
       double margin = 1e-5;
       std::optional<Point> left, right;
       for (; margin < 2e-3; margin *= 10.0) {
         left = between(from, h - margin * whole);
-        if (left) left->index = index(*left);
+        if (left) left->index = index(*left, &at_a);
         right = between(from, h + margin * whole);
-        if (right) right->index = index(*right);
+        if (right) right->index = index(*right, left ? &*left : &at_a);
         if (!left || !right || !left->index || !right->index) return false;
-        if (left->index != right->index || !stability_) break;
+        if (left->index != right->index) break;
       }
       for (Event& event : found)
         if (event.kind == PathEvent::limit && event.h == h) {
           event.before = left->index;
           event.after = right->index;
         }
-      end_at_middle(h - margin * whole);
       end_piece(h - margin * whole, *left);
       a = h + margin * whole;
       at_a = *right;
     }
-    end_at_middle(whole);
     end_piece(whole, to);
     return std::ranges::all_of(pieces,
                                [&](Piece& piece) { return search(from, whole, piece, found); });
@@ -720,13 +715,15 @@ class Follower {
       special.before = event.before;
       special.after = event.after;
     }
+    const Index at_once =
+        event.before && event.after ? std::abs(*event.after - *event.before) : Index{1};
     if (event.mode.size() > 0) special.motion = name_of_motion(system_, event.mode);
+    if (!stability_ && event.kind == PathEvent::bifurcation && at_once > 1)
+      special.motion += fmt::format(", of {} motions at once", at_once);
     special.mode = event.mode;
     report_.special.push_back(std::move(special));
     if (event.kind == PathEvent::bifurcation)
-      bifurcations_.push_back(
-          {event.point, event.mode,
-           event.before && event.after && stability_ ? std::abs(*event.after - *event.before) : 1});
+      bifurcations_.push_back({event.point, event.mode, at_once});
   }
 
   void finish(const std::string& who, const std::string& why) {
@@ -854,7 +851,7 @@ class Follower {
       double turn = 0.0;
       std::optional<Point> next = step(from, farther * h, iterations, turn);
       if (!next || leap(from, *next, farther * h) != Leap::none) continue;
-      next->index = index(*next);
+      next->index = index(*next, &at);
       std::string changes;
       if (stability_ && at.index && next->index && at.index != next->index)
         changes = fmt::format(", negative eigenvalues {} -> {}", *at.index, *next->index);
@@ -917,9 +914,10 @@ class Follower {
         continue;
       }
       if (std::abs(next->arc) > options_.length) end_at_length(at, *next, h);
-      next->index = index(*next);
-      if (!next->index && stability_) next->index = at.index;  // at a singular point, to round-off
-      Met met = events(at, *next, h);
+      told_ = true;
+      next->index = index(*next, &at);
+      if (!next->index) next->index = at.index, next->modes = at.modes;  // singular, to round-off
+      Met met = told_ || passing ? events(at, *next, h) : Met{{}, false};
       if (!met.all && !passing) {
         ++report_.counters.retries;
         passing = ++halvings == most_halvings;
@@ -973,6 +971,7 @@ class Follower {
     start.bend.resize(0);
     start.bend_of_resultants.clear();
     start.index.reset();  // of the path it leaves
+    start.modes.reset();
     start.is_branching = true;
     start.arc = 0.0;
     if (!accept(start, PathEvent::none, 1)) return;
@@ -995,6 +994,7 @@ class Follower {
   State last_;
   bool going_ = true;
   std::string why_;
+  bool told_ = true;      // of the last index without a potential: by how much it has changed
   bool is_open_ = false;  // that is because rows that repeated others no longer do
   std::vector<Bifurcation> bifurcations_;
   PathReport report_;

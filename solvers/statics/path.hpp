@@ -12,7 +12,7 @@
 //
 // Limit points are roots of t_mu, crossings roots of what they ask, both along the corrected path between two
 // points. Singular points that are no limit points show as a change of the number of negative eigenvalues
-// (stability.hpp) or, without a potential, of the sign of the determinant of (1); they are roots of the
+// (stability.hpp) or, without a potential, as modes that go through zero (nearest_modes.hpp); they are roots of the
 // eigenvalue of S nearest to zero, whose shape is the mode. A branch starts in the direction of the mode, made
 // W-orthogonal to the tangent.
 #pragma once

@@ -7,6 +7,7 @@
 
 #include "solvers/newton/increments.hpp"
 #include "solvers/statics/equilibrium.hpp"
+#include "solvers/statics/nearest_modes.hpp"
 #include "solvers/statics/stability.hpp"
 
 namespace mbd {
@@ -211,6 +212,10 @@ struct LoadSteps {
       cut = false;
     }
     report.converged = true;
+    if (count == nullptr)
+      if (const auto modes =
+              nearest_modes(system, solver, state, path.resultants(), holds_of(weights, free)))
+        report.diverging = modes->negative();
     return std::move(report);
   }
 

@@ -48,6 +48,8 @@ struct StaticReport {
   std::vector<std::string> passed;  // where stability was lost or found on the way, in words
   std::string failure;              // when not converged; empty if `accepted` ended it
   std::optional<Index> negative;    // eigenvalues of the last equilibrium, where they were counted
+  // Without a potential: real ones of the twelve of the last equilibrium that are nearest to zero (nearest_modes.hpp).
+  std::optional<Index> diverging;
 };
 
 // Moves `state` to equilibrium at state.t. On failure it is the last equilibrium found.

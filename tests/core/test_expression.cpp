@@ -586,5 +586,37 @@ TEST(Expression, ChainsOfFunctionsEnd) {
   }
 }
 
+// Of the place along a beam at an instant, which is a parameter there; time and sensors it does not know.
+TEST(Expression, OfThePlaceAtAnInstant) {
+  Parameters at = parameters();
+  at["t"] = 2.0;
+  const Expression e = Expression::parse("s<0.25 ? t*s : omega*s^2", at, Variables::place);
+  EXPECT_DOUBLE_EQ(e(0.125).v, 0.25);
+  EXPECT_DOUBLE_EQ(e(0.125).d, 2.0);
+  EXPECT_DOUBLE_EQ(e(0.5).v, 13.5);
+  ASSERT_EQ(e.breakpoints().size(), 1U);
+  EXPECT_EQ(e.breakpoints()[0], 0.25);
+  EXPECT_NE(error_of("s*arm.angle", Variables::place).find("sensor"), std::string::npos);
+  EXPECT_NE(error_of("s*t", Variables::place), "no error");  // of no instant
+}
+
+// A law of sensors as a function of one of them, with the slope that derivative() has.
+TEST(Expression, OfOneOfItsSensors) {
+  const Expression law =
+      Expression::parse("2*b.rate*exp(-a.angle^2)+omega*t", parameters(), Variables::time);
+  const std::vector<double> readings{0.3, 0.7};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::optional<Expression> of = law.of_sensor(k, readings, 0.1);
+    ASSERT_TRUE(of);
+    EXPECT_TRUE(of->sensors().empty());
+    const Taylor2 x = (*of)(readings[k]);
+    EXPECT_DOUBLE_EQ(x.v, law(0.1, Side::right, {}, readings).v);
+    EXPECT_DOUBLE_EQ(x.d, law.derivative(k, 0.1, Side::right, {}, readings));
+  }
+  // What switches in time is another function before and after.
+  EXPECT_FALSE(Expression::parse("t<1 ? a.angle : 0", parameters(), Variables::time)
+                   .of_sensor(0, std::vector<double>{0.0}, 0.0));
+}
+
 }  // namespace
 }  // namespace mbd::test::test_expression

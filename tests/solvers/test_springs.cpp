@@ -357,5 +357,21 @@ TEST(Springs, FailByNameWhereTheyHaveNoDirectionOrRange) {
       << bushing;
 }
 
+// A moment per angle may be written as what it is.
+TEST(Springs, StiffnessesPerAngleMaySaySo) {
+  const auto of = [](const std::string& k, const std::string& c) {
+    return read(R"(<body name="b" mass="1" inertia="1 1 1"/>
+      <revolute name="r" between="ground b" axis="0 0 1"/>
+      <joint_spring name="s" joint="r" angular_stiffness=")" +
+                k + R"(" angular_damping=")" + c + R"("/><transient duration="1" step="0.1"/>)")
+        .joint_springs[0];
+  };
+  constexpr double deg = std::numbers::pi / 180.0;
+  EXPECT_NEAR(of("2 N.m/deg", "0").stiffness, 2.0 / deg, 1e-12);
+  EXPECT_NEAR(of("2 kN.mm/rad", "3 N.m.s/rad").stiffness, 2.0, 1e-15);
+  EXPECT_NEAR(of("2 N.m", "3 N.m.s/rad").damping, 3.0, 1e-15);
+  EXPECT_THROW(of("2 N/rad", "0"), Error);
+}
+
 }  // namespace
 }  // namespace mbd::test::test_springs

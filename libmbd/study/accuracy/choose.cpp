@@ -718,9 +718,10 @@ class Chooser {
       left = missed_loads(sees).error;
     }
     if (left > less * missed.error)
-      throw Enough{fmt::format("{} changes within less than an element, of which more than {} are "
-                               "not tried",
-                               missed.where, most_elements)};
+      throw Enough{
+          fmt::format("{} changes within less than an element, of which more than {} are "
+                      "not tried",
+                      missed.where, most_elements)};
     const Disagreement d = compare(run, get(setting(sees, tolerance_)));
     if (!(d.rms <= 0.9 * options_.accuracy)) {
       choice_.pilots[run.pilot].error = d.rms;

@@ -18,6 +18,9 @@
 //          size of the elements, and their number is doubled instead. Of the first mesh a run that takes more than a
 //          twentieth of the limit is not repeated with one order more: the last coefficients say how much it errs. Where
 //          sigma is large, half the elements with a higher order are taken if they have fewer nodes (2^(N+1) the error).
+//          A finer mesh has shorter elements in every beam: where places divide beams, twice as many may be the same mesh.
+//   loads  where nodes do not see what loads along beams do (load_sampling.hpp), elements that do: one more run tells whether it
+//          matters.
 //   last   of tables with kinks inside elements, which every order smooths alike, a run whose elements end there. And what
 //          is cheaper and, measured against the run that verified the choice (and that one), as good: at coarse accuracies
 //          the scene's own time steps, fixed steps of radau (fewer than the tolerance took), and half the elements, as long

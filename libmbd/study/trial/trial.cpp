@@ -146,10 +146,10 @@ Trial run_here(Scene scene, const TrialOptions& options) {
     trial.counters.factorizations += statics.factorizations;
     if (trial.complete && scene.path && trial.findings.at.empty()) {
       trial.complete = false;
-      trial.failure =
-          fmt::format("the path met no limit point, bifurcation or mark to compare before its end "
-                      "({}); give it a <mark> on the way, or more points",
-                      report.path_end);
+      trial.failure = fmt::format(
+          "the path met no limit point, bifurcation or mark to compare before its end "
+          "({}); give it a <mark> on the way, or more points",
+          report.path_end);
     }
   } catch (const TooLong&) {
     trial.stopped = true;

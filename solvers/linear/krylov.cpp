@@ -1,4 +1,4 @@
-#include "solvers/modes/krylov.hpp"
+#include "solvers/linear/krylov.hpp"
 
 #include <Eigen/Eigenvalues>
 
