@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -91,8 +90,8 @@ std::optional<NearestModes> nearest_modes(const System& system, LinearSolver& so
   return modes;
 }
 
-std::optional<Index> more_negative(const VecX& weights, const NearestModes& from,
-                                   const NearestModes& to) {
+std::optional<Index> through_zero(const VecX& weights, const NearestModes& from,
+                                  const NearestModes& to) {
   const VecX w = weights.head(from.shapes.rows());
   const Eigen::MatrixXd overlap = (from.shapes.adjoint() * w.asDiagonal() * to.shapes).cwiseAbs2();
   std::vector<std::tuple<double, Index, Index>> pairs;
@@ -102,7 +101,7 @@ std::optional<Index> more_negative(const VecX& weights, const NearestModes& from
   std::ranges::sort(pairs);
   std::vector<char> has_from(static_cast<std::size_t>(overlap.rows()), 0),
       has_to(static_cast<std::size_t>(overlap.cols()), 0);
-  Index more = 0;
+  Index count = 0;
   for (const auto& [size, i, j] : pairs) {
     char &first = has_from[static_cast<std::size_t>(i)],
          &second = has_to[static_cast<std::size_t>(j)];
@@ -111,7 +110,7 @@ std::optional<Index> more_negative(const VecX& weights, const NearestModes& from
     const std::complex<double> a = from.values(i), b = to.values(j);
     if (is_negative(a) == is_negative(b)) continue;
     if (is_real_value(a) != is_real_value(b)) return std::nullopt;
-    if (is_real_value(a)) more += is_negative(b) ? 1 : -1;
+    if (is_real_value(a)) ++count;
   }
   // One of the nearest without its like.
   const double reach = far_enough * std::min(std::abs(from.values(from.values.size() - 1)),
@@ -122,11 +121,10 @@ std::optional<Index> more_negative(const VecX& weights, const NearestModes& from
     return false;
   };
   if (is_lost(from.values, has_from) || is_lost(to.values, has_to)) return std::nullopt;
-  const bool is_odd = std::abs(more) % 2 == 1,
-             changes = from.determinant_sign * to.determinant_sign < 0;
+  const bool is_odd = count % 2 == 1, changes = from.determinant_sign * to.determinant_sign < 0;
   if (from.determinant_sign != 0 && to.determinant_sign != 0 && is_odd != changes)
     return std::nullopt;
-  return more;
+  return count;
 }
 
 }  // namespace mbd

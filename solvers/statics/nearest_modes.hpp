@@ -27,8 +27,9 @@ std::optional<NearestModes> nearest_modes(const System& system, LinearSolver& so
                                           const State& state, std::span<const Vec6> resultants,
                                           const Holds& holds);
 
-// By how much the number of negative ones grows from one to the other; empty where that cannot be told.
-std::optional<Index> more_negative(const VecX& weights, const NearestModes& from,
-                                   const NearestModes& to);
+// How many go through zero, to either side, from one to the other; empty where that cannot be told. (Not by how many more are
+// negative: where one loses stability another may gain it.)
+std::optional<Index> through_zero(const VecX& weights, const NearestModes& from,
+                                  const NearestModes& to);
 
 }  // namespace mbd

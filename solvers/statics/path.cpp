@@ -106,7 +106,7 @@ class Follower {
     std::vector<Vec6> bend_of_resultants;  // the same of how resultants change along the tangent
     double arc = 0.0;
     std::optional<Index>
-        index;  // negative eigenvalues; without a potential those that have come to be so
+        index;  // negative eigenvalues; without a potential modes that went through zero
     std::shared_ptr<const NearestModes> modes;  // without a potential
     bool is_branching = false;                  // a bifurcation, left in the direction of its mode
   };
@@ -237,12 +237,12 @@ class Follower {
         nearest_modes(system_, plain_, point.state, point.resultants, holds_);
     if (!modes) return std::nullopt;
     point.modes = std::make_shared<const NearestModes>(std::move(*modes));
-    if (beside == nullptr || !beside->index || !beside->modes) return point.modes->negative();
-    if (const auto more = more_negative(w_, *beside->modes, *point.modes))
-      return *beside->index + *more;
+    if (beside == nullptr || !beside->index || !beside->modes) return 0;
+    if (const auto count = through_zero(w_, *beside->modes, *point.modes))
+      return *beside->index + *count;
     told_ = false;
     const bool changes = beside->modes->determinant_sign * point.modes->determinant_sign < 0;
-    return *beside->index + (changes ? (*beside->index > 0 ? -1 : 1) : 0);
+    return *beside->index + (changes ? 1 : 0);
   }
 
   // How resultants change along the tangent of a point.
