@@ -594,16 +594,16 @@ class Run {
   // Of the equilibrium of a <static>, by its negative eigenvalues, if they were counted.
   void judge_stability(const StaticReport& result) {
     if (!has_potential(scene_)) {
-      if (const Index ways = result.diverging.value_or(0); ways > 0)
-        report_.notes.push_back(fmt::format(
-            "the equilibrium is unstable: forces drive it on in {} of the motions nearest to that "
-            "(divergence); it would not stay there",
-            ways));
-      report_.notes.push_back("the stability of the equilibrium is not judged" +
-                              std::string(result.diverging.value_or(1) == 0
-                                              ? " but for divergence, of which there is none: "
-                                              : ": ") +
-                              without_potential(scene_));
+      const Index ways = result.diverging.value_or(0);
+      report_.notes.push_back(
+          (ways > 0 ? fmt::format("the equilibrium is unstable: forces drive it on in {} of the "
+                                  "motions nearest to that (divergence); it would not stay there; "
+                                  "otherwise its stability is not judged: ",
+                                  ways)
+           : result.diverging ? std::string("the stability of the equilibrium is not judged but "
+                                            "for divergence, of which there is none: ")
+                              : std::string("the stability of the equilibrium is not judged: ")) +
+          without_potential(scene_));
       return;
     }
     report_.negative_eigenvalues = result.negative;

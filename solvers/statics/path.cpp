@@ -719,7 +719,7 @@ class Follower {
         event.before && event.after ? std::abs(*event.after - *event.before) : Index{1};
     if (event.mode.size() > 0) special.motion = name_of_motion(system_, event.mode);
     if (!stability_ && event.kind == PathEvent::bifurcation && at_once > 1)
-      special.motion += fmt::format(", of {} motions at once", at_once);
+      special.motion = fmt::format("{} at once, one of them {}", at_once, special.motion);
     special.mode = event.mode;
     report_.special.push_back(std::move(special));
     if (event.kind == PathEvent::bifurcation)

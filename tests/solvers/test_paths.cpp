@@ -486,7 +486,7 @@ TEST(PathWithoutPotential, FindsTwoMotionsAtOnce) {
   const auto found = points_of(report, PathEvent::bifurcation);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_LT(relative(found[0].load_factor, k * k / 10.0), 1e-4);
-  EXPECT_NE(found[0].motion.find("2 motions at once"), std::string::npos) << found[0].motion;
+  EXPECT_NE(found[0].motion.find("2 at once, one of them"), std::string::npos) << found[0].motion;
   EXPECT_NE(report.failure.find("2 branches or more"), std::string::npos) << report.failure;
 }
 
