@@ -109,7 +109,7 @@ class Batch {
   // The first element out of range, or an empty string.
   virtual std::string out_of_range(const State& /*state*/) const { return {}; }
 
-  // Appends all laws of x and v, in an order that stays.
+  // Appends all laws of x and v; their order stays.
   virtual void law_arguments(const State& /*state*/, std::vector<LawArgument>& /*all*/) const {}
 
   // Constraint rows at position and velocity level: g [m, rad] and gdot = B V + g_t.

@@ -1291,9 +1291,8 @@ std::optional<Expression> Expression::of_sensor(std::size_t k, std::span<const d
   for (Instruction& i : result.program_) {
     const auto place = static_cast<std::size_t>(i.target);
     if (i.op == Opcode::time) i = {Opcode::constant, -1, t};
-    if (i.op == Opcode::sensor)
-      i = place == k ? Instruction{Opcode::time, -1, 0.0}
-                     : Instruction{Opcode::constant, -1, sensors[place]};
+    if (i.op == Opcode::sensor && place != k) i = {Opcode::constant, -1, sensors[place]};
+    if (i.op == Opcode::sensor) i = {Opcode::time, -1, 0.0};
   }
   result.sensors_.clear();
   return result;

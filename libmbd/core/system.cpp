@@ -469,16 +469,17 @@ std::string System::out_of_range(const State& given) const {
   return {};
 }
 
-std::vector<LawArgument> System::law_arguments(const State& given) const {
+void System::law_arguments(const State& given, std::vector<LawArgument>& all) const {
   const State& state = fed_back(given);
-  std::vector<LawArgument> all;
+  all.clear();
   for (const auto& batch : batches_) batch->law_arguments(state, all);
-  return all;
 }
 
 std::vector<NearKink> System::near_kinks(const State& state) const {
+  std::vector<LawArgument> arguments;
+  law_arguments(state, arguments);
   std::vector<NearKink> all;
-  for (const LawArgument& one : law_arguments(state))
+  for (const LawArgument& one : arguments)
     if (const auto kink = one.law->nearest_kink(one.x))
       all.push_back({*one.element, one.x, *kink, one.of});
   return all;

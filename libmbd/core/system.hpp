@@ -161,7 +161,7 @@ class System {
   // prescribed motions.
   void load_rate(const State& state, VecX& r) const;
   std::string out_of_range(const State& state) const;
-  std::vector<LawArgument> law_arguments(const State& state) const;
+  void law_arguments(const State& state, std::vector<LawArgument>& all) const;
   std::vector<NearKink> near_kinks(const State& state) const;  // of those of them that have kinks
   // Each law of sensors, by the name of what acts, and what they read at a state.
   void each_law_of_sensors(const State& state,

@@ -22,6 +22,7 @@ constexpr double scatter = 0.02;  // the same of tables, which are measured
 
 // Ranges stay near what is travelled: what a law does far away would hide what it does here.
 void PassedFeatures::Known::cover(double x) {
+  if (law == nullptr && !other) return;
   if (!std::isfinite(x) || (lo <= x && x <= hi && !places.empty())) return;
   if (places.empty()) {
     const double half = std::max(0.1 * std::abs(x), std::numeric_limits<double>::min());
@@ -70,7 +71,8 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
     x.push_back(argument);
     ++k;
   };
-  for (const LawArgument& one : system_.law_arguments(state))
+  system_.law_arguments(state, arguments_);
+  for (const LawArgument& one : arguments_)
     add(one.x, [&one] {
       Known law;
       law.law = one.law;
