@@ -38,7 +38,7 @@ struct Energies {
   double total() const { return kinetic + strain + potential; }
 };
 
-// A law of an element ("spring 'k'"), and where it is evaluated.
+// A law of an element ("spring 'k'"), and the x where it is evaluated.
 struct LawArgument {
   const std::string* element;
   const Law* law;

@@ -118,8 +118,7 @@ class Expression {
   // What a law does in time whose sensors are not known; they differ, so that what depends on a difference is seen.
   Expression held_at(double sensors, double inputs) const;
 
-  // The same as a function of its k-th sensor alone, where the others read `sensors` at t; nothing where it depends on inputs, or
-  // switches in time.
+  // The same of its k-th sensor alone, the others reading `sensors`, at t; nothing where it has inputs or switches in time.
   std::optional<Expression> of_sensor(std::size_t k, std::span<const double> sensors,
                                       double t) const;
 

@@ -57,9 +57,8 @@ class Law {
   LawValue operator()(double x) const;
   double integral(double x) const;  // F of (1)
 
-  // The expression that it is; nullptr: a table, of which these are the knots.
-  const Expression* expression() const { return std::get_if<Expression>(&law_); }
-  std::vector<double> knots() const;
+  const Expression* expression() const { return std::get_if<Expression>(&law_); }  // or nullptr
+  std::vector<double> knots() const;                                               // of a table
 
   // The kink nearest to x. Slopes that differ by round-off (1e-9 of the larger) are none.
   std::optional<Kink> nearest_kink(double x) const;

@@ -78,6 +78,7 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
       law.law = one.law;
       return law;
     });
+  if (!system_.feeds_back()) return;
   system_.each_law_of_sensors(
       state, [&](const std::string&, const Expression& law, std::span<const double> readings) {
         for (std::size_t i = 0; i < readings.size(); ++i)
@@ -97,10 +98,11 @@ std::optional<double> PassedFeatures::over(Known& law, double from, double to) {
   const auto [a, b] = std::minmax(from, to);
   const auto first = std::ranges::upper_bound(law.places, a),
              last = std::ranges::lower_bound(law.places, b);
-  constexpr auto allowed = static_cast<std::ptrdiff_t>(2 * LawSteps::reach);  // with the middles
+  // With the middles. Pieces of a table are not made to be short where it does something: two of its knots are a peak.
+  const bool is_table = law.law != nullptr && law.law->expression() == nullptr;
+  const auto allowed = static_cast<std::ptrdiff_t>(is_table ? 3 : 2 * LawSteps::reach);
   if (last - first <= allowed) return std::nullopt;
   const auto [low, high] = std::minmax(law.at(from), law.at(to));
-  const bool is_table = law.law != nullptr && law.law->expression() == nullptr;
   const double margin = (is_table ? scatter : aside) * (law.most - law.least);
   const auto values = std::span(law.values)
                           .subspan(static_cast<std::size_t>(first - law.places.begin()),

@@ -44,6 +44,7 @@ class PassedFeatures {
   std::optional<bool> any_;  // whether there are such laws; not yet known
   std::vector<Known> known_;
   std::vector<double> before_, after_;
+  std::vector<LawArgument> arguments_;
 };
 
 }  // namespace mbd

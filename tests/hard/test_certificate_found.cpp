@@ -100,9 +100,8 @@ TEST(CertificateFound, DistributedLoadsThatNodesDoNotResolve) {
     EXPECT_GT(loads->value, 0.2 * error) << elements;
   }
   // However narrow it is: between all points at which a mesh could look. Mutation: a fixed number of points an element.
-  for (const char* const needle :
-       {"-1-3000*exp(-((s-0.31)/0.002)^2)", "-1-3e5*exp(-((s-0.31)/2e-5)^2)",
-        "s>0.31&&s<0.3101 ? -3e4 : -1"})
+  for (const char* const needle : {"-1-3000*exp(-((s-0.31)/0.002)^2)",
+                                   "-1-3e5*exp(-((s-0.31)/2e-5)^2)", "s>0.31&&s<0.3101?-3e4:-1"})
     EXPECT_NE(find(history(needle, 2, 4).report.certificate, "distributed loads")->verdict,
               Verdict::pass)
         << needle;

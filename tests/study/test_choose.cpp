@@ -578,7 +578,7 @@ const char* const strip = R"(<mbd name="strip">
 // a fifth of the deflection). Closed form: of a force at a, F a^2 (3 L - a)/(6 EI) + F a/GA. Mutation: no look at loads.
 TEST(Choose, SeesALoadThatIsNarrowAlongABeam) {
   constexpr double EI = 100.0, GA = 4e5, a = 0.31;
-  for (const double w : {2e-3, 1e-4}) {
+  for (const double w : {2e-3, 1e-3}) {
     const double F = 3000.0 * w * std::sqrt(std::numbers::pi);
     const double exact =
         -(1.0 / (8.0 * EI) + 0.5 / GA) - F * (a * a * (3.0 - a) / (6.0 * EI) + a / GA);
@@ -590,6 +590,14 @@ TEST(Choose, SeesALoadThatIsNarrowAlongABeam) {
     const double tip = trial.findings.rows.back()[column(trial.findings, "tip.displacement.3")];
     EXPECT_NEAR(tip, exact, 2e-3 * std::abs(exact)) << w;
   }
+  // Too narrow for any number of elements that is tried.
+  const Choice none =
+      choose_at_leisure(read_model_text(fmt::format(fmt::runtime(strip),
+                                                    "-1-3e6*exp(-((s-0.31)/1e-6)^2)", "<static/>")),
+                        {.accuracy = 1e-3});
+  EXPECT_FALSE(none.met);
+  EXPECT_NE(none.reason.find("changes within less than an element"), std::string::npos)
+      << none.reason;
 }
 
 // Fifteen places divide the beam into sixteen, whether one element is asked for or eight: runs on the same mesh agreed to the last bit
