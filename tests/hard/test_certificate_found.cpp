@@ -99,7 +99,7 @@ TEST(CertificateFound, DistributedLoadsThatNodesDoNotResolve) {
     EXPECT_EQ(loads->verdict == Verdict::pass, elements == 20) << loads->value << " " << error;
     EXPECT_GT(loads->value, 0.2 * error) << elements;
   }
-  // However narrow it is: between all points at which a mesh could look. Mutation: a fixed number of points an element.
+  // However narrow it is: between all points at which a mesh could look. (Twelve points an element saw none of these.)
   for (const char* const needle : {"-1-3000*exp(-((s-0.31)/0.002)^2)",
                                    "-1-3e5*exp(-((s-0.31)/2e-5)^2)", "s>0.31&&s<0.3101?-3e4:-1"})
     EXPECT_NE(find(history(needle, 2, 4).report.certificate, "distributed loads")->verdict,
