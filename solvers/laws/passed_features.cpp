@@ -102,12 +102,14 @@ std::optional<double> PassedFeatures::over(Known& law, double from, double to) {
   const bool is_table = law.law != nullptr && law.law->expression() == nullptr;
   const auto allowed = static_cast<std::ptrdiff_t>(is_table ? 3 : 2 * LawSteps::reach);
   if (last - first <= allowed) return std::nullopt;
-  const auto [low, high] = std::minmax(law.at(from), law.at(to));
+  const double f = law.at(from), g = law.at(to);
   const double margin = (is_table ? scatter : aside) * (law.most - law.least);
   const auto values = std::span(law.values)
                           .subspan(static_cast<std::size_t>(first - law.places.begin()),
                                    static_cast<std::size_t>(last - first));
-  if (std::ranges::none_of(values, [&](double f) { return f < low - margin || f > high + margin; }))
+  if (std::ranges::none_of(values, [&](double y) {
+        return y < std::min(f, g) - margin || y > std::max(f, g) + margin;
+      }))
     return std::nullopt;
   const double end = to > from ? *(first + (allowed - 1)) : *(last - allowed);
   return (end - from) / (to - from);

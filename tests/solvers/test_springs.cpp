@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "libmbd/language/reader.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_springs {
@@ -360,10 +361,11 @@ TEST(Springs, FailByNameWhereTheyHaveNoDirectionOrRange) {
 // A moment per angle may be written as what it is.
 TEST(Springs, StiffnessesPerAngleMaySaySo) {
   const auto of = [](const std::string& k, const std::string& c) {
-    return read(R"(<body name="b" mass="1" inertia="1 1 1"/>
+    return read_model_text(R"(<mbd name="u"><body name="b" mass="1" inertia="1 1 1"/>
       <revolute name="r" between="ground b" axis="0 0 1"/>
       <joint_spring name="s" joint="r" angular_stiffness=")" +
-                k + R"(" angular_damping=")" + c + R"("/><transient duration="1" step="0.1"/>)")
+                           k + R"(" angular_damping=")" + c +
+                           R"("/><transient duration="1" step="0.1"/></mbd>)")
         .joint_springs[0];
   };
   constexpr double deg = std::numbers::pi / 180.0;
