@@ -20,9 +20,19 @@ constexpr double scatter = 0.02;  // the same of tables, which are measured
 
 }  // namespace
 
+// A polynomial of fewer degrees than cells are made of has one cell, wherever it is.
+bool PassedFeatures::Known::is_polynomial(const Expression& f) {
+  constexpr std::size_t degrees = 6;
+  if (!f.breakpoints().empty()) return false;
+  std::array<Interval, Expression::most_coefficients> c;
+  f.enclose(-1.0, 1.0, c);
+  return std::all_of(c.begin() + degrees, c.end(),
+                     [](const Interval& x) { return x.lo == 0.0 && x.hi == 0.0; });
+}
+
 // Ranges stay near what is travelled: what a law does far away would hide what it does here.
 void PassedFeatures::Known::cover(double x) {
-  if (law == nullptr && !other) return;
+  if (is_plain) return;
   if (!std::isfinite(x) || (lo <= x && x <= hi && !places.empty())) return;
   if (places.empty()) {
     const double half = std::max(0.1 * std::abs(x), std::numeric_limits<double>::min());
@@ -76,6 +86,8 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
     add(one.x, [&one] {
       Known law;
       law.law = one.law;
+      law.is_plain =
+          law.law->expression() != nullptr && Known::is_polynomial(*law.law->expression());
       return law;
     });
   if (!system_.feeds_back()) return;
@@ -87,6 +99,7 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
             std::ranges::replace(others, 0.0, 1.0);  // what the law is multiplied with
             Known of;
             of.other = law.of_sensor(i, others, state.t);
+            of.is_plain = !of.other || Known::is_polynomial(*of.other);
             return of;
           });
       });
@@ -94,7 +107,7 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
 
 // What part of the way from one argument to another the law goes as far as it may, if it does more.
 std::optional<double> PassedFeatures::over(Known& law, double from, double to) {
-  if (law.law == nullptr && !law.other) return std::nullopt;
+  if (law.is_plain) return std::nullopt;
   const auto [a, b] = std::minmax(from, to);
   const auto first = std::ranges::upper_bound(law.places, a),
              last = std::ranges::lower_bound(law.places, b);
@@ -119,7 +132,7 @@ std::optional<double> PassedFeatures::end(const State& begin, std::span<const St
                                           const State& end) {
   if (any_ && !*any_) return std::nullopt;
   look(begin, before_);
-  any_ = !before_.empty();
+  any_ = std::ranges::any_of(known_, [](const Known& law) { return !law.is_plain; });
   if (!*any_) return std::nullopt;
   double from = begin.t;
   for (std::size_t i = 0; i <= inside.size(); ++i) {

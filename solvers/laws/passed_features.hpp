@@ -28,11 +28,13 @@ class PassedFeatures {
   struct Known {
     const Law* law = nullptr;         // or
     std::optional<Expression> other;  // of a sensor
+    bool is_plain = false;            // there is nothing to go over
     double lo = 0.0, hi = 0.0;
     std::vector<double> places, values;  // ends of cells, rising, and the middles
     double least = 0.0, most = 0.0;      // of the values
 
     double at(double x) const { return law != nullptr ? (*law)(x).f : (*other)(x).v; }
+    static bool is_polynomial(const Expression& f);
     void cover(double x);
     void find();
   };
