@@ -700,7 +700,7 @@ smooth, and linear beyond the first and the last. A law is continuous; its condi
 compare terms `a*x + b`, as those of time do. Adaptive steps of radau and generalized_alpha end where x passes a kink and turns
 back (a stop that is just touched), and before a peak of a law that they would go over, however narrow it is, in x, in v or in a
 sensor of a load; fixed steps, and ida, count what they passed over, and the certificate warns. Of a law with several sensors each
-is looked at with the others held: a peak that moves with them may be missed, and `max_step` bounds steps there.
+is looked at with the others as they are at the start: a peak that moves with them may be missed, and `max_step` bounds steps there.
 
 The motion of a bushing is six numbers: for small motions the displacement and the rotation of b from
 a along and about its axes; for large ones those of the screw motion that takes a to b, so that

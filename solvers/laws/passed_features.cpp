@@ -95,15 +95,17 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
   if (!system_.feeds_back()) return;
   system_.each_law_of_sensors(
       state, [&](const std::string&, const Expression& law, std::span<const double> readings) {
-        for (std::size_t i = 0; i < readings.size(); ++i)
-          add(readings[i], [&] {
-            std::vector<double> others(readings.begin(), readings.end());
-            std::ranges::replace(others, 0.0, 1.0);  // what the law is multiplied with
-            Known of;
-            of.other = law.of_sensor(i, others, state.t);
-            of.is_plain = !of.other || Known::is_polynomial(*of.other);
-            return of;
-          });
+        // What a law is multiplied with may be zero, what is added to a sensor is what it is.
+        for (const double zero : {0.0, 1.0})
+          for (std::size_t i = 0; i < readings.size() && (zero == 0.0 || readings.size() > 1); ++i)
+            add(readings[i], [&] {
+              std::vector<double> others(readings.begin(), readings.end());
+              std::ranges::replace(others, 0.0, zero);
+              Known of;
+              of.other = law.of_sensor(i, others, state.t);
+              of.is_plain = !of.other || Known::is_polynomial(*of.other);
+              return of;
+            });
       });
 }
 

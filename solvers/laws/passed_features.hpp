@@ -4,8 +4,8 @@
 // Of each law the cells (libmbd/core/law_cells.hpp; of a table its pieces) in the range that its argument has been in, and half as
 // much beside it, are found when they are asked for. Over how many of them a step may go between two known places is that of laws
 // of time (law_steps.hpp), unless the law stays between its values at both: a friction that turns round is no bump.
-// Of a law with several sensors, each by itself with the others as they were when the range was found: what moves with them may
-// be missed.
+// Of a law with several sensors, each by itself with the others as they were at first, or 1 where they were 0: what moves with them
+// may be missed.
 #pragma once
 
 #include <optional>

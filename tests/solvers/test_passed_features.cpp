@@ -54,6 +54,21 @@ TEST(PassedFeatures, HillsOfAnyWidthAreMet) {
     }
 }
 
+// Beside another sensor, which stays at 0, or is what the hill is multiplied with and stays at 1.
+TEST(PassedFeatures, OfSeveralSensorsEachIsLookedAt) {
+  const double v = std::sqrt(1.0 - 2.0 * 0.08 * std::sqrt(std::numbers::pi));
+  for (const char* const force :
+       {"-80*exp(-((rail.displacement-other.displacement-5.234)/0.001)^2)",
+        "-80*(1+other.displacement)*exp(-((rail.displacement-5.234)/0.001)^2)"})
+    EXPECT_NEAR(last_speed(on_rail(fmt::format(R"(<body name="c" mass="1" inertia="1 1 1"/>
+            <prismatic name="other" between="ground c" axis="1 0 0"/>
+            <load at="b" force="{} 0 0"/>)",
+                                               force),
+                                   adaptive[0])),
+                v, 2e-3)
+        << force;
+}
+
 // A tent of a table: the energy is its area.
 TEST(PassedFeatures, TentsOfTablesAreMet) {
   const std::string tent = R"(<joint_spring name="s" joint="rail">
