@@ -131,11 +131,6 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP OverSubscri
                               check=False).stdout.strip()
 
 
-#: Busy machines are no reason for Dask to speak, nor to give up: its own limits are 30 s for a connection, 5 min for a heartbeat.
-PATIENT = {"DASK_DISTRIBUTED__ADMIN__TICK__LIMIT": "1h", "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "1h",
-           "DASK_DISTRIBUTED__COMM__TIMEOUTS__TCP": "1h", "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "1h"}
-
-
 class Dask(Servers):
     """`workers` of one thread each, which are started again when they die."""
 
@@ -143,8 +138,8 @@ class Dask(Servers):
         super().__init__(directory)
         self.workers = workers
         self.file = self.directory / "scheduler.json"
-        self.environment.update(PATIENT)
-        self.of_workers = None if environment is None else {**environment, **PATIENT}
+        self.environment.update(DASK_DISTRIBUTED__ADMIN__TICK__LIMIT="1h")  # busy machines are no reason to speak
+        self.of_workers = environment
 
     def _start(self):
         module = [sys.executable, "-m"]
@@ -158,11 +153,9 @@ class Dask(Servers):
                       "--memory-limit", "0", "--local-directory", self.directory / f"worker{number}")
 
     def client(self):
-        import dask
         import distributed
 
-        dask.config.set({"distributed.comm.timeouts.connect": "1h", "distributed.comm.timeouts.tcp": "1h"})
-        one = distributed.Client(scheduler_file=str(self.file), timeout="1h")
+        one = distributed.Client(scheduler_file=str(self.file))
         if self.workers:
             one.wait_for_workers(self.workers)
         return one
