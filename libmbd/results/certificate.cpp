@@ -764,8 +764,7 @@ void Audit::add_troubles(Certificate& all, const Counters& c) {
              .fail = std::numeric_limits<double>::max(),
              .why = "steps between whose ends a stop, a rope or another law with a kink, or with a "
                     "peak, was met and left again, or in a few of which it was: neither the motion "
-                    "nor an estimate "
-                    "of its error knows of it; take shorter steps"});
+                    "nor an estimate of its error knows of it; take shorter steps"});
   if (c.tolerant > 0)
     all.add({.name = "rank-tolerant steps",
              .value = static_cast<double>(c.tolerant),

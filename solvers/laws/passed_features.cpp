@@ -49,10 +49,9 @@ void PassedFeatures::Known::cover(double x) {
 }
 
 void PassedFeatures::Known::find() {
-  const Expression* const expression = law != nullptr ? law->expression() : &*other;
   std::vector<double> ends;
-  if (expression != nullptr) {
-    ends = find_cells(*expression, {}, lo, hi, most_cells_of_a_law).ends;
+  if (!is_table()) {
+    ends = find_cells(*expression(), {}, lo, hi, most_cells_of_a_law).ends;
   } else {
     for (const double knot : law->knots())
       if (lo < knot && knot < hi) ends.push_back(knot);
@@ -88,8 +87,7 @@ void PassedFeatures::look(const State& state, std::vector<double>& x) {
     add(one.x, [&one] {
       Known law;
       law.law = one.law;
-      law.is_plain =
-          law.law->expression() != nullptr && Known::is_polynomial(*law.law->expression());
+      law.is_plain = !law.is_table() && Known::is_polynomial(*law.expression());
       return law;
     });
   if (!system_.feeds_back()) return;
@@ -116,11 +114,10 @@ std::optional<double> PassedFeatures::over(Known& law, double from, double to) {
   const auto first = std::ranges::upper_bound(law.places, a),
              last = std::ranges::lower_bound(law.places, b);
   // With the middles. Pieces of a table are not made to be short where it does something: two of its knots are a peak.
-  const bool is_table = law.law != nullptr && law.law->expression() == nullptr;
-  const auto allowed = static_cast<std::ptrdiff_t>(is_table ? 3 : 2 * LawSteps::reach);
+  const auto allowed = static_cast<std::ptrdiff_t>(law.is_table() ? 3 : 2 * LawSteps::reach);
   if (last - first <= allowed) return std::nullopt;
   const double f = law.at(from), g = law.at(to);
-  const double margin = (is_table ? scatter : aside) * (law.most - law.least);
+  const double margin = (law.is_table() ? scatter : aside) * (law.most - law.least);
   const auto values = std::span(law.values)
                           .subspan(static_cast<std::size_t>(first - law.places.begin()),
                                    static_cast<std::size_t>(last - first));

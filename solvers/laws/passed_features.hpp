@@ -34,6 +34,8 @@ class PassedFeatures {
     double least = 0.0, most = 0.0;      // of the values
 
     double at(double x) const { return law != nullptr ? (*law)(x).f : (*other)(x).v; }
+    const Expression* expression() const { return law == nullptr ? &*other : law->expression(); }
+    bool is_table() const { return expression() == nullptr; }
     static bool is_polynomial(const Expression& f);
     void cover(double x);
     void find();
