@@ -29,6 +29,7 @@ beam::HeldForces BeamElasticBatch::held_forces(const State& state, Index element
   const Held held = held_of(element);
   if (held.strains == nullptr) return all;
   all.held = held.strains->held(held.number);
+  all.compliance = held.strains->compliance(held.number);
   all.S.assign(table().rule.points.size(), Vec6::Zero());
   held.strains->add_forces(state, held.number, all.S);
   held.strains->add_end_forces(state, held.number, all.first, all.last);

@@ -24,7 +24,8 @@ namespace beam {
 // What an element whose strains are held adds to mesh_error_of(), beside its own compliance and forces.
 struct HeldForces {
   StrainSet held{};
-  std::vector<Vec6> S;  // by point
+  Vec6 compliance = Vec6::Zero();  // of held_strains.hpp (1)
+  std::vector<Vec6> S;             // by point
   Vec6 first = Vec6::Zero(), last = Vec6::Zero();
 };
 
@@ -46,8 +47,8 @@ class BeamElasticBatch : public Batch {
   // add_element is of its own.
   virtual void set_frames_of(Index element, std::span<const Pose<double>> frames) = 0;
 
-  // Strains of that element are held at zero by another batch, of which it is `number`: its stiffness there does not matter,
-  // forces come from there. Of Gauss's rule.
+  // Strains of that element have forces of another batch, of which it is `number`, added to those of its stiffness (which does
+  // not matter where they are held at zero). Of Gauss's rule.
   void set_held(Index element, const HeldStrains& strains, Index number) {
     held_[element] = {&strains, number};
   }
@@ -114,7 +115,14 @@ MeshError mesh_error_of(const Shared& shared, const Data& data, const NodeState<
   Kernel::linearized_resultants(shared, data, x, still.data(), S.data());
   double length = 0.0;
   for (std::size_t i = 0; i < points; ++i) {
-    compliance[i] = compliance_of(Kernel::D_at(shared, data, static_cast<int>(i)), held.held);
+    Mat6 D = Kernel::D_at(shared, data, static_cast<int>(i));
+    StrainSet without = held.held;  // compliance
+    for (Index c = 0; c < 6; ++c)
+      if (held.compliance(c) > 0.0) {
+        D(c, c) += 1.0 / held.compliance(c);
+        without[static_cast<std::size_t>(c)] = false;
+      }
+    compliance[i] = compliance_of(D, without);
     if (!held.S.empty()) S[i] += held.S[i];
     length += data.wJ[i];
   }

@@ -14,18 +14,21 @@ constexpr int most_nodes = Sizes<0>::max_nodes;
 template <class Metric>
 class HeldStrainsBatch final : public HeldStrains {
  public:
-  explicit HeldStrainsBatch(int order)
+  HeldStrainsBatch(int order, bool give)
       : table_(spectral_table(order, Rule::gauss)),
         order_(order),
-        type_(std::string("beam strains held at zero, ") + Metric::name +
-              ", N = " + std::to_string(order)) {}
+        type_((give ? std::string("beam forces of stiff strains, ")
+                    : std::string("beam strains held at zero, ")) +
+              Metric::name + ", N = " + std::to_string(order)) {}
 
   Index add_element(std::span<const double> J, std::span<const Pose<double>> reference,
-                    std::span<const int> nodes, const StrainSet& held, std::span<const Rows> rows,
-                    std::span<const Pose<double>> frames, std::string name) override {
+                    std::span<const int> nodes, const StrainSet& held, const Vec6& compliance,
+                    std::span<const Rows> rows, std::span<const Pose<double>> frames,
+                    std::string name) override {
     Element e{.data = make_data<Metric, 0>(table_, J, reference, 0, 0),
               .nodes = {nodes.begin(), nodes.end()},
               .held = held,
+              .compliance = compliance,
               .strains = {},
               .rows = {rows.begin(), rows.end()},
               .frames = {frames.begin(), frames.end()},
@@ -48,6 +51,7 @@ class HeldStrainsBatch final : public HeldStrains {
     return sum;
   }
   const StrainSet& held(Index element) const override { return at(element).held; }
+  const Vec6& compliance(Index element) const override { return at(element).compliance; }
 
   void connect(BlockGraph& graph) override {
     first_slot_ = graph.contributions.size();
@@ -62,6 +66,7 @@ class HeldStrainsBatch final : public HeldStrains {
           graph.contributions.push_back({a - 1, l});
           graph.contributions.push_back({l, a - 1});
         }
+        if (e.gives()) graph.contributions.push_back({l, l});
       }
     }
   }
@@ -105,6 +110,8 @@ class HeldStrainsBatch final : public HeldStrains {
         g(row) = x.v;
         gdot(row) = x.d;
       });
+    for (const Element& e : elements_)
+      each_compliance(e, state, [&g](Index row, double c, double S) { g(row) -= c * S; });
   }
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const override {
     using D2 = Dual<Dual<double>>;
@@ -114,6 +121,14 @@ class HeldStrainsBatch final : public HeldStrains {
         gdot(row) = x.v.d;
         gddot_rest(row) = x.d.d;
       });
+  }
+
+  Energies energies(const State& state) const override {
+    Energies sum;
+    for (const Element& e : elements_)
+      each_compliance(e, state,
+                      [&sum](Index, double c, double S) { sum.strain += 0.5 * c * S * S; });
+    return sum;
   }
 
   void add_forces(const State& state, Index element, std::span<Vec6> S) const override {
@@ -132,11 +147,14 @@ class HeldStrainsBatch final : public HeldStrains {
     Data<0> data;
     std::vector<int> nodes;
     StrainSet held;
+    Vec6 compliance;
     std::vector<int> strains;
     std::vector<Rows> rows;            // by point
     std::vector<Pose<double>> frames;  // by node, or none
     std::vector<Mat6> Ad;              // of their inverses
     std::string name;
+
+    bool gives() const { return !compliance.isZero(0.0); }
   };
 
   // What residual and tangent share.
@@ -157,6 +175,19 @@ class HeldStrainsBatch final : public HeldStrains {
     const auto K = static_cast<std::size_t>(k);
     const Pose<double>& H = state.pose[static_cast<std::size_t>(e.nodes[K])];
     return e.frames.empty() ? H : H * e.frames[K];
+  }
+
+  // Of each row of (1) with a compliance: w_i J_i C_c and S_ic.
+  template <class F>
+  void each_compliance(const Element& e, const State& state, const F& is) const {
+    if (!e.gives()) return;
+    for (int i = 0; i < points(); ++i) {
+      Index row = e.rows[static_cast<std::size_t>(i)].multiplier;
+      for (const int c : e.strains) {
+        is(row, weight(e, i) * e.compliance(c), state.lambda(row));
+        ++row;
+      }
+    }
   }
 
   // (2) at a point: what is not held is zero.
@@ -191,6 +222,7 @@ class HeldStrainsBatch final : public HeldStrains {
       Index row = first + e.rows[I].multiplier;
       for (const int c : e.strains) r(row++) += weight(e, i) * E(c);
     }
+    each_compliance(e, state, [&](Index row, double c, double S) { r(first + row) -= c * S; });
     return work.motion.margin > 0.0;
   }
 
@@ -240,6 +272,13 @@ class HeldStrainsBatch final : public HeldStrains {
         }
         slot += 2;
       }
+      if (!e.gives()) continue;
+      Index n = 0;
+      for (const int c : e.strains) {
+        slot->data[n * slot->ld + n] -= weight(e, i) * e.compliance(c);
+        ++n;
+      }
+      ++slot;
     }
   }
 
@@ -273,16 +312,16 @@ class HeldStrainsBatch final : public HeldStrains {
 }  // namespace
 }  // namespace beam
 
-std::unique_ptr<HeldStrains> make_held_strains(Metric metric, int order) {
+std::unique_ptr<HeldStrains> make_held_strains(Metric metric, int order, bool give) {
   switch (metric) {
     case Metric::matrix:
-      return std::make_unique<beam::HeldStrainsBatch<MatrixMetric>>(order);
+      return std::make_unique<beam::HeldStrainsBatch<MatrixMetric>>(order, give);
     case Metric::quaternion:
-      return std::make_unique<beam::HeldStrainsBatch<QuaternionMetric>>(order);
+      return std::make_unique<beam::HeldStrainsBatch<QuaternionMetric>>(order, give);
     case Metric::geodesic:
       break;
   }
-  return std::make_unique<beam::HeldStrainsBatch<GeodesicMetric>>(order);
+  return std::make_unique<beam::HeldStrainsBatch<GeodesicMetric>>(order, give);
 }
 
 }  // namespace mbd

@@ -1,14 +1,17 @@
-// Strains of beams that are held at zero: sections of infinite stiffness in some directions (no extension, no shear, ...), as
-// constraints within elements instead of a large stiffness.
+// Strains of beams with sectional forces of their own: sections of infinite stiffness in some directions (no extension, no
+// shear, ...), as constraints within elements instead of a large stiffness, and in statics of one that is finite and very large.
 //
 // At the N Gauss points of an element, where its strains determine its shape, and the strains c that its section holds:
-//   g_ic = w_i J_i E_ic = 0,   dg_ic = w_i J_i e_c^T Bbar_i dU                                            (1)
+//   g_ic = w_i J_i (E_ic - C_c S_ic) = 0,   dg_ic = w_i J_i (e_c^T Bbar_i dU - C_c dS_ic)                 (1)
 // with E and Bbar of beam_motion.hpp (1), (2). The multiplier of (1) is the sectional force S_ic itself [N, N.m]: it adds
 //   F = sum_i w_i J_i Bbar_i^T e_c S_ic                                                                   (2)
-// to the nodal forces and the geometric stiffness of the pairs (beam_strips.hpp) to the tangent. It is what the energy form
-// becomes for a compliance of zero (Hellinger and Reissner's principle). Of each point the rows are one constraint.
+// to the nodal forces and the geometric stiffness of the pairs (beam_strips.hpp) to the tangent. The compliance C_c is zero for
+// what is infinite; where it is not, the element's own section has a moderate stiffness k_0 there, and k = k_0 + 1/C_c: both
+// are the saddle point of Hellinger and Reissner's principle, whose elastic energy is 1/2 sum_i w_i J_i C_c S_ic^2. Of each point
+// the rows are one constraint.
 //
-// Not used: a large stiffness, which sets the step of solvers and the round-off of forces.
+// Not used: a large stiffness, which sets the step of solvers and the round-off of forces (E is known to that of positions, k E
+// to k times it).
 #pragma once
 
 #include <array>
@@ -36,21 +39,23 @@ class HeldStrains : public Batch {
     Index multiplier, constraint;
   };
 
-  // Adds an element: ds/dxi [m] and the reference pose at each node, its node indices, what it holds, the rows of each point,
-  // and (empty: none) the poses at which its nodes are fixed in those named, H_node^-1 H_own. Returns its index.
+  // Adds an element: ds/dxi [m] and the reference pose at each node, its node indices, what it holds with which compliances C
+  // [1/N, 1/(N.m2)] of (1), the rows of each point, and (empty: none) the poses at which its nodes are fixed in those named,
+  // H_node^-1 H_own. Returns its index.
   virtual Index add_element(std::span<const double> J, std::span<const Pose<double>> reference,
                             std::span<const int> nodes, const StrainSet& held,
-                            std::span<const Rows> rows, std::span<const Pose<double>> frames,
-                            std::string name) = 0;
+                            const Vec6& compliance, std::span<const Rows> rows,
+                            std::span<const Pose<double>> frames, std::string name) = 0;
 
   // Of an element: its held sectional forces added to S, one for each point, section frame; and what they make of the forces
   // of its first and last node [N, N.m].
   virtual void add_forces(const State& state, Index element, std::span<Vec6> S) const = 0;
   virtual void add_end_forces(const State& state, Index element, Vec6& first, Vec6& last) const = 0;
   virtual const StrainSet& held(Index element) const = 0;
+  virtual const Vec6& compliance(Index element) const = 0;
 };
 
-// Elements of one metric and order (1 ... 8), with Gauss's rule.
-std::unique_ptr<HeldStrains> make_held_strains(Metric metric, int order);
+// Elements of one metric and order (1 ... 8), with Gauss's rule. `give`: what its elements hold has compliances, or else none has.
+std::unique_ptr<HeldStrains> make_held_strains(Metric metric, int order, bool give = false);
 
 }  // namespace mbd

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -337,6 +338,7 @@ class Compiler {
     int stiffness = -1, viscosity = -1;
     double mass_damping;
     std::shared_ptr<const KeptTable> table = {};  // of a section that varies
+    Vec6 compliance = Vec6::Zero();               // of strains with forces of their own
     int count = 0;                                // of nodes
 
     const std::string& name() const { return compiled.scene->name; }
@@ -366,7 +368,8 @@ class Compiler {
     const Section& scene_section = section_of(beam);
     const ReferenceLine line = make_reference_line(beam);
     const double of_element = line.length / beam.elements;
-    const SectionTable section(scene_section, of_element);
+    const std::optional<Section> freed = without_stiff_strains(beam, scene_section, of_element);
+    const SectionTable section(freed ? *freed : scene_section, of_element);
     if (scene_.transient && !section.has_mass())
       throw Error(
           scene_section.source,
@@ -378,7 +381,7 @@ class Compiler {
       return;
     }
     if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
-    if (any(section.held())) check_held(beam, scene_section);
+    if (any(infinite_stiffnesses(scene_section))) check_held(beam, scene_section);
     BeamElasticBatch& batch = elastic_batch(beam);
     BeamDampingBatch* const damping = damping_batch(beam, scene_section);
     Growing growing{.compiled = compiled,
@@ -392,6 +395,10 @@ class Compiler {
     if (section.is_uniform()) {
       const Mat6 D = section.stiffness(0.0);
       growing.stiffness = batch.add_stiffness(D);
+      if (freed)
+        for (Index c = 0; c < 6; ++c)
+          if (section.held()[static_cast<std::size_t>(c)])
+            growing.compliance(c) = 1.0 / (scene_section.stiffness(c, c) - D(c, c));
       if (damping) growing.viscosity = damping->add_viscosity(section.viscosity_of(D, 0.0));
     }
     Made end = add_boundary(growing, 0);
@@ -463,12 +470,38 @@ class Compiler {
       if (damping) damping->set_frames_of(damped, of.frames);
     }
     if (any(beam.section.held()))
-      held_.push_back({compiled.scene, &batch, element, Js, of, beam.section.held(), name});
+      held_.push_back(
+          {compiled.scene, &batch, element, Js, of, beam.section.held(), beam.compliance, name});
     compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
     compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
   }
 
-  // An element with strains of infinite stiffness: rows of them follow those of joints.
+  // What statics ask for of a beam that is much stiffer than it bends: the section with infinite stiffnesses there, whose
+  // sectional forces become unknowns, with the compliances of what was stated. Newton's steps know no stiffness then, and forces
+  // no round-off of places. Of what may be infinite (check_held), alike along the beam, where nothing is infinite.
+  std::optional<Section> without_stiff_strains(const BeamScene& beam, const Section& section,
+                                               double of_element) const {
+    if (scene_.transient || linear_about_ || beam.kinematics == Kinematics::classical ||
+        beam.form == Form::paper || beam.rule == Rule::gauss_lobatto || !section.stations.empty() ||
+        any(infinite_stiffnesses(section)))
+      return std::nullopt;
+    // Of an element in tension or shear, of its bending: where round-off of places begins to be seen by Newton's iterations.
+    constexpr double stiff = 1e6;
+    const Mat6& D = section.stiffness;
+    const double bends = 12.0 / (of_element * of_element) * D.diagonal().tail<3>().minCoeff();
+    std::optional<Section> freed;
+    Mat6 moderate = D;
+    for (Index c = 0; c < 3; ++c) {
+      if (!(D(c, c) > stiff * bends)) continue;
+      moderate(c, c) = bends;
+      if (!freed) freed = section;
+      freed->stiffness(c, c) = std::numeric_limits<double>::infinity();
+    }
+    constexpr double far_from_singular = 1e-3;  // couplings stay as they are
+    return scaled_definiteness(moderate) > far_from_singular ? freed : std::nullopt;
+  }
+
+  // An element with strains of infinite stiffness, or much stiffer than it bends: rows of them follow those of joints.
   struct HeldElement {
     const BeamScene* beam;
     BeamElasticBatch* elastic;
@@ -476,6 +509,7 @@ class Compiler {
     std::vector<double> J;
     ElementNodes of;
     StrainSet held;
+    Vec6 compliance;
     std::string name;
 
     std::size_t rows() const {
@@ -507,11 +541,13 @@ class Compiler {
                                                        "shear force 3",    "torque",
                                                        "bending moment 2", "bending moment 3"};
     for (const HeldElement& one : held_) {
+      const bool gives = !one.compliance.isZero(0.0);
       std::vector<HeldStrains::Rows> rows;
       for (std::size_t i = 0; i + 1 < one.J.size(); ++i) {
         ConstraintInfo info;
         info.name = fmt::format("{} point {}", one.name, i + 1);
         info.of_strains = true;
+        info.gives = gives;
         for (std::size_t c = 0; c < names.size(); ++c) {
           if (!one.held[c]) continue;
           info.row_names.emplace_back(names[c]);
@@ -521,11 +557,11 @@ class Compiler {
         const auto constraint = static_cast<Index>(system_->constraints().size());
         rows.push_back({system_->add_constraint(std::move(info)), constraint});
       }
-      auto& batch = held_batches_[std::pair(one.beam->metric, one.beam->order)];
-      if (!batch) batch = make_held_strains(one.beam->metric, one.beam->order);
+      auto& batch = held_batches_[std::tuple(one.beam->metric, one.beam->order, gives)];
+      if (!batch) batch = make_held_strains(one.beam->metric, one.beam->order, gives);
       const bool own = std::all_of(one.of.frames.begin(), one.of.frames.end(), is_none);
       const Index number =
-          batch->add_element(one.J, one.of.poses, one.of.nodes, one.held, rows,
+          batch->add_element(one.J, one.of.poses, one.of.nodes, one.held, one.compliance, rows,
                              own ? std::span<const Pose<double>>() : one.of.frames, one.name);
       one.elastic->set_held(one.element, *batch, number);
     }
@@ -1632,7 +1668,7 @@ class Compiler {
   std::map<std::tuple<Kinematics, Metric, Form, Rule, int>, std::unique_ptr<BeamElasticBatch>>
       elastic_;
   std::vector<HeldElement> held_;
-  std::map<std::pair<Metric, int>, std::unique_ptr<HeldStrains>> held_batches_;
+  std::map<std::tuple<Metric, int, bool>, std::unique_ptr<HeldStrains>> held_batches_;
   std::map<std::tuple<Metric, Rule, int>, std::unique_ptr<BeamDampingBatch>> damping_;
   std::map<int, Mat6> mass_damping_;  // by node, of those that have any [kg/s, kg.m/s, kg.m2/s]
   std::vector<CompiledBeam> beams_;

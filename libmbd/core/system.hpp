@@ -16,14 +16,14 @@
 
 namespace mbd {
 
-// Multipliers of one joint, or of strains of a beam at a point that are held at zero; for messages and output.
+// Multipliers of one joint, or of strains of a beam at a point (held_strains.hpp); for messages and output.
 struct ConstraintInfo {
   std::string name;     // "revolute 'C'"
   Index first_row = 0;  // in State::lambda
   Index rows = 0;
   std::vector<std::string> row_names;  // "force 1", …
   std::vector<bool> is_position;       // a gap [m] and a force [N]; otherwise an angle and a moment
-  bool of_strains = false;             // within a beam, where a rigid one has none
+  bool of_strains = false, gives = false;  // within a beam; with a compliance, it ties nothing
 };
 
 // A drive moves something: its second derivative is an acceleration. A load is a force.

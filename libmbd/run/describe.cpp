@@ -791,11 +791,15 @@ namespace {
 std::string size_in_words(const CheckReport& report) {
   const std::string elements =
       report.elements > 0 ? counted(report.elements, "beam elements") + ", " : "";
-  const Index held = report.mechanism.held_strains;
+  const Index held = report.mechanism.held_strains, stiff = report.mechanism.stiff_strains;
   return fmt::format(
-      "{}{} with the ground, {}, of which {}{}", elements, counted(report.nodes, "nodes"),
+      "{}{} with the ground, {}, of which {}{}{}", elements, counted(report.nodes, "nodes"),
       counted(report.unknowns, "unknowns"), counted(report.multipliers, "multipliers"),
-      held == 0 ? std::string() : fmt::format(" ({} of strains that are held at zero)", held));
+      held == 0 ? std::string() : fmt::format(" ({} of strains that are held at zero)", held),
+      stiff == 0
+          ? std::string()
+          : fmt::format(" ({} sectional forces of stretches and shears much stiffer than bending)",
+                        stiff));
 }
 
 }  // namespace
@@ -867,6 +871,7 @@ std::string to_json(const CheckReport& report) {
                    {"unknowns", report.unknowns},
                    {"multipliers", report.multipliers},
                    {"held_strains", report.mechanism.held_strains},
+                   {"stiff_strains", report.mechanism.stiff_strains},
                    {"fused_joints", report.fused}};
   all["size"] = {{"low", {report.low(0), report.low(1), report.low(2)}},
                  {"high", {report.high(0), report.high(1), report.high(2)}},

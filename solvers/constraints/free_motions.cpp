@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <utility>
 
@@ -110,8 +109,9 @@ VecX OntoFreeMotions::random(unsigned seed) const {
 
 VecX random_free_motion(const System& system, const State& state, const UnitMotions& units,
                         unsigned seed) {
-  std::vector<Index> rows(static_cast<std::size_t>(system.multipliers()));
-  std::iota(rows.begin(), rows.end(), 0);
+  std::vector<Index> rows;
+  for (const ConstraintInfo& info : system.constraints())
+    for (Index i = 0; i < info.rows && !info.gives; ++i) rows.push_back(info.first_row + i);
   const OntoFreeMotions free(units.gradient(state), std::move(rows),
                              find_redundancy(system, state).idle);
   return free.ok() ? free.random(seed) : VecX::Ones(6 * (system.nodes() - 1));

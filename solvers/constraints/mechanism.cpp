@@ -10,7 +10,9 @@ namespace mbd {
 Mechanism analyze_mechanism(const System& system, const State& state) {
   Mechanism result;
   for (const ConstraintInfo& info : system.constraints())
-    (info.of_strains ? result.held_strains : result.constraints) += info.rows;
+    (info.gives        ? result.stiff_strains
+     : info.of_strains ? result.held_strains
+                       : result.constraints) += info.rows;
 
   // Lengths: rotations times L.
   const double L = system.length_scale();
@@ -51,6 +53,7 @@ Mechanism analyze_mechanism(const System& system, const State& state) {
     for (std::size_t c = 0; c < is_prescribed.size(); ++c)
       for (Index i = 0; (is_prescribed[c] != 0) == prescribed && i < system.constraints()[c].rows;
            ++i) {
+        if (system.constraints()[c].gives) continue;
         order.push_back(system.constraints()[c].first_row + i);
         if (!system.constraints()[c].of_strains) of_rigid.push_back(order.back());
       }

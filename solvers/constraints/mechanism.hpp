@@ -17,6 +17,7 @@ namespace mbd {
 struct Mechanism {
   Index constraints = 0;                // rows, drives and motions included
   Index held_strains = 0;               // rows within beams
+  Index stiff_strains = 0;              // the same, with compliances: they tie nothing
   std::vector<RedundantRow> redundant;  // rows, of the system as it is, beams flexible
 
   // With every beam as a rigid body:

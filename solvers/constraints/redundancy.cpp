@@ -237,7 +237,11 @@ std::vector<GradientBlock> constraint_gradients(const System& system, const Stat
     all.idle.clear();
     system.linearize(all, {}, r, rows);
   }
-  return rows.pieces();
+  std::vector<GradientBlock> pieces = rows.pieces();
+  std::erase_if(pieces, [&system](const GradientBlock& piece) {
+    return system.constraints()[static_cast<std::size_t>(piece.constraint)].gives;
+  });
+  return pieces;
 }
 
 std::vector<Index> rows_in_loops(const System& system) {
@@ -246,7 +250,8 @@ std::vector<Index> rows_in_loops(const System& system) {
   const std::size_t count = system.constraints().size();
   std::vector<std::vector<int>> nodes_of(count);
   for (const auto& c : system.graph().contributions)
-    if (c.row >= nodes && c.column >= 0 && c.column < nodes)
+    if (c.row >= nodes && c.column >= 0 && c.column < nodes &&
+        !system.constraints()[static_cast<std::size_t>(c.row - nodes)].gives)
       nodes_of[static_cast<std::size_t>(c.row - nodes)].push_back(c.column);
   for (const auto& ends : nodes_of)
     for (std::size_t i = 1; i < ends.size(); ++i) tied.join(ends[0], ends[i]);
@@ -258,6 +263,7 @@ std::vector<Index> rows_in_loops(const System& system) {
       ++(ends.size() > 1 ? inside : grounded)[static_cast<std::size_t>(tied.root(ends[0]))];
   std::vector<std::size_t> looped;
   for (std::size_t c = 0; c < count; ++c) {
+    if (system.constraints()[c].gives) continue;
     const auto part = nodes_of[c].empty() ? -1 : tied.root(nodes_of[c][0]);
     if (part >= 0 && inside[static_cast<std::size_t>(part)] <= 0 &&
         grounded[static_cast<std::size_t>(part)] <= 1)

@@ -80,7 +80,7 @@ std::string to_text(const System& system, const RedundantRow& row);
 // Entries of a matrix with a row for each multiplier.
 using ConstraintEntries = std::vector<Eigen::Triplet<double>>;
 
-// A block of B at a state, idle rows too.
+// A block of B at a state, idle rows too; of constraints that tie something (ConstraintInfo::gives).
 struct GradientBlock {
   int constraint = 0, node = 0;
   Eigen::MatrixXd B;  // of body-frame increments of the node [m, rad]

@@ -1,0 +1,186 @@
+// Sectional forces as unknowns, of beams in statics that are much stiffer than they bend (elements/beam/held_strains.hpp):
+// tangents by differences at large motions, the same forces and energies as the stiffness has, rods and columns in closed form,
+// iterations and steps that do not depend on stiffness.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "libmbd/compile/model.hpp"
+#include "libmbd/run/describe.hpp"
+#include "tests/support/certificates.hpp"
+#include "tests/support/dense_solver.hpp"
+#include "tests/support/increments.hpp"
+#include "tests/support/read_text.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace mbd::test::test_stiff_strains {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// EA, GA2, GA3 times f; couplings as they are.
+Scene stiffer(Scene scene, double f) {
+  for (Section& section : scene.sections) section.stiffness.diagonal().head<3>() *= f;
+  return scene;
+}
+double last(const History& history, const std::string& column) {
+  return history.table[column].back();
+}
+CheckReport checked(const Scene& scene) { return check_model(scene, compile(scene)); }
+
+// Curved beams of three metrics, with couplings, one with nodes fixed in a body away from them; what is stiff, and what is not.
+std::string all_kinds(double EA, double GA) {
+  return fmt::format(
+      R"(<section name="s"><stiffness EA="{0}" GA2="3" GA3="{1}" GJ="1" EI2="2" EI3="3" D16="0.7" D35="0.4"/>
+           <mass per_length="1" inertia="1e-2 1e-2 1e-2"/></section>
+         <section name="u"><stiffness EA="40" GA2="{1}" GA3="30" GJ="2" EI2="1" EI3="3"/>
+           <mass per_length="1" inertia="1e-2 1e-2 1e-2"/></section>
+         <arc name="a" section="s" from="1 0 0" center="0 0 0" axis="0 0 1" angle="1.2" normal="0 0 1"
+              elements="2" order="3" metric="quaternion"/>
+         <beam name="b" section="u" from="2 0 0" to="3 0.5 0" normal="0 0 1" order="5" metric="matrix"/>
+         <beam name="c" section="s" from="4 0 0" to="4 0 1" normal="1 0 0" order="1"/>
+         <body name="m" at="1.7 0.1 0.3" mass="1" inertia="1 2 3"/>
+         <fixed name="f" between="m b.start"/>
+         <fixed name="g" between="ground c.start"/>)",
+      EA, GA);
+}
+const std::string at_rest = "<static/>", in_time = "<transient duration=\"1\" step=\"0.1\"/>";
+constexpr Index rows_of_kinds = 2 * 3 * 2 + 5 + 2;
+
+Eigen::MatrixXd tangent(const System& system, const State& state, VecX& r) {
+  DenseSolver solver;
+  solver.analyze(system.graph());
+  system.linearize(state, {}, r, solver);
+  return solver.matrix();
+}
+
+// By differences of sixth order of the residual along random increments, poses and multipliers moved far. The compliances are
+// not small beside the strains of these forces.
+TEST(StiffStrains, TangentIsTheDerivative) {
+  const Model model = compile(read(all_kinds(1e9, 2e9) + at_rest));
+  const System& system = *model.system;
+  ASSERT_EQ(system.multipliers(), rows_of_kinds + 6);  // and those of the ground
+  Rng rng(3);
+  for (int trial = 0; trial < 5; ++trial) {
+    State state = model.initial;
+    move_at_random(state, rng, 0.3);
+    for (double& l : state.lambda) l = uniform(rng, -5e8, 5e8);
+    VecX r, alone;
+    const Eigen::MatrixXd K = tangent(system, state, r);
+    system.residual(state, alone);
+    EXPECT_EQ((r - alone).cwiseAbs().maxCoeff(), 0.0);
+    VecX x = random_increment(system, rng);
+    x.tail(system.multipliers()) *= 1e9;
+    const auto along = [&](double by) {
+      VecX there;
+      system.residual(moved_by(system, state, x, by), there);
+      return VecX(there.tail(system.unknowns()));
+    };
+    constexpr double h = 5e-3;
+    const VecX slope = (45.0 * (along(h) - along(-h)) - 9.0 * (along(2 * h) - along(-2 * h)) +
+                        (along(3 * h) - along(-3 * h))) /
+                       (60.0 * h);
+    const Index motions = 6 * (system.nodes() - 1);
+    EXPECT_LT((slope - K * x).head(motions).norm(), 1e-9 * slope.norm()) << trial;
+    EXPECT_LT((slope - K * x).tail(system.multipliers()).norm(),
+              1e-9 * slope.tail(system.multipliers()).norm())
+        << trial;
+  }
+}
+
+// With the sectional forces that the strains ask for: residuals and energies of the same beams in a <transient>, where the
+// stiffness stays in the elements; gaps are zero then.
+TEST(StiffStrains, AreTheStiffness) {
+  const Model one = compile(read(all_kinds(3e7, 1e7) + at_rest)),
+              other = compile(read(all_kinds(3e7, 1e7) + in_time));
+  const System& system = *one.system;
+  ASSERT_EQ(system.multipliers() - other.system->multipliers(), rows_of_kinds);
+  Rng rng(7);
+  State state = one.initial;
+  move_at_random(state, rng, 0.2);
+  // g is linear in S, each row in its own.
+  const auto gaps = [&] {
+    VecX g, gdot;
+    system.constraints(state, g, gdot);
+    return g;
+  };
+  VecX joints(6);
+  for (double& l : joints) l = uniform(rng, -1.0, 1.0);
+  state.lambda.setZero();
+  const VecX g0 = gaps();
+  state.lambda.setOnes();
+  const VecX g1 = gaps();
+  Index stiff = 0;
+  for (const ConstraintInfo& info : system.constraints())
+    for (Index i = info.first_row; i < info.first_row + info.rows; ++i) {
+      if (!info.of_strains) {
+        state.lambda(i) = joints(i);
+        continue;
+      }
+      EXPECT_TRUE(info.gives);
+      state.lambda(i) = g0(i) / (g0(i) - g1(i));
+      ++stiff;
+    }
+  EXPECT_EQ(stiff, rows_of_kinds);
+  VecX r, s;
+  system.residual(state, r);
+  State same = other.initial;
+  same.pose = state.pose;
+  same.lambda = joints;
+  other.system->residual(same, s);
+  const Index nodes = 6 * system.nodes();
+  EXPECT_GT(s.head(nodes).norm(), 1e5);
+  EXPECT_LT((r.head(nodes) - s.head(nodes)).norm(), 1e-9 * s.head(nodes).norm());
+  EXPECT_LT(gaps().tail(rows_of_kinds).norm(), 1e-13 * g0.norm());
+  EXPECT_NEAR(system.energies(state).strain / other.system->energies(same).strain, 1.0, 1e-9);
+}
+
+std::string straight(const std::string& stiffness, const std::string& more) {
+  return "<section name=\"s\"><stiffness " + stiffness +
+         "/></section><beam name=\"b\" section=\"s\" from=\"0 0 0\" to=\"2 0 0\" normal=\"0 0 1\" "
+         "elements=\"4\" order=\"3\"/><fixed name=\"clamp\" between=\"ground b.start\"/>" +
+         more + "<record name=\"end\" at=\"b.end\" quantities=\"displacement\"/>" +
+         "<record name=\"root\" at=\"b.start\" quantities=\"force moment\"/>";
+}
+
+// A rod that is pulled: F, F L/EA and the energy F^2 L/(2 EA), of a strain of 1e-8.
+TEST(StiffStrains, APulledRod) {
+  const Scene scene =
+      read(straight("EA=\"1e13\" GA2=\"1e12\" GA3=\"1e12\" GJ=\"1\" EI2=\"1\" EI3=\"1\"",
+                    "<load at=\"b.end\" force=\"1e5 0 0\"/><static/>"));
+  EXPECT_EQ(checked(scene).mechanism.stiff_strains, 4 * 3 * 3);
+  EXPECT_SAYS(to_text(checked(scene)),
+              std::string("36 sectional forces of stretches and shears much stiffer than bending"));
+  const History h = run_to_table(scene);
+  ASSERT_EQ(h.report.failure, "");
+  EXPECT_NEAR(last(h, "end.displacement.1"), 2e-8, 1e-15);
+  EXPECT_NEAR(last(h, "root.force.1"), 1e5, 1e-6);
+  EXPECT_NEAR(h.report.energy_end.strain, 1e-3, 1e-12);
+  EXPECT_LE(h.report.static_counters.iterations, 4);
+}
+
+// Euler's column: its first three loads, (2 n - 1)^2 pi^2 EI/(4 L^2), in two planes, with unstable modes counted.
+TEST(StiffStrains, AColumn) {
+  const double P = 0.25 * pi * pi / 4.0;
+  const History h = run_to_table(
+      read(straight("EA=\"1e15\" GA2=\"1e14\" GA3=\"1e14\" GJ=\"1\" EI2=\"4\" EI3=\"1\"",
+                    fmt::format("<load at=\"b.end\" force=\"{} 0 0\"/>"
+                                "<path><stop quantity=\"load_factor\" value=\"10\"/></path>",
+                                -P))));
+  ASSERT_TRUE(h.report.complete()) << h.report.failure;
+  std::vector<double> found;
+  for (const SpecialPoint& point : h.report.special)
+    if (point.event == PathEvent::bifurcation) found.push_back(point.load_factor);
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_NEAR(found[0], 1.0, 1e-6);
+  EXPECT_NEAR(found[1], 4.0, 1e-5);
+  EXPECT_NEAR(found[2], 9.0, 1e-3);
+}
+
+}  // namespace
+}  // namespace mbd::test::test_stiff_strains
