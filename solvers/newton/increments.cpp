@@ -10,13 +10,15 @@ IncrementNorm::IncrementNorm(const System& system, const NewtonOptions& options)
       tolerance_(options.tolerance),
       multiplier_tolerance_(options.multiplier_tolerance) {
   for (const ConstraintInfo& c : system.constraints())
-    for (const bool is_position : c.is_position) is_moment_.push_back(!is_position);
+    for (const bool is_position : c.is_position)
+      arm_.push_back(c.gives       ? std::numeric_limits<double>::infinity()
+                     : is_position ? 1.0
+                                   : length_);
 }
 
 void IncrementNorm::observe(const VecX& lambda) {
   for (Index i = 0; i < lambda.size(); ++i) {
-    const double size =
-        std::abs(lambda(i)) / (is_moment_[static_cast<std::size_t>(i)] ? length_ : 1.0);
+    const double size = std::abs(lambda(i)) / arm_[static_cast<std::size_t>(i)];
     if (size > force_ && std::isfinite(size)) force_ = size;
   }
 }
@@ -44,7 +46,7 @@ double IncrementNorm::operator()(std::span<const double> increment, double multi
     }
   }
   for (std::size_t i = motions; i < increment.size(); ++i) {
-    const double l = std::abs(increment[i]) / (is_moment_[i - motions] ? length_ : 1.0);
+    const double l = std::abs(increment[i]) / arm_[i - motions];
     multipliers = std::max(multipliers, l);
     sum += l;
   }

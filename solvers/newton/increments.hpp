@@ -39,10 +39,12 @@ class IncrementNorm {
  private:
   Index motions_;
   double length_, tolerance_, multiplier_tolerance_;
-  double floor_ = 0.0;           // of the tolerance on motion
-  std::vector<bool> is_moment_;  // by multiplier: a moment counts as force times length
-  double force_ = 0.0;           // largest multiplier met [N]
-  double force_floor_ = 0.0;     // [N]
+  double floor_ = 0.0;  // of the tolerance on motion
+  // By multiplier: a moment counts as force times length; infinity: not at all, as one with a compliance follows from motion,
+  // with the round-off of a strain over it.
+  std::vector<double> arm_;
+  double force_ = 0.0;        // largest multiplier met [N]
+  double force_floor_ = 0.0;  // [N]
 };
 
 // Whether Newton's iterations end with an increment e, after `previous`, both in units of the tolerance. Convergence is
