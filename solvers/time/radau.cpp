@@ -25,6 +25,9 @@ constexpr double stalled_fixed = 20.0;
 // motion. Where links pass through a line at a tolerance of 1e-3 they are 4e-6 and 5e-5, and less; where they cannot,
 // rates are 0.3, and violations grow.
 constexpr double torn = 1e-4, locked = 1e-2;
+// Multipliers that such a step does not determine go on for ever, by what gaps over its eps give them, and take the motion along by
+// so little: of the scene's length, or [rad].
+constexpr double crept = 1e-8;
 constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart up to pi
 // [rad] of two nodes: angles of joints are followed from step to step.
 constexpr double most_relative_turn = 3.0;
@@ -418,6 +421,16 @@ void Radau::explain_not_finite(StepReport& report) const {
       fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_[bad])));
 }
 
+// Of the increments of all stages, displacements over the scene's length, or [rad].
+double Radau::largest_motion() const {
+  const double L = system_.length_scale();
+  double largest = 0.0;
+  for (std::size_t j = 0; j < t_->stages; ++j)
+    for (Index i = 0; i < 6 * (system_.nodes() - 1); ++i)
+      largest = std::max(largest, std::abs(delta_[j](i)) / (i % 6 < 3 ? L : 1.0));
+  return largest;
+}
+
 bool Radau::iterate(StepReport& report) {
   report.iterations = 0;
   report.contraction = 0.0;
@@ -456,7 +469,8 @@ bool Radau::iterate(StepReport& report) {
       const double factor = kept_.share_left();
       report.error = e * factor;
       // As small as asked for; or as round-off lets it become.
-      if (exact * factor < 1.0 || (e * factor < stalled && stagnates)) {
+      if (exact * factor < 1.0 || (e * factor < stalled && stagnates) ||
+          (tolerant_ && stagnates && largest_motion() < crept)) {
         if (!in_range) break;
         kept_.accepted_after(report.iterations, fresh_);
         relinearize_next_ = kept_.is_old_after(report.iterations) && !fresh_ && !stagnates;

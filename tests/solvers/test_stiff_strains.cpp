@@ -23,11 +23,6 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-// EA, GA2, GA3 times f; couplings as they are.
-Scene stiffer(Scene scene, double f) {
-  for (Section& section : scene.sections) section.stiffness.diagonal().head<3>() *= f;
-  return scene;
-}
 double last(const History& history, const std::string& column) {
   return history.table[column].back();
 }
