@@ -225,21 +225,21 @@ TEST(MixedNewton, RateIsQuadratic) {
 
 // ---- stiffness costs nothing -------------------------------------------------------------------
 
-// Up to EA L^2/EI of about 1e11; beyond, round-off of the tangent slows iterations down.
+// Beyond EA L^2/EI of about 1e11 round-off of the tangent would slow iterations down, were sectional forces not unknowns there
+// (elements/beam/held_strains.hpp). Mutation: without these no iteration of some ends from 1e8 on.
 TEST(MixedNewton, StiffStretchingCostsNothing) {
   const struct {
     const char* model;
     Overrides overrides;
     int steps;
-    double most;
-  } cases[] = {{"elastica", {{"stiff", "1e2"}, {"load", "10"}}, 4, 1e8},
-               {"bend45", {}, 4, 1e6},
-               {"roll_up", {}, 4, 1e6},
-               {"princeton", {}, 4, 1e6},
-               {"portal_frame", {}, 2, 1e6}};
+  } cases[] = {{"elastica", {{"stiff", "1e2"}, {"load", "10"}}, 4},
+               {"bend45", {}, 4},
+               {"roll_up", {}, 4},
+               {"princeton", {}, 4},
+               {"portal_frame", {}, 2}};
   for (const auto& c : cases) {
     long least = 1000, most = 0;
-    for (double f = 1.0; f <= c.most; f *= 100.0) {
+    for (double f = 1.0; f <= 1e12; f *= 100.0) {
       const Solved s = solve(stiffer(model_scene(c.model, c.overrides), f), c.steps);
       ASSERT_TRUE(s.report.converged) << c.model << " x " << f << ": " << s.report.failure;
       least = std::min(least, s.report.counters.iterations);
@@ -253,7 +253,7 @@ TEST(MixedNewton, StiffStretchingCostsNothing) {
 
 // A circle in one load step of half a turn and more, at any stiffness.
 TEST(MixedNewton, RollsUpToACircle) {
-  for (const double f : {1.0, 1e3, 1e6}) {
+  for (const double f : {1.0, 1e3, 1e6, 1e9}) {
     const Solved s = solve(stiffer(model_scene("roll_up"), f), 3);
     ASSERT_TRUE(s.report.converged) << s.report.failure;
     EXPECT_LT(s.tip().r.norm(), 1e-9) << f;
@@ -263,7 +263,7 @@ TEST(MixedNewton, RollsUpToACircle) {
 
 // Elliptic integrals: models/elastica.xml.
 TEST(MixedNewton, ElasticaOfEveryStiffness) {
-  for (const double stiff : {1e4, 1e7, 1e10}) {
+  for (const double stiff : {1e4, 1e7, 1e10, 1e13}) {
     const Solved s =
         solve(model_scene("elastica", {{"stiff", std::to_string(stiff)}, {"load", "10"}}), 4);
     ASSERT_TRUE(s.report.converged) << s.report.failure;

@@ -177,5 +177,33 @@ TEST(StiffStrains, AColumn) {
   EXPECT_NEAR(found[2], 9.0, 1e-3);
 }
 
+// Paths over limit points: as many steps, and nearly as many iterations, however stiff.
+TEST(StiffStrains, PathsDoNotDependOnStiffness) {
+  for (const char* const model : {"lee_frame", "arch", "shallow_arch"}) {
+    std::vector<long> steps;
+    std::vector<double> iterations, limits;
+    for (const double f : {1.0, 1e3, 1e6, 1e9}) {
+      Scene scene = model_scene(model);
+      for (Section& section : scene.sections) section.stiffness.diagonal().head<3>() *= f;
+      scene.expects.clear();
+      const RunReport report = run(scene, {.observers = {}, .estimate_error = false});
+      ASSERT_TRUE(report.complete()) << model << " x " << f << ": " << report.failure;
+      steps.push_back(report.static_counters.steps);
+      iterations.push_back(static_cast<double>(report.static_counters.iterations));
+      for (const SpecialPoint& point : report.special)
+        if (point.event == PathEvent::limit) {
+          limits.push_back(point.load_factor);
+          break;
+        }
+    }
+    const auto [few, many] = std::ranges::minmax(iterations);
+    EXPECT_LE(many, 1.35 * few) << model;
+    EXPECT_EQ(std::ranges::count(steps, steps[0]), 4) << model;
+    ASSERT_EQ(limits.size(), 4U) << model;
+    EXPECT_NEAR(limits[3], limits[2], 1e-7 * std::abs(limits[2])) << model;
+    EXPECT_GT(std::abs(limits[1] - limits[2]), 0.0) << model;
+  }
+}
+
 }  // namespace
 }  // namespace mbd::test::test_stiff_strains
