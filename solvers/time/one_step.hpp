@@ -14,7 +14,7 @@
 // rank and Newton's iterations their convergence, though the motion goes smoothly through it. A step that fails
 // is then tried with -eps I in place of the zero block of its matrix, in units of 1/mass: with B of full rank
 // that costs a factor eps a iteration; where it is not, the motion is still determined, and multipliers stay
-// finite.
+// finite. Those that it does not determine creep on for ever, and such a step ends where the motion has settled.
 //
 // Idle rows (redundancy.hpp) are looked at after each step. Where they have parted from the others, or the step
 // fails, rows are chosen anew at the start of the step; where that does not help the step is tried with all rows,
@@ -88,6 +88,8 @@ class OneStep : public Stepper {
   double rank_tolerance_ = rank_tolerance;
   // -eps I onto the multipliers' own blocks, of a rank-tolerant step.
   void add_rank_tolerance(std::span<const Slot> own) const;
+  // Of fixed steps: a failure is not tried in halves.
+  bool is_shortest() const { return halvings_ == settings_.max_halvings; }
   // On the tolerance of multipliers, of which some are not determined in a rank-tolerant step.
   double multiplier_slack() const;
 

@@ -27,7 +27,8 @@ constexpr double stalled_fixed = 20.0;
 constexpr double torn = 1e-4, locked = 1e-2;
 // Multipliers that such a step does not determine go on for ever, by what gaps over its eps give them, and take the motion along by
 // so little: of the scene's length, or [rad].
-constexpr double crept = 1e-8;
+// The less in shorter steps, which are tried first.
+constexpr double crept = 1e-11, crept_at_last = 1e-8;
 constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart up to pi
 // [rad] of two nodes: angles of joints are followed from step to step.
 constexpr double most_relative_turn = 3.0;
@@ -421,14 +422,15 @@ void Radau::explain_not_finite(StepReport& report) const {
       fmt::format("the residual is not finite at {}", system_.name_of(worst_row(system_, r_[bad])));
 }
 
-// Of the increments of all stages, displacements over the scene's length, or [rad].
-double Radau::largest_motion() const {
+// Whether fixed steps, whose tolerance is near round-off, take what is left: of adaptive ones the tolerance says it.
+bool Radau::has_crept() const {
+  if (!tolerant_ || settings_.adaptive()) return false;
   const double L = system_.length_scale();
   double largest = 0.0;
   for (std::size_t j = 0; j < t_->stages; ++j)
     for (Index i = 0; i < 6 * (system_.nodes() - 1); ++i)
       largest = std::max(largest, std::abs(delta_[j](i)) / (i % 6 < 3 ? L : 1.0));
-  return largest;
+  return largest < (is_shortest() ? crept_at_last : crept);
 }
 
 bool Radau::iterate(StepReport& report) {
@@ -470,7 +472,7 @@ bool Radau::iterate(StepReport& report) {
       report.error = e * factor;
       // As small as asked for; or as round-off lets it become.
       if (exact * factor < 1.0 || (e * factor < stalled && stagnates) ||
-          (tolerant_ && stagnates && largest_motion() < crept)) {
+          (stagnates && has_crept())) {
         if (!in_range) break;
         kept_.accepted_after(report.iterations, fresh_);
         relinearize_next_ = kept_.is_old_after(report.iterations) && !fresh_ && !stagnates;

@@ -118,7 +118,7 @@ class Radau final : public OneStep {
   bool residuals();
   bool linearize(const State& at, std::size_t stage);
   bool factorize(StepReport& report);
-  double largest_motion() const;
+  bool has_crept() const;
   bool iterate(StepReport& report);
   bool make_ready(StepReport& report);
   template <std::size_t s>

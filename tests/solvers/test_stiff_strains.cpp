@@ -91,8 +91,8 @@ TEST(StiffStrains, TangentIsTheDerivative) {
 // With the sectional forces that the strains ask for: residuals and energies of the same beams in a <transient>, where the
 // stiffness stays in the elements; gaps are zero then.
 TEST(StiffStrains, AreTheStiffness) {
-  const Model one = compile(read(all_kinds(3e7, 1e7) + at_rest)),
-              other = compile(read(all_kinds(3e7, 1e7) + in_time));
+  const Model one = compile(read(all_kinds(3e9, 1e9) + at_rest)),
+              other = compile(read(all_kinds(3e9, 1e9) + in_time));
   const System& system = *one.system;
   ASSERT_EQ(system.multipliers() - other.system->multipliers(), rows_of_kinds);
   Rng rng(7);
@@ -129,7 +129,7 @@ TEST(StiffStrains, AreTheStiffness) {
   same.lambda = joints;
   other.system->residual(same, s);
   const Index nodes = 6 * system.nodes();
-  EXPECT_GT(s.head(nodes).norm(), 1e5);
+  EXPECT_GT(s.head(nodes).norm(), 1e7);
   EXPECT_LT((r.head(nodes) - s.head(nodes)).norm(), 1e-9 * s.head(nodes).norm());
   EXPECT_LT(gaps().tail(rows_of_kinds).norm(), 1e-13 * g0.norm());
   EXPECT_NEAR(system.energies(state).strain / other.system->energies(same).strain, 1.0, 1e-9);
@@ -149,8 +149,7 @@ TEST(StiffStrains, APulledRod) {
       read(straight("EA=\"1e13\" GA2=\"1e12\" GA3=\"1e12\" GJ=\"1\" EI2=\"1\" EI3=\"1\"",
                     "<load at=\"b.end\" force=\"1e5 0 0\"/><static/>"));
   EXPECT_EQ(checked(scene).mechanism.stiff_strains, 4 * 3 * 3);
-  EXPECT_SAYS(to_text(checked(scene)),
-              std::string("36 sectional forces of stretches and shears much stiffer than bending"));
+  EXPECT_SAYS(to_text(checked(scene)), std::string("(36 sectional"));
   const History h = run_to_table(scene);
   ASSERT_EQ(h.report.failure, "");
   EXPECT_NEAR(last(h, "end.displacement.1"), 2e-8, 1e-15);
