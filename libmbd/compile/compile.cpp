@@ -485,8 +485,8 @@ class Compiler {
         beam.form == Form::paper || beam.rule == Rule::gauss_lobatto || !section.stations.empty() ||
         any(infinite_stiffnesses(section)))
       return std::nullopt;
-    // Of an element in tension or shear, of its bending: where round-off of places begins to be seen by Newton's iterations.
-    constexpr double stiff = 1e6;
+    // Of an element in tension or shear, of its bending: where round-off of places begins to be seen in critical loads (1e-7 of them).
+    constexpr double stiff = 1e5;
     const Mat6& D = section.stiffness;
     const double bends = 12.0 / (of_element * of_element) * D.diagonal().tail<3>().minCoeff();
     std::optional<Section> freed;

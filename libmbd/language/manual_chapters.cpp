@@ -266,7 +266,7 @@ all: the strain is zero at the Gauss points of each element, by multipliers that
 all six, without couplings, of the same entries at all stations; of beams with the kinematics, form and rule that are preset,
 outside of a `<reduction>`. A straight beam that cannot stretch between two supports that do not give way cannot bend either:
 `mbd check` names it. (Equilibria and paths have such multipliers as well where a uniform beam that is preset so stretches or
-shears a million times less than its elements bend, with the stiffness as it is stated: then no step is set by it, and forces
+shears a hundred thousand times less than its elements bend, with the stiffness as it is stated: then no step is set by it, and forces
 have no round-off of places; `mbd check` counts them.) It is a statement about the beam and seldom saves time: it has unknowns of its own, equilibria take no more iterations at large stiffness, and
 adaptive steps become fewer only where stretching and shearing are left out together.
 

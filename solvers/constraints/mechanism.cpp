@@ -7,13 +7,20 @@
 
 namespace mbd {
 
-Mechanism analyze_mechanism(const System& system, const State& state) {
-  Mechanism result;
+namespace {
+
+void count_rows(const System& system, Mechanism& result) {
   for (const ConstraintInfo& info : system.constraints())
     (info.gives        ? result.stiff_strains
      : info.of_strains ? result.held_strains
                        : result.constraints) += info.rows;
+}
 
+}  // namespace
+
+Mechanism analyze_mechanism(const System& system, const State& state) {
+  Mechanism result;
+  count_rows(system, result);
   // Lengths: rotations times L.
   const double L = system.length_scale();
   // Rigid parts: every structure as a rigid body. Springs, dampers and bushings tie nothing: they leave every motion, and
