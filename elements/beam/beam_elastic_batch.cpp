@@ -26,13 +26,16 @@ extern template std::unique_ptr<BeamElasticBatch> make_elastic<GeodesicMetric, P
 
 beam::HeldForces BeamElasticBatch::held_forces(const State& state, Index element) const {
   beam::HeldForces all;
-  const Held held = held_of(element);
-  if (held.strains == nullptr) return all;
-  all.held = held.strains->held(held.number);
-  all.compliance = held.strains->compliance(held.number);
+  if (held_of(element).empty()) return all;
   all.S.assign(table().rule.points.size(), Vec6::Zero());
-  held.strains->add_forces(state, held.number, all.S);
-  held.strains->add_end_forces(state, held.number, all.first, all.last);
+  for (const auto& [strains, number] : held_of(element)) {
+    const Mat6& D = strains->stiffness(number);
+    all.stiffness += D;
+    for (std::size_t c = 0; c < 6 && D.isZero(0.0); ++c)
+      all.held[c] = all.held[c] || strains->held(number)[c];
+    strains->add_forces(state, number, all.S);
+    strains->add_end_forces(state, number, all.first, all.last);
+  }
   return all;
 }
 

@@ -23,9 +23,9 @@ namespace beam {
 
 // What an element whose strains are held adds to mesh_error_of(), beside its own compliance and forces.
 struct HeldForces {
-  StrainSet held{};
-  Vec6 compliance = Vec6::Zero();  // of held_strains.hpp (1)
-  std::vector<Vec6> S;             // by point
+  StrainSet held{};               // at zero
+  Mat6 stiffness = Mat6::Zero();  // beside the section's own
+  std::vector<Vec6> S;            // by point
   Vec6 first = Vec6::Zero(), last = Vec6::Zero();
 };
 
@@ -50,14 +50,13 @@ class BeamElasticBatch : public Batch {
   // Strains of that element have forces of another batch, of which it is `number`, added to those of its stiffness (which does
   // not matter where they are held at zero). Of Gauss's rule.
   void set_held(Index element, const HeldStrains& strains, Index number) {
-    held_[element] = {&strains, number};
+    held_[element].push_back({&strains, number});
   }
 
   // Sectional forces [N1 Q2 Q3 M1 M2 M3] of an element at its quadrature points (S: one each), section frame [N, N.m].
   void resultants(const State& state, Index element, std::span<Vec6> S) const {
     elastic_resultants(state, element, S);
-    if (const auto held = held_.find(element); held != held_.end())
-      held->second.strains->add_forces(state, held->second.number, S);
+    for (const Held& held : held_of(element)) held.strains->add_forces(state, held.number, S);
   }
 
   virtual const SpectralTable& table() const = 0;
@@ -76,14 +75,14 @@ class BeamElasticBatch : public Batch {
  protected:
   virtual void elastic_resultants(const State& state, Index element, std::span<Vec6> S) const = 0;
 
-  // An element of a batch that holds strains; strains: null where none is held.
+  // An element of a batch that holds strains.
   struct Held {
-    const HeldStrains* strains = nullptr;
-    Index number = 0;
+    const HeldStrains* strains;
+    Index number;
   };
-  Held held_of(Index element) const {
+  std::span<const Held> held_of(Index element) const {
     const auto found = held_.find(element);
-    return found == held_.end() ? Held{} : found->second;
+    return found == held_.end() ? std::span<const Held>() : found->second;
   }
 
   beam::HeldForces held_forces(const State& state, Index element) const;
@@ -96,7 +95,7 @@ class BeamElasticBatch : public Batch {
 
  private:
   std::map<Index, SectionSamples> varying_;
-  std::map<Index, Held> held_;
+  std::map<Index, std::vector<Held>> held_;
 };
 
 namespace beam {
@@ -115,14 +114,8 @@ MeshError mesh_error_of(const Shared& shared, const Data& data, const NodeState<
   Kernel::linearized_resultants(shared, data, x, still.data(), S.data());
   double length = 0.0;
   for (std::size_t i = 0; i < points; ++i) {
-    Mat6 D = Kernel::D_at(shared, data, static_cast<int>(i));
-    StrainSet without = held.held;  // compliance
-    for (Index c = 0; c < 6; ++c)
-      if (held.compliance(c) > 0.0) {
-        D(c, c) += 1.0 / held.compliance(c);
-        without[static_cast<std::size_t>(c)] = false;
-      }
-    compliance[i] = compliance_of(D, without);
+    compliance[i] =
+        compliance_of(Kernel::D_at(shared, data, static_cast<int>(i)) + held.stiffness, held.held);
     if (!held.S.empty()) S[i] += held.S[i];
     length += data.wJ[i];
   }

@@ -22,13 +22,14 @@ class HeldStrainsBatch final : public HeldStrains {
               Metric::name + ", N = " + std::to_string(order)) {}
 
   Index add_element(std::span<const double> J, std::span<const Pose<double>> reference,
-                    std::span<const int> nodes, const StrainSet& held, const Vec6& compliance,
+                    std::span<const int> nodes, const StrainSet& held, const Mat6& stiffness,
                     std::span<const Rows> rows, std::span<const Pose<double>> frames,
                     std::string name) override {
     Element e{.data = make_data<Metric, 0>(table_, J, reference, 0, 0),
               .nodes = {nodes.begin(), nodes.end()},
               .held = held,
-              .compliance = compliance,
+              .stiffness = stiffness,
+              .compliance = {},
               .strains = {},
               .rows = {rows.begin(), rows.end()},
               .frames = {frames.begin(), frames.end()},
@@ -36,6 +37,11 @@ class HeldStrainsBatch final : public HeldStrains {
               .name = std::move(name)};
     for (int c = 0; c < 6; ++c)
       if (held[static_cast<std::size_t>(c)]) e.strains.push_back(c);
+    if (e.gives())
+      e.compliance =
+          Eigen::MatrixXd(stiffness(e.strains, e.strains))
+              .llt()
+              .solve(Eigen::MatrixXd::Identity(std::ssize(e.strains), std::ssize(e.strains)));
     for (const Pose<double>& frame : frames) e.Ad.push_back(adjoint_inverse(frame).matrix());
     elements_.push_back(std::move(e));
     return size() - 1;
@@ -51,7 +57,7 @@ class HeldStrainsBatch final : public HeldStrains {
     return sum;
   }
   const StrainSet& held(Index element) const override { return at(element).held; }
-  const Vec6& compliance(Index element) const override { return at(element).compliance; }
+  const Mat6& stiffness(Index element) const override { return at(element).stiffness; }
 
   void connect(BlockGraph& graph) override {
     first_slot_ = graph.contributions.size();
@@ -111,7 +117,7 @@ class HeldStrainsBatch final : public HeldStrains {
         gdot(row) = x.d;
       });
     for (const Element& e : elements_)
-      each_compliance(e, state, [&g](Index row, double c, double S) { g(row) -= c * S; });
+      each_strain(e, state, [&g](Index row, double strain, double) { g(row) -= strain; });
   }
   void constraint_rates(const State& state, VecX& gdot, VecX& gddot_rest) const override {
     using D2 = Dual<Dual<double>>;
@@ -126,8 +132,8 @@ class HeldStrainsBatch final : public HeldStrains {
   Energies energies(const State& state) const override {
     Energies sum;
     for (const Element& e : elements_)
-      each_compliance(e, state,
-                      [&sum](Index, double c, double S) { sum.strain += 0.5 * c * S * S; });
+      each_strain(e, state,
+                  [&sum](Index, double strain, double S) { sum.strain += 0.5 * strain * S; });
     return sum;
   }
 
@@ -147,14 +153,15 @@ class HeldStrainsBatch final : public HeldStrains {
     Data<0> data;
     std::vector<int> nodes;
     StrainSet held;
-    Vec6 compliance;
+    Mat6 stiffness;
+    Eigen::MatrixXd compliance;  // of the strains
     std::vector<int> strains;
     std::vector<Rows> rows;            // by point
     std::vector<Pose<double>> frames;  // by node, or none
     std::vector<Mat6> Ad;              // of their inverses
     std::string name;
 
-    bool gives() const { return !compliance.isZero(0.0); }
+    bool gives() const { return !stiffness.isZero(0.0); }
   };
 
   // What residual and tangent share.
@@ -177,15 +184,17 @@ class HeldStrainsBatch final : public HeldStrains {
     return e.frames.empty() ? H : H * e.frames[K];
   }
 
-  // Of each row of (1) with a compliance: w_i J_i C_c and S_ic.
+  // Of each row of (1) with a compliance: w_i J_i e_c^T C S_i and S_ic.
   template <class F>
-  void each_compliance(const Element& e, const State& state, const F& is) const {
+  void each_strain(const Element& e, const State& state, const F& is) const {
     if (!e.gives()) return;
+    const Index count = e.compliance.rows();
     for (int i = 0; i < points(); ++i) {
-      Index row = e.rows[static_cast<std::size_t>(i)].multiplier;
-      for (const int c : e.strains) {
-        is(row, weight(e, i) * e.compliance(c), state.lambda(row));
-        ++row;
+      const Index first = e.rows[static_cast<std::size_t>(i)].multiplier;
+      for (Index n = 0; n < count; ++n) {
+        double strain = 0.0;
+        for (Index m = 0; m < count; ++m) strain += e.compliance(n, m) * state.lambda(first + m);
+        is(first + n, weight(e, i) * strain, state.lambda(first + n));
       }
     }
   }
@@ -222,7 +231,7 @@ class HeldStrainsBatch final : public HeldStrains {
       Index row = first + e.rows[I].multiplier;
       for (const int c : e.strains) r(row++) += weight(e, i) * E(c);
     }
-    each_compliance(e, state, [&](Index row, double c, double S) { r(first + row) -= c * S; });
+    each_strain(e, state, [&](Index row, double strain, double) { r(first + row) -= strain; });
     return work.motion.margin > 0.0;
   }
 
@@ -273,11 +282,9 @@ class HeldStrainsBatch final : public HeldStrains {
         slot += 2;
       }
       if (!e.gives()) continue;
-      Index n = 0;
-      for (const int c : e.strains) {
-        slot->data[n * slot->ld + n] -= weight(e, i) * e.compliance(c);
-        ++n;
-      }
+      for (Index n = 0; n < e.compliance.cols(); ++n)
+        for (Index m = 0; m < e.compliance.rows(); ++m)
+          slot->data[n * slot->ld + m] -= weight(e, i) * e.compliance(m, n);
       ++slot;
     }
   }

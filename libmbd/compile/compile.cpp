@@ -328,6 +328,15 @@ class Compiler {
     return all;
   }
 
+  // What statics ask for of a uniform beam that is much stiffer in tension and shear than it bends: these forces become unknowns
+  // (held_strains.hpp), of a stiffness beside the moderate one that is left in the section, so that no step of Newton's knows how
+  // stiff it is, and critical loads no round-off of places. Of what may be infinite (check_held).
+  struct StiffStrains {
+    Section section;
+    StrainSet strains{};
+    Mat6 stiffness = Mat6::Zero();
+  };
+
   // A beam whose elements are being added. Indices are of the batches' stiffnesses and viscosities, -1 where they vary.
   struct Growing {
     CompiledBeam& compiled;
@@ -338,7 +347,7 @@ class Compiler {
     int stiffness = -1, viscosity = -1;
     double mass_damping;
     std::shared_ptr<const KeptTable> table = {};  // of a section that varies
-    Vec6 compliance = Vec6::Zero();               // of strains with forces of their own
+    const StiffStrains* stiff = nullptr;          // null: there are none
     int count = 0;                                // of nodes
 
     const std::string& name() const { return compiled.scene->name; }
@@ -368,8 +377,8 @@ class Compiler {
     const Section& scene_section = section_of(beam);
     const ReferenceLine line = make_reference_line(beam);
     const double of_element = line.length / beam.elements;
-    const std::optional<Section> freed = without_stiff_strains(beam, scene_section, of_element);
-    const SectionTable section(freed ? *freed : scene_section, of_element);
+    const std::optional<StiffStrains> stiff = stiff_strains(beam, scene_section, of_element);
+    const SectionTable section(stiff ? stiff->section : scene_section, of_element);
     if (scene_.transient && !section.has_mass())
       throw Error(
           scene_section.source,
@@ -381,7 +390,7 @@ class Compiler {
       return;
     }
     if (!std::holds_alternative<Straight>(beam.line)) check_turns(compiled, line);
-    if (any(infinite_stiffnesses(scene_section))) check_held(beam, scene_section);
+    if (any(section.held())) check_held(beam, scene_section);
     BeamElasticBatch& batch = elastic_batch(beam);
     BeamDampingBatch* const damping = damping_batch(beam, scene_section);
     Growing growing{.compiled = compiled,
@@ -389,16 +398,13 @@ class Compiler {
                     .line = line,
                     .elastic = batch,
                     .damping = damping,
-                    .mass_damping = mass_proportional(scene_section)};
+                    .mass_damping = mass_proportional(scene_section),
+                    .stiff = stiff ? &*stiff : nullptr};
     if (!section.is_uniform())
       growing.table = std::make_shared<const KeptTable>(scene_section, of_element);
     if (section.is_uniform()) {
       const Mat6 D = section.stiffness(0.0);
       growing.stiffness = batch.add_stiffness(D);
-      if (freed)
-        for (Index c = 0; c < 6; ++c)
-          if (section.held()[static_cast<std::size_t>(c)])
-            growing.compliance(c) = 1.0 / (scene_section.stiffness(c, c) - D(c, c));
       if (damping) growing.viscosity = damping->add_viscosity(section.viscosity_of(D, 0.0));
     }
     Made end = add_boundary(growing, 0);
@@ -471,34 +477,49 @@ class Compiler {
     }
     if (any(beam.section.held()))
       held_.push_back(
-          {compiled.scene, &batch, element, Js, of, beam.section.held(), beam.compliance, name});
+          {compiled.scene, &batch, element, Js, of, beam.section.held(), Mat6::Zero(), name});
+    if (beam.stiff != nullptr)
+      held_.push_back({compiled.scene, &batch, element, Js, of, beam.stiff->strains,
+                       beam.stiff->stiffness, name});
     compiled.ends[e].push_back({&batch, element, -1.0, damping, damped});
     compiled.ends[e + 1].push_back({&batch, element, 1.0, damping, damped});
   }
 
-  // What statics ask for of a beam that is much stiffer than it bends: the section with infinite stiffnesses there, whose
-  // sectional forces become unknowns, with the compliances of what was stated. Newton's steps know no stiffness then, and forces
-  // no round-off of places. Of what may be infinite (check_held), alike along the beam, where nothing is infinite.
-  std::optional<Section> without_stiff_strains(const BeamScene& beam, const Section& section,
-                                               double of_element) const {
+  std::optional<StiffStrains> stiff_strains(const BeamScene& beam, const Section& section,
+                                            double of_element) const {
+    // Of an element in tension or shear, of its bending: round-off of places would be 1e-7 of critical loads.
+    constexpr double stiff = 1e5, far_from_singular = 1e-3;
     if (scene_.transient || linear_about_ || beam.kinematics == Kinematics::classical ||
-        beam.form == Form::paper || beam.rule == Rule::gauss_lobatto || !section.stations.empty() ||
-        any(infinite_stiffnesses(section)))
+        beam.form == Form::paper || beam.rule == Rule::gauss_lobatto || !section.stations.empty())
       return std::nullopt;
-    // Of an element in tension or shear, of its bending: where round-off of places begins to be seen in critical loads (1e-7 of them).
-    constexpr double stiff = 1e5;
-    const Mat6& D = section.stiffness;
+    StiffStrains result{.section = section};
+    Mat6& D = result.section.stiffness;
     const double bends = 12.0 / (of_element * of_element) * D.diagonal().tail<3>().minCoeff();
-    std::optional<Section> freed;
-    Mat6 moderate = D;
-    for (Index c = 0; c < 3; ++c) {
-      if (!(D(c, c) > stiff * bends)) continue;
-      moderate(c, c) = bends;
-      if (!freed) freed = section;
-      freed->stiffness(c, c) = std::numeric_limits<double>::infinity();
+    std::vector<Index> chosen;
+    for (Index c = 0; c < 3; ++c)
+      if (std::isfinite(D(c, c)) && D(c, c) > stiff * bends) chosen.push_back(c);
+    if (chosen.empty()) return std::nullopt;
+    // Couplings with what is not chosen stay in the section, which they must leave definite.
+    Mat6 left = Mat6::Zero();
+    for (const Index c : chosen) {
+      result.strains[static_cast<std::size_t>(c)] = true;
+      left(c, c) = bends;
+      for (Index j = 0; j < 6; ++j)
+        if (std::ranges::find(chosen, j) == chosen.end())
+          left(c, c) += 100.0 * D(c, j) * D(c, j) / D(j, j);
     }
-    constexpr double far_from_singular = 1e-3;  // couplings stay as they are
-    return scaled_definiteness(moderate) > far_from_singular ? freed : std::nullopt;
+    for (const Index c : chosen)
+      for (const Index j : chosen) {
+        result.stiffness(c, j) = D(c, j) - left(c, j);
+        D(c, j) = left(c, j);
+      }
+    Mat6 finite = D;
+    for (Index c = 0; c < 6; ++c)
+      if (!std::isfinite(finite(c, c))) finite(c, c) = 1.0;
+    if (!(scaled_definiteness(finite) > far_from_singular) ||
+        !(definiteness_of_some(result.stiffness) > far_from_singular))
+      return std::nullopt;
+    return result;
   }
 
   // An element with strains of infinite stiffness, or much stiffer than it bends: rows of them follow those of joints.
@@ -509,7 +530,7 @@ class Compiler {
     std::vector<double> J;
     ElementNodes of;
     StrainSet held;
-    Vec6 compliance;
+    Mat6 stiffness;  // zero: infinite
     std::string name;
 
     std::size_t rows() const {
@@ -541,7 +562,7 @@ class Compiler {
                                                        "shear force 3",    "torque",
                                                        "bending moment 2", "bending moment 3"};
     for (const HeldElement& one : held_) {
-      const bool gives = !one.compliance.isZero(0.0);
+      const bool gives = !one.stiffness.isZero(0.0);
       std::vector<HeldStrains::Rows> rows;
       for (std::size_t i = 0; i + 1 < one.J.size(); ++i) {
         ConstraintInfo info;
@@ -561,7 +582,7 @@ class Compiler {
       if (!batch) batch = make_held_strains(one.beam->metric, one.beam->order, gives);
       const bool own = std::all_of(one.of.frames.begin(), one.of.frames.end(), is_none);
       const Index number =
-          batch->add_element(one.J, one.of.poses, one.of.nodes, one.held, one.compliance, rows,
+          batch->add_element(one.J, one.of.poses, one.of.nodes, one.held, one.stiffness, rows,
                              own ? std::span<const Pose<double>>() : one.of.frames, one.name);
       one.elastic->set_held(one.element, *batch, number);
     }

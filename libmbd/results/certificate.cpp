@@ -19,6 +19,7 @@
 #include "solvers/linear/block_columns.hpp"
 #include "solvers/linear/klu_solver.hpp"
 #include "solvers/newton/increments.hpp"
+#include "solvers/statics/strain_round_off.hpp"
 #include "solvers/time/stepper.hpp"
 
 namespace mbd {
@@ -878,6 +879,13 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
              "the "
              "largest load or reaction; bounds: 10 and 1000 times round-off of positions times the "
              "largest stiffness, or 1e-9"});
+  if (std::ranges::any_of(system_.constraints(), &ConstraintInfo::gives) && scale > no_force)
+    all.add({.name = "round-off, sectional forces",
+             .value = round_off_of_forces(system_, last_) / scale,
+             .warn = weak_round_off,
+             .fail = no_digits,
+             .why = "what round-off of positions makes of forces that only stretches and shears "
+                    "determine, much stiffer than bending, of the largest load or reaction"});
   if (report.negative_eigenvalues.value_or(0) > 0)
     all.checks.push_back(
         {.name = "stability",

@@ -128,7 +128,7 @@ double largest_stiffness(const System& system, const State& state, const Tangent
   columns.allocate(values, trash, slots);
   VecX r;
   system.linearize(state, weights, r, slots);
-  return largest_stiffness(system, slots);
+  return std::max(largest_stiffness(system, slots), stiffness_behind_multipliers(system, slots));
 }
 
 }  // namespace mbd

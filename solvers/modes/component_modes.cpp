@@ -93,7 +93,8 @@ class HeldPencil final : public MotionPencil {
 // two that ought to be alike (moved, turned) are compared. `pencil` has its factors at 0.
 // Returns their squared frequencies; empty where they could not be told apart.
 VecX refine(const HeldPencil& pencil, MatX& shapes) {
-  constexpr int times = 4;
+  constexpr int times =
+      8;  // after 4 parts of a pair differed by 1e-6 … 1e-3, by how well the last ones were found
   VecX squares;
   for (int i = 0; i < times; ++i) {
     stop::check();

@@ -91,6 +91,30 @@ double largest_stiffness(const System& system, std::span<const Slot> slots) {
   return std::max({largest[0][0], largest[0][1] / L, largest[1][0] / L, largest[1][1] / (L * L)});
 }
 
+double stiffness_behind_multipliers(const System& system, std::span<const Slot> slots) {
+  const auto nodes = static_cast<int>(system.nodes()) - 1;
+  const BlockGraph& graph = system.graph();
+  const double L = system.length_scale();
+  VecX C = VecX::Zero(system.multipliers()), B = C;
+  for (std::size_t i = 0; i < graph.contributions.size(); ++i) {
+    const auto [row, column] = graph.contributions[i];
+    if (row < nodes || column < 0) continue;
+    const ConstraintInfo& info = system.constraints()[static_cast<std::size_t>(row - nodes)];
+    if (!info.gives) continue;
+    const Slot slot = slots[i];
+    for (Index r = 0; r < info.rows; ++r) {
+      const Index k = info.first_row + r;
+      if (column == row) C(k) = std::abs(slot.data[r * slot.ld + r]);
+      for (Index j = 0; column < nodes && j < 6; ++j)
+        B(k) = std::max(B(k), std::abs(slot.data[j * slot.ld + r]) / (j < 3 ? 1.0 : L));
+    }
+  }
+  double largest = 0.0;
+  for (Index k = 0; k < C.size(); ++k)
+    if (C(k) > 0.0) largest = std::max(largest, B(k) * B(k) / C(k));
+  return largest;
+}
+
 double largest_violation(const System& system, const VecX& g, Index* row) {
   double largest = 0.0;
   Index worst = -1;

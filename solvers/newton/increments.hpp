@@ -58,6 +58,10 @@ inline bool has_converged(double e, double previous) {
 double largest_stiffness(const System& system, std::span<const Slot> slots);
 double largest_stiffness(const System& system, const LinearSolver& S);
 
+// The same of what stands behind multipliers with a compliance C, B^2/C: the stiffness that they have in place of the node-node
+// blocks [N/m]. 0 where there are none; not after factor().
+double stiffness_behind_multipliers(const System& system, std::span<const Slot> slots);
+
 // What to say of the element or joint that System::out_of_range names.
 std::string range_failure(const std::string& name);
 

@@ -107,7 +107,8 @@ struct Newton {
       ++counters.factorizations;
       if (k == 0) {
         stiffness = largest_stiffness(system, solver);
-        norm.set_floor(state, stiffness);
+        norm.set_floor(state,
+                       std::max(stiffness, stiffness_behind_multipliers(system, solver.slots())));
       }
       FactorStatus status = factor(k == 0);
       if (k == 0 && !is_held()) status = factor_under_load();
