@@ -28,8 +28,9 @@ constexpr double torn = 1e-4, locked = 1e-2;
 // Multipliers that such a step does not determine go on for ever, by what gaps over its eps give them, and take the motion along by
 // so little: of the scene's length, or [rad].
 // The less in shorter steps, which are tried first.
-constexpr double crept = 1e-11, crept_at_last = 1e-8;
-constexpr double most_turn = 2.5;  // [rad] in a step: rotations are told apart up to pi
+constexpr double crept = 1e-11, crept_at_last = 1e-8,
+                 crept_of_step = 1e-4;  // the last: of its motion
+constexpr double most_turn = 2.5;       // [rad] in a step: rotations are told apart up to pi
 // [rad] of two nodes: angles of joints are followed from step to step.
 constexpr double most_relative_turn = 3.0;
 // Adaptive steps: the estimate goes with h^(s + 1), errors of rows with h^(s + 2); the constants were chosen so that errors
@@ -426,11 +427,16 @@ void Radau::explain_not_finite(StepReport& report) const {
 bool Radau::has_crept() const {
   if (!tolerant_ || settings_.adaptive()) return false;
   const double L = system_.length_scale();
-  double largest = 0.0;
-  for (std::size_t j = 0; j < t_->stages; ++j)
-    for (Index i = 0; i < 6 * (system_.nodes() - 1); ++i)
-      largest = std::max(largest, std::abs(delta_[j](i)) / (i % 6 < 3 ? L : 1.0));
-  return largest < (is_shortest() ? crept_at_last : crept);
+  double largest = 0.0, in_step = 0.0;
+  for (Index i = 0; i < 6 * (system_.nodes() - 1); ++i) {
+    const double unit = i % 6 < 3 ? L : 1.0;
+    for (std::size_t j = 0; j < t_->stages; ++j)
+      largest = std::max(largest, std::abs(delta_[j](i)) / unit);
+    const auto n = static_cast<std::size_t>(i / 6 + 1);
+    const double moved = h_ * std::abs(begin_.V[n](i % 6)) + std::abs(q_[last()][n](i % 6));
+    in_step = std::max(in_step, moved / unit);
+  }
+  return largest < std::min(is_shortest() ? crept_at_last : crept, crept_of_step * in_step);
 }
 
 bool Radau::iterate(StepReport& report) {
