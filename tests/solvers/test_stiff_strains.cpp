@@ -234,7 +234,8 @@ TEST(StiffStrains, AColumn) {
     ASSERT_TRUE(h.report.complete()) << slenderness << ": " << h.report.failure;
     std::vector<double> found;
     for (const SpecialPoint& point : h.report.special) {
-      EXPECT_EQ(point.after - point.before, point.event == PathEvent::bifurcation ? 1 : 0);
+      EXPECT_EQ(point.after.value_or(0) - point.before.value_or(0),
+                point.event == PathEvent::bifurcation ? 1 : 0);
       if (point.event == PathEvent::bifurcation) found.push_back(point.load_factor);
     }
     ASSERT_EQ(found.size(), 3U) << slenderness;
