@@ -34,10 +34,10 @@ double parameter(const Scene& scene, const std::string& name) {
   return 0.0;
 }
 
-Table complete(const Scene& scene) {
+Table complete(const Scene& scene, long retries = 0) {
   History history = run_to_table(scene);
   EXPECT_TRUE(history.report.complete()) << history.report.failure;
-  EXPECT_EQ(history.report.transient_counters.retries, 0);
+  EXPECT_LE(history.report.transient_counters.retries, retries);
   return history.table;
 }
 
@@ -92,8 +92,8 @@ struct LightBeam {
   double end = 0.0, middle = 0.0, velocity = 0.0;  // largest errors, relative
 };
 
-LightBeam light_beam(const Scene& scene) {
-  const Table t = complete(scene);
+LightBeam light_beam(const Scene& scene, long retries = 0) {
+  const Table t = complete(scene, retries);
   const double P = parameter(scene, "P"), f_ee = parameter(scene, "f_ee"),
                f_em = parameter(scene, "f_em"), f_mm = parameter(scene, "f_mm"),
                w = parameter(scene, "w"), t0 = parameter(scene, "t0");
@@ -136,7 +136,7 @@ TEST(Discontinuity, ALoadJumpsOnANodeOfNoMass) {
   Scene scene = hard_scene("light_beam");
   scene.transient->method = TimeMethod::radau;
   scene.transient->rho_infinity.reset();
-  const LightBeam radau = light_beam(scene);
+  const LightBeam radau = light_beam(scene, 5);  // halvings of the step that jumps
   EXPECT_LT(radau.end, 1e-6);
   EXPECT_LT(radau.middle, 1e-6);
   EXPECT_LT(radau.velocity, 1e-6);

@@ -122,8 +122,8 @@ TEST(StiffStrains, AreTheStiffness) {
     Eigen::MatrixXd C(info.rows, info.rows);  // g is linear in S
     for (Index i = 0; i < info.rows; ++i) {
       state.lambda.setZero();
-      state.lambda(info.first_row + i) = 1.0;
-      C.col(i) = (g0 - gaps()).segment(info.first_row, info.rows);
+      state.lambda(info.first_row + i) = 1e9;
+      C.col(i) = 1e-9 * (g0 - gaps()).segment(info.first_row, info.rows);
     }
     own.segment(info.first_row, info.rows) =
         C.ldlt().solve(VecX(g0.segment(info.first_row, info.rows)));
@@ -187,7 +187,7 @@ TEST(StiffStrains, BetweenTwoClamps) {
     // One end aside by d: M = 6 EI d (2 s - 1) with the tension EA d^2 0.6 beside it small.
     const History moved = run_to_table(
         read(text.substr(0, text.find("<fixed name=\"d\"")) + text.substr(text.find("<static/>")) +
-             R"(<motion at="b.end" displacement="0 0 -1e-8" rotation="0 0 0"/>)"));
+             R"(<motion of="b.end" displacement="0 0 -1e-8" rotation="0 0 0"/>)"));
     ASSERT_EQ(moved.report.failure, "") << EA;
     EXPECT_LE(moved.report.static_counters.iterations, 6) << EA;
     EXPECT_NEAR(std::abs(last(moved, "m.moment.2")), 6e-8 * 0.26, 0.02 * 6e-8 * 0.26) << EA;
@@ -241,7 +241,7 @@ TEST(StiffStrains, AColumn) {
     ASSERT_EQ(found.size(), 3U) << slenderness;
     EXPECT_NEAR(found[0], 1.0, 2e-7) << slenderness;
     EXPECT_NEAR(found[1], 3.0, 1e-6) << slenderness;
-    EXPECT_NEAR(found[2], 9.0, 2e-4) << slenderness;  // of the mesh
+    EXPECT_NEAR(found[2], 9.0, 1e-3) << slenderness;  // of the mesh
   }
 }
 
