@@ -187,7 +187,7 @@ TEST(StiffStrains, BetweenTwoClamps) {
     // One end aside by d: M = 6 EI d (2 s - 1) with the tension EA d^2 0.6 beside it small.
     const History moved = run_to_table(
         read(text.substr(0, text.find("<fixed name=\"d\"")) + text.substr(text.find("<static/>")) +
-             R"(<motion of="b.end" displacement="0 0 -1e-8" rotation="0 0 0"/>)"));
+             R"(<motion name="move" of="b.end" displacement="0 0 -1e-8" rotation="0 0 0"/>)"));
     ASSERT_EQ(moved.report.failure, "") << EA;
     EXPECT_LE(moved.report.static_counters.iterations, 6) << EA;
     EXPECT_NEAR(std::abs(last(moved, "m.moment.2")), 6e-8 * 0.26, 0.02 * 6e-8 * 0.26) << EA;
