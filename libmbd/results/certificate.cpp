@@ -45,6 +45,18 @@ constexpr double no_motion =
 constexpr double account_of = 20.0, share_of_passed = 0.01, share_of_linear = 1e-3,
                  share_of_reactions = 1e-5;
 
+// Beside forces of that size, at an equilibrium; of forces that are unknowns beside stiff strains.
+void add_round_off_of_forces(const System& system, const State& state, double size,
+                             Certificate& all) {
+  if (std::ranges::none_of(system.constraints(), &ConstraintInfo::gives)) return;
+  all.add({.name = "round-off, sectional forces",
+           .value = round_off_of_forces(system, state) / size,
+           .warn = weak_round_off,
+           .fail = std::numeric_limits<double>::max(),  // others may be right
+           .why = "what round-off of positions makes of forces that only stretches and shears "
+                  "determine, much stiffer than bending, of the largest load or reaction"});
+}
+
 }  // namespace
 
 std::string_view name_of(Verdict verdict) {
@@ -879,13 +891,8 @@ void Audit::add_equilibrium(Certificate& all, const RunReport& report) const {
              "the "
              "largest load or reaction; bounds: 10 and 1000 times round-off of positions times the "
              "largest stiffness, or 1e-9"});
-  if (std::ranges::any_of(system_.constraints(), &ConstraintInfo::gives) && scale > no_force)
-    all.add({.name = "round-off, sectional forces",
-             .value = round_off_of_forces(system_, last_) / scale,
-             .warn = weak_round_off,
-             .fail = std::numeric_limits<double>::max(),  // others may be right
-             .why = "what round-off of positions makes of forces that only stretches and shears "
-                    "determine, much stiffer than bending, of the largest load or reaction"});
+  if (scale > no_force && system_.multipliers() > 0)
+    add_round_off_of_forces(system_, last_, scale, all);
   if (report.negative_eigenvalues.value_or(0) > 0)
     all.checks.push_back(
         {.name = "stability",
