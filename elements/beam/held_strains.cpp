@@ -66,9 +66,10 @@ class HeldStrainsBatch final : public HeldStrains {
     for (const Element& e : elements_) {
       for (const int b : e.nodes)
         for (const int a : e.nodes) graph.contributions.push_back({a - 1, b - 1});
-      for (const Rows& rows : e.rows) {
-        const int l = nodes + static_cast<int>(rows.constraint);
-        for (const int a : e.nodes) {
+      for (int i = 0; i < points(); ++i) {
+        const int l = nodes + static_cast<int>(e.rows[static_cast<std::size_t>(i)].constraint);
+        for (std::size_t k = 0; k < e.nodes.size(); ++k) {
+          const int a = e.nodes[node_of(i, k)];
           graph.contributions.push_back({a - 1, l});
           graph.contributions.push_back({l, a - 1});
         }
@@ -250,6 +251,12 @@ class HeldStrainsBatch final : public HeldStrains {
       }
   }
 
+  // A point's nodes in the order in which solvers are to join its rows to them: first that behind it, whose place follows from the
+  // strain there and the nodes before. (Any other may be one that the strain hardly knows.)
+  std::size_t node_of(int point, std::size_t k) const {
+    return (static_cast<std::size_t>(point) + 1 + k) % static_cast<std::size_t>(order_ + 1);
+  }
+
   // (1), by points and nodes.
   void add_gradient(const Element& e, const Work& work, const Slot*& slot) const {
     std::array<DualMatrix<double>, Sizes<0>::max_pairs> T;
@@ -268,7 +275,8 @@ class HeldStrainsBatch final : public HeldStrains {
           B[j].A -= c * T[p].A.transpose();
           B[j].B -= c * T[p].B.transpose();
         }
-      for (std::size_t a = 0; a < e.nodes.size(); ++a) {
+      for (std::size_t k = 0; k < e.nodes.size(); ++k) {
+        const std::size_t a = node_of(i, k);
         Mat6 all = B[a].matrix();
         if (!e.Ad.empty()) all = Mat6(all * e.Ad[a]);
         Index n = 0;

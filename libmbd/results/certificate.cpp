@@ -48,9 +48,10 @@ constexpr double account_of = 20.0, share_of_passed = 0.01, share_of_linear = 1e
 // Beside forces of that size, at an equilibrium; of forces that are unknowns beside stiff strains.
 void add_round_off_of_forces(const System& system, const State& state, double size,
                              Certificate& all) {
-  if (std::ranges::none_of(system.constraints(), &ConstraintInfo::gives)) return;
+  const std::optional<double> force = round_off_of_forces(system, state);
+  if (!force) return;
   all.add({.name = "round-off, sectional forces",
-           .value = round_off_of_forces(system, state) / size,
+           .value = *force / size,
            .warn = weak_round_off,
            .fail = std::numeric_limits<double>::max(),  // others may be right
            .why = "what round-off of positions makes of forces that only stretches and shears "

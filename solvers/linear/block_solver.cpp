@@ -256,7 +256,9 @@ class BlockBacked : public Interface {
 
 class BlockSolver final : public BlockBacked<LinearSolver> {
  public:
-  explicit BlockSolver(PivotOrder order) : BlockBacked(order) {}
+  explicit BlockSolver(PivotOrder order)
+      : BlockBacked(order),
+        refinement_(order == PivotOrder::merged ? refinement_in_statics : refinement_in_time) {}
 
   void analyze(const BlockGraph& graph) override {
     begin(graph);
@@ -311,7 +313,7 @@ class BlockSolver final : public BlockBacked<LinearSolver> {
     prepared_order_ = choice_.order;
     judged_.reset();
     prepared_ = std::make_unique<Prepared>(graph_, columns_, prepared_order_);
-    judged_ = std::make_unique<Judged<double>>(prepared_->plan, columns_);
+    judged_ = std::make_unique<Judged<double>>(prepared_->plan, columns_, refinement_);
   }
   bool factor_prepared() override {
     if (!prepared_->factor(*judged_, values_.data())) return false;
@@ -338,6 +340,7 @@ class BlockSolver final : public BlockBacked<LinearSolver> {
   std::vector<double> values_, trash_;
   std::vector<Slot> slots_;
   bool unchanged_ = false;  // the values, since they were factored
+  const Refinement refinement_;
   std::unique_ptr<Judged<double>> judged_;
   mutable std::vector<double> probe_;
 };

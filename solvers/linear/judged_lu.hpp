@@ -94,11 +94,25 @@ struct Prepared {
   }
 };
 
+// Up to which backward error a solution is refined, and how often. What is further off, or stays so, KLU is asked for.
+struct Refinement {
+  double refinable;
+  int most;
+};
+// In time, what is further off is near a singular matrix: with all errors refined, windows went through its change points
+// unnoticed, at twice the error; with none, four_bar pays both solvers.
+inline constexpr Refinement refinement_in_time{1e-9, 1};
+// Of equilibria, where multipliers are merged from the start: pivots of sectional forces that hardly give way (held_strains.hpp) are
+// no better than their couplings with the node that they share, and KLU takes 50 times as long for a frame of 1012 beams.
+inline constexpr Refinement refinement_in_statics{1e-3, 6};
+
 // Solutions by one factorisation: the first is judged, and how often it was refined, others are too.
 template <class T>
 class Judged {
  public:
-  Judged(const BlockLuPlan& plan, const BlockColumns& columns) : lu(plan), columns_(columns) {}
+  Judged(const BlockLuPlan& plan, const BlockColumns& columns,
+         const Refinement& refinement = refinement_in_time)
+      : lu(plan), columns_(columns), refinement_(refinement) {}
 
   void begin() {
     judged_ = false;
@@ -121,7 +135,7 @@ class Judged {
         refinements_ = std::max(refinements_, k);
         return true;
       }
-      if (k == most_refinements || !(error < refinable)) break;
+      if (k == refinement_.most || !(error < refinement_.refinable)) break;
       ++refined;
       lu.solve(r_.data());
       for (std::size_t i = 0; i < x.size(); ++i) x[i] += r_[i];
@@ -139,12 +153,9 @@ class Judged {
 
  private:
   static constexpr double accurate = 1e-10;  // backward error
-  // What is further off, or stays so, is near a singular matrix, and KLU is asked: with all errors refined, windows went
-  // through its change points unnoticed, at twice the error; with none, four_bar pays both solvers.
-  static constexpr double refinable = 1e-9;
-  static constexpr int most_refinements = 1;
 
   const BlockColumns& columns_;
+  const Refinement refinement_;
   BackwardError<T> error_;
   std::vector<T> b_, r_;
   bool judged_ = false;

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "solvers/linear/klu_solver.hpp"
+#include "solvers/linear/block_solver.hpp"
 
 namespace mbd {
 namespace {
@@ -31,11 +31,12 @@ VecX gap_per_length(const System& system, std::span<const Slot> slots) {
 
 }  // namespace
 
-double round_off_of_forces(const System& system, const State& state) {
+std::optional<double> round_off_of_forces(const System& system, const State& state) {
   constexpr int samples = 4;
   const auto& constraints = system.constraints();
-  if (std::ranges::none_of(constraints, &ConstraintInfo::gives)) return 0.0;
-  const std::unique_ptr<LinearSolver> solver = make_klu_solver();
+  if (std::ranges::none_of(constraints, &ConstraintInfo::gives)) return std::nullopt;
+  const std::unique_ptr<LinearSolver> solver =
+      make_linear_solver(LinearMethod::block, PivotOrder::merged);
   solver->analyze(system.graph());
   VecX r;
   system.linearize(state, {}, r, *solver);
@@ -43,7 +44,7 @@ double round_off_of_forces(const System& system, const State& state) {
   for (const Pose<double>& H : state.pose) farthest = std::max(farthest, H.r.cwiseAbs().maxCoeff());
   const VecX off =
       std::numeric_limits<double>::epsilon() * farthest * gap_per_length(system, solver->slots());
-  if (solver->factor() != FactorStatus::ok) return std::numeric_limits<double>::quiet_NaN();
+  if (solver->factor() != FactorStatus::ok) return std::nullopt;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   double largest = 0.0;
@@ -54,12 +55,12 @@ double round_off_of_forces(const System& system, const State& state) {
     for (const ConstraintInfo& info : constraints)
       for (Index i = 0; i < info.rows; ++i) {
         const double change = std::abs(x(6 * (system.nodes() - 1) + info.first_row + i));
-        largest = std::max(largest, info.is_position[static_cast<std::size_t>(i)]
-                                        ? change
-                                        : change / system.length_scale());
+        const double force =
+            info.is_position[static_cast<std::size_t>(i)] ? change : change / system.length_scale();
+        if (!(force <= largest)) largest = force;  // what is not a number stays
       }
   }
-  return largest;
+  return std::isfinite(largest) ? std::optional(largest) : std::nullopt;
 }
 
 }  // namespace mbd
