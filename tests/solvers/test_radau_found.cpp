@@ -36,13 +36,11 @@ TEST(RadauFound, FixedStepsWithDefaultToleranceOfNewton) {
   }
 }
 
-// A limit of the method, stated in its header: at a change point, where constraints on velocities can only be met
-// if those on positions are, fixed steps end, by name, with what was reached; adaptive ones pass (test_radau.cpp).
-TEST(RadauFound, FixedStepsEndCleanlyAtAChangePoint) {
+// At a change point constraints on velocities can only be met if those on positions are: by rank-tolerant steps
+// (test_singular.cpp compares with a pendulum).
+TEST(RadauFound, FixedStepsPassAChangePoint) {
   const Driven d = drive(model_scene("windows"), radau({.step = 1e-2}), 1.0);
-  if (d.last.converged) return;
-  expect_has(d.last.failure, "t = 0.71");
-  expect_has(d.last.failure, "worst equation");
+  EXPECT_TRUE(d.last.converged) << d.last.failure;
 }
 
 // Constraints of accepted states at loose tolerances, where steps turn far: the projection, with the kept matrix,
