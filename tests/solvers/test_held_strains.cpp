@@ -19,7 +19,6 @@
 #include "solvers/modes/eigenmodes.hpp"
 #include "solvers/statics/equilibrium.hpp"
 #include "tests/support/certificates.hpp"
-#include "tests/support/dense_solver.hpp"
 #include "tests/support/increments.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
@@ -62,13 +61,6 @@ Scene all_kinds() {
          <transient duration="1" step="0.1"/>)");
 }
 
-Eigen::MatrixXd tangent(const System& system, const State& state, VecX& r) {
-  DenseSolver solver;
-  solver.analyze(system.graph());
-  system.linearize(state, {}, r, solver);
-  return solver.matrix();
-}
-
 // By differences of sixth order of the residual along random increments, poses and multipliers moved far.
 TEST(HeldStrains, TangentIsTheDerivative) {
   const Model model = compile(all_kinds());
@@ -80,19 +72,11 @@ TEST(HeldStrains, TangentIsTheDerivative) {
     move_at_random(state, rng, 0.3);
     for (double& l : state.lambda) l = uniform(rng, -5.0, 5.0);
     VecX r, alone;
-    const Eigen::MatrixXd K = tangent(system, state, r);
+    const Eigen::MatrixXd K = dense_tangent(system, state, r);
     system.residual(state, alone);
     EXPECT_EQ((r - alone).cwiseAbs().maxCoeff(), 0.0);
     const VecX x = random_increment(system, rng);
-    const auto along = [&](double by) {
-      VecX there;
-      system.residual(moved_by(system, state, x, by), there);
-      return VecX(there.tail(system.unknowns()));
-    };
-    constexpr double h = 5e-3;
-    const VecX slope = (45.0 * (along(h) - along(-h)) - 9.0 * (along(2 * h) - along(-2 * h)) +
-                        (along(3 * h) - along(-3 * h))) /
-                       (60.0 * h);
+    const VecX slope = slope_along(system, state, x);
     EXPECT_LT((slope - K * x).norm(), 1e-9 * slope.norm()) << trial;
   }
 }

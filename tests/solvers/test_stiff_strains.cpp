@@ -13,7 +13,6 @@
 #include "libmbd/compile/model.hpp"
 #include "libmbd/run/describe.hpp"
 #include "tests/support/certificates.hpp"
-#include "tests/support/dense_solver.hpp"
 #include "tests/support/increments.hpp"
 #include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
@@ -51,13 +50,6 @@ std::string all_kinds(double EA, double GA) {
 const std::string at_rest = "<static/>", in_time = "<transient duration=\"1\" step=\"0.1\"/>";
 constexpr Index rows_of_kinds = 2 * 3 * 2 + 5 + 2 + 2 * 2, held_rows = 2;
 
-Eigen::MatrixXd tangent(const System& system, const State& state, VecX& r) {
-  DenseSolver solver;
-  solver.analyze(system.graph());
-  system.linearize(state, {}, r, solver);
-  return solver.matrix();
-}
-
 // By differences of sixth order of the residual along random increments, poses and multipliers moved far. The compliances are
 // not small beside the strains of these forces.
 TEST(StiffStrains, TangentIsTheDerivative) {
@@ -70,20 +62,12 @@ TEST(StiffStrains, TangentIsTheDerivative) {
     move_at_random(state, rng, 0.3);
     for (double& l : state.lambda) l = uniform(rng, -5e8, 5e8);
     VecX r, alone;
-    const Eigen::MatrixXd K = tangent(system, state, r);
+    const Eigen::MatrixXd K = dense_tangent(system, state, r);
     system.residual(state, alone);
     EXPECT_EQ((r - alone).cwiseAbs().maxCoeff(), 0.0);
     VecX x = random_increment(system, rng);
     x.tail(system.multipliers()) *= 1e9;
-    const auto along = [&](double by) {
-      VecX there;
-      system.residual(moved_by(system, state, x, by), there);
-      return VecX(there.tail(system.unknowns()));
-    };
-    constexpr double h = 5e-3;
-    const VecX slope = (45.0 * (along(h) - along(-h)) - 9.0 * (along(2 * h) - along(-2 * h)) +
-                        (along(3 * h) - along(-3 * h))) /
-                       (60.0 * h);
+    const VecX slope = slope_along(system, state, x);
     const Index motions = 6 * (system.nodes() - 1);
     EXPECT_LT((slope - K * x).head(motions).norm(), 1e-9 * slope.norm()) << trial;
     EXPECT_LT((slope - K * x).tail(system.multipliers()).norm(),
