@@ -76,12 +76,18 @@ double windows_error(const Table& table, int N) {
   return worst;
 }
 
+// By Radau, its steps still to be given.
+void use_radau(TransientScene& transient) {
+  transient.method = TimeMethod::radau;
+  transient.step.reset();
+  transient.tolerance.reset();
+  transient.rho_infinity.reset();
+}
+
 Scene windows(const std::string& model, int N, double tolerance) {
   Scene scene = model_scene(model, {{"N", fmt::format("{}", N)}});
   if (tolerance > 0.0) {
-    scene.transient->method = TimeMethod::radau;
-    scene.transient->step.reset();
-    scene.transient->rho_infinity.reset();
+    use_radau(*scene.transient);
     scene.transient->tolerance = tolerance;
     scene.transient->output = 0.02;
   }
@@ -124,9 +130,7 @@ TEST(SingularSlow, FortyWindowsOfRevoluteJoints) {
 void pass_by_fixed_steps(const char* model) {
   for (const double step : {5e-4, 1.25e-3, 2e-3, 5e-3, 1e-2}) {
     Scene scene = windows(model, 2, 0.0);
-    scene.transient->method = TimeMethod::radau;
-    scene.transient->rho_infinity.reset();
-    scene.transient->tolerance.reset();
+    use_radau(*scene.transient);
     scene.transient->step = step;
     scene.transient->duration = 5.0;
     RunReport report;
