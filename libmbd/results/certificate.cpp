@@ -434,11 +434,7 @@ void Audit::sample(const State& state) {
   };
   for (const Pose<double>& H : state.pose)
     for (Index i = 0; i < 3; ++i) look_at(farthest_, std::abs(H.r(i)));
-  for (const ConstraintInfo& c : system_.constraints())
-    for (Index i = 0; i < c.rows; ++i)
-      look_at(largest_force_,
-              std::abs(state.lambda(c.first_row + i)) /
-                  (c.is_position[static_cast<std::size_t>(i)] ? 1.0 : system_.length_scale()));
+  look_at(largest_force_, largest_force(system_, state.lambda));
   if (!state.V.empty()) {
     system_.constraints(state, g_, gdot_);
     Index row = -1;

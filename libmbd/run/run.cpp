@@ -38,6 +38,7 @@
 #include "solvers/constraints/redundancy.hpp"
 #include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
+#include "solvers/newton/increments.hpp"
 #include "solvers/statics/path.hpp"
 #include "solvers/statics/stability.hpp"
 #include "solvers/statics/statics.hpp"
@@ -966,13 +967,7 @@ class Run {
   void monitor(const State& state) {
     monitor_constraints(*model_.system, state, report_);
     monitor_energies(*model_.system, state, report_);
-    for (const ConstraintInfo& c : model_.system->constraints())
-      for (Index i = 0; i < c.rows; ++i) {
-        const double size = std::abs(state.lambda(c.first_row + i));
-        force_most_ = std::max(force_most_, c.is_position[static_cast<std::size_t>(i)]
-                                                ? size
-                                                : size / model_.system->length_scale());
-      }
+    force_most_ = std::max(force_most_, largest_force(*model_.system, state.lambda));
     if (audit_) audit_->sample(state);
     if (time_error_ && scene_.transient) time_error_->sample(state);
   }

@@ -128,7 +128,7 @@ double largest_stiffness(const System& system, const State& state, const Tangent
   columns.allocate(values, trash, slots);
   VecX r;
   system.linearize(state, weights, r, slots);
-  return std::max(largest_stiffness(system, slots), stiffness_behind_multipliers(system, slots));
+  return largest_stiffness_behind(system, slots);
 }
 
 }  // namespace mbd

@@ -58,9 +58,16 @@ inline bool has_converged(double e, double previous) {
 double largest_stiffness(const System& system, std::span<const Slot> slots);
 double largest_stiffness(const System& system, const LinearSolver& S);
 
-// The same of what stands behind multipliers with a compliance C, B^2/C: the stiffness that they have in place of the node-node
-// blocks [N/m]. 0 where there are none; not after factor().
-double stiffness_behind_multipliers(const System& system, std::span<const Slot> slots);
+// The same, or what stands behind multipliers with a compliance C, B^2/C, in place of node-node blocks, where that is more [N/m]:
+// by what round-off of motion is multiplied in forces.
+double largest_stiffness_behind(const System& system, std::span<const Slot> slots);
+
+// By multiplier, the largest derivative of its gap by a motion, turns over the scene's length; 0 of those without a compliance.
+// Not after factor().
+VecX gap_per_motion(const System& system, std::span<const Slot> slots);
+
+// Largest multiplier, moments over the scene's length [N]; NaN if one is.
+double largest_force(const System& system, const VecX& lambda);
 
 // What to say of the element or joint that System::out_of_range names.
 std::string range_failure(const std::string& name);

@@ -107,8 +107,7 @@ struct Newton {
       ++counters.factorizations;
       if (k == 0) {
         stiffness = largest_stiffness(system, solver);
-        norm.set_floor(state,
-                       std::max(stiffness, stiffness_behind_multipliers(system, solver.slots())));
+        norm.set_floor(state, largest_stiffness_behind(system, solver.slots()));
       }
       FactorStatus status = factor(k == 0);
       if (k == 0 && !is_held()) status = factor_under_load();

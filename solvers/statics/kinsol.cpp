@@ -118,9 +118,8 @@ class Kinsol {
     VecX r;
     system_.linearize(start_, {}, r, solver_);
     const double length = system_.length_scale(),
-                 force = std::max({largest_stiffness(system_, solver_) * length,
-                                   stiffness_behind_multipliers(system_, solver_.slots()) * length,
-                                   1e-300});
+                 force =
+                     std::max(largest_stiffness_behind(system_, solver_.slots()) * length, 1e-300);
     auto u = map(u_scale_.get()), f = map(f_scale_.get());
     for (Index i = 0; i < motions_; ++i) {
       const bool turns = i % 6 >= 3;

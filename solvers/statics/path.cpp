@@ -158,8 +158,7 @@ class Follower {
       }
     }
     *slots[border_ + 2 * graph.blocks.size()].data = c2_ * normal(n_);
-    stiffness_ = std::max(largest_stiffness(system_, *bordered_),
-                          stiffness_behind_multipliers(system_, bordered_->slots()));
+    stiffness_ = largest_stiffness_behind(system_, bordered_->slots());
     return bordered_->factor() == FactorStatus::ok;
   }
 
