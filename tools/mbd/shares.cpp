@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <map>
+#include <ranges>
+#include <sstream>
+#include <string_view>
 #include <thread>
 
 #include "libmbd/core/error.hpp"
@@ -115,21 +120,54 @@ std::string submit(const SlurmJob& job) {
   return said.text.substr(line, said.text.find(';', line) - line);
 }
 
-void wait_for(const std::string& id, const std::function<bool()>& done) {
+namespace {
+
+// How many tasks are in which state; those that wait are one line.
+std::map<std::string, int> states_in(const std::string& text) {
+  std::map<std::string, int> states;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) ++states[line];
+  return states;
+}
+
+// A task in another state runs, or may still run.
+bool has_ended(const std::string& state) {
+  constexpr std::array<std::string_view, 10> ended = {
+      "COMPLETED", "CANCELLED", "FAILED",   "TIMEOUT",       "NODE_FAIL",
+      "PREEMPTED", "BOOT_FAIL", "DEADLINE", "OUT_OF_MEMORY", "REVOKED"};
+  return std::ranges::find(ended, state) != ended.end();
+}
+
+}  // namespace
+
+std::string wait_for(const std::string& id, const std::function<bool()>& done) {
   constexpr int seconds_between_questions = 5;  // the controller is everybody's
-  // A task that is begun again is nowhere for a moment.
-  constexpr int answers_to_believe = 2;
-  int over = 0;
+  // A task that is begun again has ended for a moment. Slurm knows for minutes (MinJobAge) how tasks ended: that it knows nothing
+  // of them is believed later.
+  constexpr int answers_to_believe = 2, silences_to_believe = 6;
+  int over = 0, silent = 0;
+  std::string ends;
   for (int turn = 1; !done(); ++turn) {
-    if (over == answers_to_believe) return;
+    if (over == answers_to_believe || silent == silences_to_believe) return ends;
     std::this_thread::sleep_for(std::chrono::seconds(1));
     if (turn % seconds_between_questions != 0) continue;
-    const Said said = ask({"squeue", "--noheader", "--jobs=" + id, "--format=%T"});
-    // A controller that does not answer for a while is waited for.
-    const bool is_over = said.status == 0 ? said.text.empty()
-                                          : said.text.find("Invalid job id") != std::string::npos;
+    const Said said = ask({"squeue", "--noheader", "--states=all", "--jobs=" + id, "--format=%T"});
+    if (said.status != 0 || said.text.empty()) {
+      // A controller that does not answer for a while is waited for.
+      const bool knows_none =
+          said.status == 0 || said.text.find("Invalid job id") != std::string::npos;
+      silent = knows_none ? silent + 1 : 0;
+      continue;
+    }
+    silent = 0;
+    const auto states = states_in(said.text);
+    const bool is_over = std::ranges::all_of(states | std::views::keys, has_ended);
     over = is_over ? over + 1 : 0;
+    ends.clear();
+    for (const auto& [state, count] : states)
+      ends += fmt::format("{}{} {}", ends.empty() ? "" : ", ", count, state);
   }
+  return {};
 }
 
 void cancel(const std::string& id) { ask({"scancel", id}); }

@@ -38,8 +38,9 @@ struct SlurmJob {
 // Its id. Throws Error where there is no sbatch, or with what that says.
 std::string submit(const SlurmJob& job);
 
-// Waits until done() or until Slurm has no such job any more, or no part of it that may still run.
-void wait_for(const std::string& id, const std::function<bool()>& done);
+// Waits until done(), or until no task of the job runs or may still run; then returns how they ended, in the words of Slurm ("1
+// COMPLETED, 1 FAILED"), empty where it knows no more.
+std::string wait_for(const std::string& id, const std::function<bool()>& done);
 
 void cancel(const std::string& id);
 

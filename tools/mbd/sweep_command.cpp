@@ -77,9 +77,10 @@ std::vector<std::string> task_words(const SweepArguments& arguments,
   return words;
 }
 
-// Lets Slurm run it: an array whose tasks are shares. False if some ended early.
+// Lets Slurm run it: an array whose tasks are shares. False if some ended early; `ends` is how.
 bool run_on_slurm(SweepTable& table, const SweepArguments& arguments,
-                  const std::filesystem::path& output, const SweepOptions& options) {
+                  const std::filesystem::path& output, const SweepOptions& options,
+                  std::string& ends) {
   SlurmJob job;
   job.tasks =
       std::min(arguments.tasks > 0 ? arguments.tasks : most_tasks, table.study().rows.size());
@@ -98,7 +99,7 @@ bool run_on_slurm(SweepTable& table, const SweepArguments& arguments,
     std::fflush(stdout);
   }
   if (arguments.no_wait) return true;
-  wait_for(id, [&] {
+  ends = wait_for(id, [&] {
     table.look_again();
     const std::size_t open = table.open().size(), all = table.study().rows.size();
     if (options.progress) options.progress(all - open, all);
@@ -160,10 +161,11 @@ int sweep_model(const SweepArguments& arguments) {
   options.interrupted = &InterruptHandler::flag();
   SweepTable table(read, plan, options);
   bool all_ran = true;
+  std::string ends;  // of tasks of Slurm
   {
     const InterruptHandler handler;
     if (on_slurm)
-      all_ran = run_on_slurm(table, arguments, output, options);
+      all_ran = run_on_slurm(table, arguments, output, options, ends);
     else
       table.run(read, options);
   }
@@ -181,9 +183,10 @@ int sweep_model(const SweepArguments& arguments) {
   if (InterruptHandler::flag()) return interrupted_status;
   if (!all_ran)
     throw Error(
-        fmt::format("--on slurm: {} points have no row: their tasks ended early, {}/slurm-*.log "
-                    "may say why; the same command goes on from here",
-                    study.count(SweepRow::Status::open), output.string()));
+        fmt::format("--on slurm: {} points have no row: their tasks ended early{}, "
+                    "{}/slurm-*.log may say why; the same command goes on from here",
+                    study.count(SweepRow::Status::open),
+                    ends.empty() ? ends : fmt::format(" ({})", ends), output.string()));
   return 0;
 }
 
