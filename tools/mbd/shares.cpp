@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstring>
 #include <map>
-#include <ranges>
 #include <sstream>
 #include <string_view>
 #include <thread>
@@ -161,7 +160,8 @@ std::string wait_for(const std::string& id, const std::function<bool()>& done) {
     }
     silent = 0;
     const auto states = states_in(said.text);
-    const bool is_over = std::ranges::all_of(states | std::views::keys, has_ended);
+    const bool is_over =
+        std::ranges::all_of(states, [](const auto& state) { return has_ended(state.first); });
     over = is_over ? over + 1 : 0;
     ends.clear();
     for (const auto& [state, count] : states)
