@@ -93,45 +93,43 @@ double largest_stiffness(const System& system, std::span<const Slot> slots) {
 
 namespace {
 
-// Calls with each slot of rows with a compliance: their constraint, the slot's column, the slot.
-void for_each_that_gives(const System& system, std::span<const Slot> slots, const auto& call) {
+// Of rows with a compliance, by multiplier: the largest derivative of a gap by a motion, turns over the scene's length, and the
+// compliance; 0 of others.
+struct Giving {
+  VecX B, C;
+};
+Giving giving_rows(const System& system, std::span<const Slot> slots) {
   const auto nodes = static_cast<int>(system.nodes()) - 1;
-  const auto& contributions = system.graph().contributions;
-  for (std::size_t i = 0; i < contributions.size(); ++i) {
-    const auto [row, column] = contributions[i];
+  const BlockGraph& graph = system.graph();
+  const double L = system.length_scale();
+  Giving g{VecX::Zero(system.multipliers()), VecX::Zero(system.multipliers())};
+  for (std::size_t i = 0; i < graph.contributions.size(); ++i) {
+    const auto [row, column] = graph.contributions[i];
     if (row < nodes || column < 0) continue;
     const ConstraintInfo& info = system.constraints()[static_cast<std::size_t>(row - nodes)];
-    if (info.gives) call(info, column, slots[i]);
+    if (!info.gives) continue;
+    const Slot slot = slots[i];
+    for (Index r = 0; r < info.rows; ++r) {
+      const Index k = info.first_row + r;
+      if (column == row) g.C(k) = std::abs(slot.data[r * slot.ld + r]);
+      for (Index j = 0; column < nodes && j < 6; ++j)
+        g.B(k) = std::max(g.B(k), std::abs(slot.data[j * slot.ld + r]) / (j < 3 ? 1.0 : L));
+    }
   }
+  return g;
 }
 
 }  // namespace
 
 VecX gap_per_motion(const System& system, std::span<const Slot> slots) {
-  const auto nodes = static_cast<int>(system.nodes()) - 1;
-  const double L = system.length_scale();
-  VecX B = VecX::Zero(system.multipliers());
-  for_each_that_gives(system, slots, [&](const ConstraintInfo& info, int column, const Slot& slot) {
-    for (Index r = 0; column < nodes && r < info.rows; ++r)
-      for (Index j = 0; j < 6; ++j) {
-        double& most = B(info.first_row + r);
-        most = std::max(most, std::abs(slot.data[j * slot.ld + r]) / (j < 3 ? 1.0 : L));
-      }
-  });
-  return B;
+  return giving_rows(system, slots).B;
 }
 
 double largest_stiffness_behind(const System& system, std::span<const Slot> slots) {
-  const auto nodes = static_cast<int>(system.nodes()) - 1;
-  const VecX B = gap_per_motion(system, slots);
+  const auto [B, C] = giving_rows(system, slots);
   double largest = largest_stiffness(system, slots);
-  for_each_that_gives(system, slots, [&](const ConstraintInfo& info, int column, const Slot& slot) {
-    for (Index r = 0; column >= nodes && r < info.rows; ++r) {
-      const double C = std::abs(slot.data[r * slot.ld + r]);
-      const double b = B(info.first_row + r);
-      if (C > 0.0) largest = std::max(largest, b * b / C);
-    }
-  });
+  for (Index k = 0; k < C.size(); ++k)
+    if (C(k) > 0.0) largest = std::max(largest, B(k) * B(k) / C(k));
   return largest;
 }
 
@@ -142,7 +140,8 @@ double largest_force(const System& system, const VecX& lambda) {
       const double size =
           std::abs(lambda(c.first_row + i)) /
           (c.is_position[static_cast<std::size_t>(i)] ? 1.0 : system.length_scale());
-      if (!(size <= largest)) largest = size;
+      if (std::isnan(size)) return size;
+      largest = std::max(largest, size);
     }
   return largest;
 }

@@ -106,8 +106,8 @@ struct Newton {
       ++counters.tangents;
       ++counters.factorizations;
       if (k == 0) {
-        stiffness = largest_stiffness(system, solver);
-        norm.set_floor(state, largest_stiffness_behind(system, solver.slots()));
+        stiffness = largest_stiffness_behind(system, solver.slots());
+        norm.set_floor(state, stiffness);
       }
       FactorStatus status = factor(k == 0);
       if (k == 0 && !is_held()) status = factor_under_load();

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
 
 #include "solvers/linear/block_solver.hpp"
 #include "solvers/newton/increments.hpp"
@@ -13,8 +12,7 @@ namespace mbd {
 
 std::optional<double> round_off_of_forces(const System& system, const State& state) {
   constexpr int samples = 4;
-  const auto& constraints = system.constraints();
-  if (std::ranges::none_of(constraints, &ConstraintInfo::gives)) return std::nullopt;
+  if (std::ranges::none_of(system.constraints(), &ConstraintInfo::gives)) return std::nullopt;
   const std::unique_ptr<LinearSolver> solver =
       make_linear_solver(LinearMethod::block, PivotOrder::merged);
   solver->analyze(system.graph());
@@ -33,9 +31,10 @@ std::optional<double> round_off_of_forces(const System& system, const State& sta
     for (Index i = 0; i < off.size(); ++i) x(6 * (system.nodes() - 1) + i) = share(random) * off(i);
     solver->solve({x.data(), static_cast<std::size_t>(x.size())});
     const double force = largest_force(system, VecX(x.tail(off.size())));
-    if (!(force <= largest)) largest = force;  // what is not a number stays
+    if (!std::isfinite(force)) return std::nullopt;
+    largest = std::max(largest, force);
   }
-  return std::isfinite(largest) ? std::optional(largest) : std::nullopt;
+  return largest;
 }
 
 }  // namespace mbd

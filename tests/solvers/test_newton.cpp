@@ -10,12 +10,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "solvers/linear/block_solver.hpp"
 #include "solvers/linear/klu_solver.hpp"
+#include "solvers/newton/increments.hpp"
 #include "solvers/time/generalized_alpha.hpp"
 #include "tests/support/altered_solver.hpp"
+#include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_newton {
@@ -220,6 +224,26 @@ TEST(NewtonSlow, LongChainsEndAtTheRoundOffOfTheirMultipliers) {
     EXPECT_EQ(stepper.counters().retries, 0);
     const double fall = 0.5 * 9.81 * state.t * state.t;
     EXPECT_NEAR(state.pose.back().r.z(), -fall, 1e-3 * fall);
+  }
+}
+
+// Before a number and behind one: a multiplier that is none must reach the certificate. (A loop that kept what is not smaller
+// forgot it with the next.)
+TEST(LargestForce, IsNoNumberIfOneMultiplierIsNone) {
+  const Model model = compile(read(
+      R"(<body name="b" at="0 0 2" mass="1" inertia="1 1 1"/><body name="c" mass="1" inertia="1 1 1"/>
+                      <revolute name="r" between="ground b" at="0 0 2" axis="0 1 0"/>
+                      <revolute name="q" between="ground c" at="0 0 0" axis="0 1 0"/><transient step="1e-3" duration="1"/>)"));
+  const System& system = *model.system;
+  VecX lambda = VecX::Zero(system.multipliers());
+  const ConstraintInfo& info = system.constraints().front();
+  for (Index i = 0; i < info.rows; ++i)
+    lambda(info.first_row + i) = info.is_position[static_cast<std::size_t>(i)] ? -3.0 : 8.0;
+  EXPECT_DOUBLE_EQ(largest_force(system, lambda), std::max(3.0, 8.0 / system.length_scale()));
+  for (Index i = 0; i < lambda.size(); ++i) {
+    VecX spoiled = lambda;
+    spoiled(i) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_TRUE(std::isnan(largest_force(system, spoiled))) << i;
   }
 }
 

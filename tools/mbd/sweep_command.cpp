@@ -77,16 +77,16 @@ std::vector<std::string> task_words(const SweepArguments& arguments,
   return words;
 }
 
-// Lets Slurm run it: an array whose tasks are shares. False if some ended early; `ends` is how.
-bool run_on_slurm(SweepTable& table, const SweepArguments& arguments,
-                  const std::filesystem::path& output, const SweepOptions& options,
-                  std::string& ends) {
+// Lets Slurm run it: an array whose tasks are shares. How they ended, if some ended early.
+std::optional<std::string> run_on_slurm(SweepTable& table, const SweepArguments& arguments,
+                                        const std::filesystem::path& output,
+                                        const SweepOptions& options) {
   SlurmJob job;
   job.tasks =
       std::min(arguments.tasks > 0 ? arguments.tasks : most_tasks, table.study().rows.size());
   std::set<std::size_t> numbers;
   for (const std::size_t point : table.open()) numbers.insert(point % job.tasks + 1);
-  if (numbers.empty()) return true;
+  if (numbers.empty()) return std::nullopt;
   job.numbers.assign(numbers.begin(), numbers.end());
   job.jobs = std::max(arguments.jobs, 1);
   job.command = task_words(arguments, output, job.jobs);
@@ -98,15 +98,16 @@ bool run_on_slurm(SweepTable& table, const SweepArguments& arguments,
                arguments.no_wait ? "; the last of them writes the table" : "");
     std::fflush(stdout);
   }
-  if (arguments.no_wait) return true;
-  ends = wait_for(id, [&] {
+  if (arguments.no_wait) return std::nullopt;
+  std::string ends = wait_for(id, [&] {
     table.look_again();
     const std::size_t open = table.open().size(), all = table.study().rows.size();
     if (options.progress) options.progress(all - open, all);
     return open == 0 || InterruptHandler::flag();
   });
   if (InterruptHandler::flag()) cancel(id);
-  return table.study().whole() || InterruptHandler::flag();
+  if (table.study().whole() || InterruptHandler::flag()) return std::nullopt;
+  return ends;
 }
 
 // In what mpirun or srun has started; a share that is stated is none.
@@ -160,12 +161,11 @@ int sweep_model(const SweepArguments& arguments) {
     };
   options.interrupted = &InterruptHandler::flag();
   SweepTable table(read, plan, options);
-  bool all_ran = true;
-  std::string ends;  // of tasks of Slurm
+  std::optional<std::string> ended_early;
   {
     const InterruptHandler handler;
     if (on_slurm)
-      all_ran = run_on_slurm(table, arguments, output, options, ends);
+      ended_early = run_on_slurm(table, arguments, output, options);
     else
       table.run(read, options);
   }
@@ -181,12 +181,12 @@ int sweep_model(const SweepArguments& arguments) {
                        : fmt::format("rows are kept in {}; the last share to end writes the table",
                                      output.string()));
   if (InterruptHandler::flag()) return interrupted_status;
-  if (!all_ran)
-    throw Error(
-        fmt::format("--on slurm: {} points have no row: their tasks ended early{}, "
-                    "{}/slurm-*.log may say why; the same command goes on from here",
-                    study.count(SweepRow::Status::open),
-                    ends.empty() ? ends : fmt::format(" ({})", ends), output.string()));
+  if (ended_early)
+    throw Error(fmt::format(
+        "--on slurm: {} points have no row: their tasks ended early{}, "
+        "{}/slurm-*.log may say why; the same command goes on from here",
+        study.count(SweepRow::Status::open),
+        ended_early->empty() ? "" : fmt::format(" ({})", *ended_early), output.string()));
   return 0;
 }
 
