@@ -647,7 +647,7 @@ class LargeModelsSlow : public BadModels {
   }
 
   // The same with a text twice as long: that costs less than `most` times as much. `text` makes one of that many pieces.
-  // What a run costs at least is no part of it, and of a few runs each the least counts.
+  // What a run costs at least is no part of it, and of some runs each the least counts.
   template <class Text>
   void run_twice_as_large(const std::string& name, std::size_t count, const Text& text,
                           const std::string& part, double most = 2.5) {
@@ -656,7 +656,8 @@ class LargeModelsSlow : public BadModels {
     double half = 1e300, whole = 1e300;
     const fs::path small = scratch_ / "half.xml", large = scratch_ / (name + ".xml");
     make(small, [&](std::ostream& stream) { stream << text(count); });
-    for (int k = 0; k < 6; ++k) {
+    constexpr int most_runs = 30;  // beside other work the least of a few is too much, by a tenth
+    for (int k = 0; k < most_runs; ++k) {
       half = std::min(half, run_large(small, part).cpu);
       whole = std::min(whole, run_large(large, part).cpu);
       if (whole - base < most * (half - base) + base) break;
