@@ -19,6 +19,9 @@ constexpr double largest_tolerance = 0.01;  // that makes sense
 constexpr double most_turn_alpha = 0.4, most_turn_radau = 1.0;
 constexpr double same_steps = 0.9;  // of the run's own: the other one says nothing
 constexpr double as_many = 0.75;    // of fixed ones, where 1/r are meant
+// Newton iterations of the run's own, after which longer steps are given up: in steps that are hard to take they may cost ten
+// times what the shorter ones do.
+constexpr double most_iterations = 1.0;
 // Of what is recorded, of the largest motion: smaller ones are not judged by themselves.
 constexpr double tiny_change = 1e-7;
 constexpr double no_motion = 1e-12;  // lengths of the scene, or rad
@@ -136,10 +139,10 @@ void TimeErrorMeter::compare(const State& at, const Sample& sample, double facto
   }
 }
 
-// False if the other run ends early for a reason of its own.
+// False if the other run ends early for a reason of its own, or because it goes beyond `most`.
 bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double factor,
-                            const std::atomic<bool>* interrupted, TimeError& error,
-                            long& steps) const {
+                            const Work& most, const std::atomic<bool>* interrupted,
+                            TimeError& error) const {
   const double last = samples_.back().t, slack = 1e-12 * (last - start_.t);
   std::size_t next = 0;
   State state = start_, at = start_;
@@ -162,7 +165,12 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
       }
       const double before = state.t;
       report = stepper->step(state);
-      steps = stepper->counters().substeps;
+      const Counters& work = stepper->counters();
+      if (static_cast<double>(work.substeps) > most.substeps ||
+          static_cast<double>(work.iterations) > most.iterations) {
+        error.why_not = "it costs as much as the run itself";
+        return false;
+      }
       if (report.converged && !(state.t > before)) break;
       for (std::size_t n = 1; n < state.V.size(); ++n)
         if (const double w = state.V[n].tail<3>().norm(); w > spin) {
@@ -181,7 +189,8 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
   return false;
 }
 
-TimeError TimeErrorMeter::measure(long own_steps, const std::atomic<bool>* interrupted) const {
+TimeError TimeErrorMeter::measure(const Counters& own,
+                                  const std::atomic<bool>* interrupted) const {
   TimeError error;
   if (samples_.empty()) {
     error.why_not = "there is no state to compare";
@@ -205,22 +214,21 @@ TimeError TimeErrorMeter::measure(long own_steps, const std::atomic<bool>* inter
     TransientScene other =
         in_steps(transient_, times, longer ? other_tolerances : 1.0 / other_tolerances);
     if (!fixed && *other.tolerance == *transient_.tolerance) continue;
-    if (!fixed && !longer && own_steps > 0)
-      other.max_step = std::min(
-          *other.max_step, times * (samples_.back().t - start_.t) / static_cast<double>(own_steps));
+    if (!fixed && !longer && own.substeps > 0)
+      other.max_step =
+          std::min(*other.max_step,
+                   times * (samples_.back().t - start_.t) / static_cast<double>(own.substeps));
     const double power = std::pow(times, order);
     const double factor = fixed ? 1.0 / std::abs(power - 1.0) : (longer ? 1.0 / 3.0 : 1.5);
     error = {};
     error.how = fixed ? fmt::format("steps {:.3g} times as {}", longer ? times : 1.0 / times,
                                     longer ? "long" : "short")
                       : fmt::format("a tolerance of {:.1g}", *other.tolerance);
-    long taken = 0;
-    const bool followed = follow(other, longer, factor, interrupted, error, taken);
-    const bool stopped = interrupted != nullptr && *interrupted;
-    if (followed && longer && !stopped &&
-        static_cast<double>(taken) >
-            (fixed ? as_many : same_steps) * static_cast<double>(own_steps))
-      continue;
+    Work most;
+    if (longer)
+      most = {(fixed ? as_many : same_steps) * static_cast<double>(own.substeps),
+              most_iterations * static_cast<double>(own.iterations)};
+    const bool followed = follow(other, longer, factor, most, interrupted, error);
     if (followed) {
       error.known = error.why_not.empty();
       return error;

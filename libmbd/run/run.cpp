@@ -996,8 +996,7 @@ class Run {
 
   void estimate_time_error() {
     if (!time_error_ || !report_.complete()) return;
-    report_.time_error =
-        time_error_->measure(report_.transient_counters.substeps, options_.interrupted);
+    report_.time_error = time_error_->measure(report_.transient_counters, options_.interrupted);
     report_.estimate = watch_.lap();
   }
 

@@ -29,8 +29,8 @@ struct RunOptions {
   std::optional<ChosenAccuracy> accuracy = {};  // for the report
   bool audit = true;     // the certificate; false: none, and no step is looked at for one
   bool certify = false;  // the dear checks of the certificate too (certificate.hpp)
-  // Of a transient that comes to its end, a second run in other steps, of 0.5 to 0.8 times its cost, which estimates its
-  // error (time_error.hpp).
+  // Of a transient that comes to its end, a second run in other steps, of 0.4 to 0.9 times its cost as a rule, at most of
+  // some three, which estimates its error (time_error.hpp).
   bool estimate_error = true;
   // Of a transient with an output directory: from there a run that was killed goes on with `restart`, and history.csv is that of
   // one that was not, to the last bit. Without an estimate of the error in time, and without motion.

@@ -344,7 +344,7 @@ void add_certificate_options(CLI::App& command, RunArguments& arguments) {
       ->type_name("SECONDS");
   command.add_flag("--no-estimate", arguments.no_estimate,
                    "without the second run, in longer steps, that estimates the error of steps in "
-                   "time, and costs 0.5 to 0.8 of the run");
+                   "time, and costs 0.4 to 0.9 of the run as a rule, at most some three times it");
 }
 
 void add_checkpoint_options(CLI::App& command, RunArguments& arguments) {
