@@ -189,8 +189,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
   return false;
 }
 
-TimeError TimeErrorMeter::measure(const Counters& own,
-                                  const std::atomic<bool>* interrupted) const {
+TimeError TimeErrorMeter::measure(const Counters& own, const std::atomic<bool>* interrupted) const {
   TimeError error;
   if (samples_.empty()) {
     error.why_not = "there is no state to compare";
@@ -215,9 +214,8 @@ TimeError TimeErrorMeter::measure(const Counters& own,
         in_steps(transient_, times, longer ? other_tolerances : 1.0 / other_tolerances);
     if (!fixed && *other.tolerance == *transient_.tolerance) continue;
     if (!fixed && !longer && own.substeps > 0)
-      other.max_step =
-          std::min(*other.max_step,
-                   times * (samples_.back().t - start_.t) / static_cast<double>(own.substeps));
+      other.max_step = std::min(*other.max_step, times * (samples_.back().t - start_.t) /
+                                                     static_cast<double>(own.substeps));
     const double power = std::pow(times, order);
     const double factor = fixed ? 1.0 / std::abs(power - 1.0) : (longer ? 1.0 / 3.0 : 1.5);
     error = {};

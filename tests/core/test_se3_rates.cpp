@@ -23,14 +23,26 @@ Matrix6<S> ad(const Vector6<S>& U) {
   return A;
 }
 
-// T(U) x = sum (-U~)^k x / (k + 1)!: the definition, in long double; with duals, its derivative.
+Real magnitude(Real x) { return std::abs(x); }
+Real magnitude(const Dual<Real>& x) { return std::max(std::abs(x.v), std::abs(x.d)); }
+
+// T(U) x = sum (-U~)^k x / (k + 1)!: the definition, in long double; with duals, its derivative. Up to terms of 1e-24 of the sum,
+// linear and angular parts by themselves: what follows is less than all of them.
 template <class S>
 Vector6<S> series(const Vector6<S>& U, const Vector6<S>& x) {
   const Matrix6<S> A = ad(U);
   Vector6<S> sum = x, term = x;
+  const auto largest = [](const Vector6<S>& of, Index part) {
+    Real most = 0.0L;
+    for (Index i = part; i < part + 3; ++i) most = std::max(most, magnitude(of(i)));
+    return most;
+  };
   for (int k = 1; k < 80; ++k) {
     term = (-(A * term) / S(k + 1)).eval();
     sum += term;
+    if (largest(term, 0) <= 1e-24L * largest(sum, 0) &&
+        largest(term, 3) <= 1e-24L * largest(sum, 3))
+      break;
   }
   return sum;
 }

@@ -382,7 +382,7 @@ def test_a_task_of_python_on_slurm_is_killed(rod, tmp_path, serial, slurm_here):
     rod.write_text(rod.read_text().replace('duration="40"', 'duration="120"'))  # it is there when it is looked for
     killer = threading.Thread(target=kill)
     killer.start()
-    with pytest.raises(mbd.RunError, match="their tasks of Slurm ended early") as caught:
+    with pytest.raises(mbd.RunError, match=r"their tasks of Slurm ended early \(1 COMPLETED, 1 FAILED\)") as caught:
         on_slurm(rod, out, tasks=2)
     killer.join()
     assert killed and 0 < caught.value.results.status.count("open") < 15

@@ -167,6 +167,79 @@ TEST(Campbell, UnequalShaftDivergesBetweenItsCriticals) {
   }
 }
 
+// Found by a reviewer: critical speeds were taken where the square of an eigenvalue is imaginary, 1 % off with damping, and limits of
+// stability where nothing swings were none. Damping does not move them: a heavy disk amid a clamped shaft of two stiffnesses stands
+// where 192 EI / L^3 = m W^2, is unstable above the first, and no less above the second, as its damping turns with it.
+// Killed: real eigenvalues that are positive not counted; growth of motions that do not swing left out.
+TEST(Campbell, DampingMovesNoCriticalSpeed) {
+  const Scene scene = read(R"(
+    <section name="s"><stiffness EA="1e6" GA2="inf" GA3="inf" GJ="1e3" EI2="1000" EI3="1440"/>
+      <mass per_length="1e-6" inertia="2e-9 1e-9 1e-9"/><damping stiffness_proportional="4e-3"/></section>
+    <beam name="b" section="s" from="0 0 0" to="1 0 0" normal="0 0 1" elements="2" order="4"/>
+    <body name="disk" attached_to="b@0.5" mass="10" inertia="1e-3 1e-3 1e-3"/>
+    <cylindrical name="A" between="ground b.start" axis="1 0 0" at="0 0 0"/>
+    <revolute name="B" between="ground b.end" axis="1 0 0" at="1 0 0"/><static/>)");
+  const double first = std::sqrt(19200.0), second = std::sqrt(27648.0);
+  const CampbellStudy result = study(scene, 180.0, 13, 1, {}, 120.0);
+  ASSERT_EQ(result.special.size(), 3U) << to_text(result);
+  EXPECT_EQ(result.special[0].kind, Kind::critical);
+  EXPECT_EQ(result.special[1].kind, Kind::unstable_above);
+  EXPECT_EQ(result.special[2].kind, Kind::critical);
+  EXPECT_NEAR(result.special[0].rate, first, 2e-6 * first);
+  EXPECT_NEAR(result.special[1].rate, first, 2e-6 * first);
+  EXPECT_NEAR(result.special[2].rate, second, 2e-6 * second);
+}
+
+// A pendulum on a hinge that turns about the vertical falls over at W^2 = g / l, however its hinge is damped; a second one on the
+// same hub, at once.
+TEST(Campbell, TurningPendulumsFallOver) {
+  const std::string pendulum = R"(
+    <body name="bob{0}" at="0 0 0" center="0 0 -1" mass="1" inertia="0 0 0"/>
+    <revolute name="hinge{0}" between="hub bob{0}" axis="0 1 0" at="0 0 0"/>)",
+                    damper = R"(
+    <joint_spring name="damper{0}" joint="hinge{0}" angular_damping="{1}"/>)";
+  for (const int count : {1, 2})
+    for (const double damping : {0.0, 0.5, 2.0}) {
+      std::string text = R"(<body name="hub" at="0 0 0" mass="1" inertia="1 1 1"/>
+        <revolute name="spin" between="ground hub" axis="0 0 1" at="0 0 0"/>
+        <gravity acceleration="0 0 -9.81"/><static/>)";
+      for (int i = 0; i < count; ++i) {
+        text += fmt::format(fmt::runtime(pendulum), i);
+        if (damping > 0.0) text += fmt::format(fmt::runtime(damper), i, damping);
+      }
+      CampbellOptions options;
+      options.rotation.axis = Vec3::UnitZ();
+      options.from = 2.0;
+      options.to = 4.0;
+      options.points = 9;
+      options.count = count;
+      const CampbellStudy result = study_campbell(read(text), options);
+      const double W = std::sqrt(9.81);
+      bool is_critical = false, is_limit = false;
+      for (const SpecialSpeed& one : result.special) {
+        EXPECT_NEAR(one.rate, W, 1e-6 * W) << to_text(result);
+        is_critical = is_critical || one.kind == Kind::critical;
+        is_limit = is_limit || one.kind == Kind::unstable_above;
+      }
+      EXPECT_TRUE(is_critical && is_limit) << count << ", " << damping << "\n" << to_text(result);
+    }
+}
+
+// An upright top stands where I3 W > 2 sqrt(I1 m g l): below, two of its motions swing and grow.
+TEST(Campbell, SleepingTop) {
+  CampbellOptions options;
+  options.rotation.axis = Vec3::UnitZ();
+  options.to = 60.0;
+  const CampbellStudy result = study_campbell(read(R"(
+    <body name="top" at="0 0 0" center="0 0 1" mass="1" inertia="0.2 0.2 0.3"/>
+    <spherical name="p" between="ground top" at="0 0 0"/><gravity acceleration="0 0 -9.81"/><static/>)"),
+                                              options);
+  ASSERT_EQ(result.special.size(), 1U) << to_text(result);
+  EXPECT_EQ(result.special[0].kind, Kind::stable_above);
+  const double W = 2.0 * std::sqrt((0.2 + 1.0) * 9.81) / 0.3;
+  EXPECT_NEAR(result.special[0].rate, W, 1e-6 * W);
+}
+
 // A rigid disk in two housings on springs that differ by direction (tests/study/test_modes.cpp), seen from what rests: an
 // unbalance meets translation at sqrt(2 k/m) and tilting at (T^2 - P^2) w^4 - T (A + B) w^2 + A B = 0, A, B = 2 k a^2.
 TEST(Campbell, UnequalBearings) {

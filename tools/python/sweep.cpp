@@ -140,9 +140,9 @@ std::string submit_to_slurm(const std::vector<std::string>& command,
 }
 
 // `done` is asked once a second, and may raise: that ends it, too.
-void wait_for_slurm(const std::string& id, const py::function& done) {
+std::string wait_for_slurm(const std::string& id, const py::function& done) {
   const py::gil_scoped_release release;
-  wait_for(id, [&] {
+  return wait_for(id, [&] {
     const py::gil_scoped_acquire acquire;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     return py::cast<bool>(done());

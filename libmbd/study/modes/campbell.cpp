@@ -29,6 +29,7 @@ constexpr double is_slow =
     1e-3;  // of the largest frequency: that of a mode near its critical speed
 constexpr double nothing = 1e-8;    // growth beside the frequencies that is round-off
 constexpr double is_growth = 1e-6;  // of a motion that is followed by nobody, beside its frequency
+constexpr double least_growth = 1e-6;  // of a limit of stability, of the largest frequency
 constexpr double aside = 1e-2;    // of a step, where modes at its end are not told from each other
 constexpr std::size_t spare = 6;  // modes more than are followed
 
@@ -50,14 +51,88 @@ struct Candidate {
     c.orbit = -orbit;
     return c;
   }
+  bool is_round_off() const { return round_off > 0.1; }  // a free motion, or one that stands
   // Of the motion [1/s]; 0 where it is round-off of so fast a one.
   double growth() const {
-    return eigenvalue.real() > is_growth * std::abs(eigenvalue) ? eigenvalue.real() : 0.0;
+    return !is_round_off() && eigenvalue.real() > is_growth * std::abs(eigenvalue)
+               ? eigenvalue.real()
+               : 0.0;
   }
   double overlap(const Candidate& other) const {
     return std::norm(other.shape.dot(momentum)) / (weight * other.weight);
   }
 };
+
+bool oscillates(Complex l) { return std::abs(l.imag()) > nothing * std::abs(l); }
+
+// What tells of rates at which a motion neither moves nor comes back, where a real eigenvalue, or of undamped motions the square
+// of an imaginary one, goes through zero: of a damped shaft of two stiffnesses, det(K - W^2 M) = 0 whatever its damping.
+struct Standing {
+  int growing = 0;  // eigenvalues that are real and positive
+  // Of all that were looked at, the product of the two that are nearest to zero [1/s2], which is continuous over the rate.
+  double product = 0.0;
+  bool is_known = false;   // nothing stands still
+  double round_off = 0.0;  // as Mode::round_off, of the nearest
+};
+Standing standing_of(const std::vector<Candidate>& all, double zero) {
+  Standing result;
+  std::array<double, 2> nearest;
+  nearest.fill(std::numeric_limits<double>::infinity());
+  for (const Candidate& c : all) {
+    const double size = std::abs(c.eigenvalue);
+    if (c.is_round_off()) continue;
+    for (int k = 0; k < (oscillates(c.eigenvalue) ? 2 : 1); ++k) {
+      if (size < nearest[0]) {
+        nearest = {size, nearest[0]};
+        result.round_off = c.round_off;
+      } else {
+        nearest[1] = std::min(nearest[1], size);
+      }
+    }
+    if (!oscillates(c.eigenvalue) && c.eigenvalue.real() > 0.0) ++result.growing;
+  }
+  if (std::isinf(nearest[1])) return result;
+  result.product = nearest[0] * nearest[1];
+  result.is_known = nearest[0] > zero;
+  return result;
+}
+
+// The root of f between two rates, to round-off, by false position with halved ends (Illinois); none where f leaps over zero.
+// f(x, is_root) may look beside x, which it then moves; `is_root`: it has come near to zero. None from it: it is not known there.
+struct Root {
+  double x;
+  double least;  // |f| that was seen
+};
+template <class F>
+std::optional<Root> root_between(double a, double b, double fa, double fb, const F& f_of) {
+  constexpr double root = 1e-3;  // f there, of what it is at the ends
+  constexpr int most = 60;
+  double x0 = a, x1 = b, f0 = fa, f1 = fb;
+  const double ends = std::max(std::abs(f0), std::abs(f1));
+  double least = ends;  // |f| so far, not halved
+  int same_side = 0;
+  for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
+    double x = x1 - f1 * (x1 - x0) / (f1 - f0);
+    if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
+      x = 0.5 * (x0 + x1);
+      if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) break;
+    }
+    const double asked = x;
+    const std::optional<double> f = f_of(x, least <= root * ends);
+    if (!f) return least <= root * ends ? std::optional(Root{asked, least}) : std::nullopt;
+    if (*f == 0.0) return Root{x, 0.0};
+    least = std::min(least, std::abs(*f));
+    if (*f * f1 > 0.0) {
+      x1 = x, f1 = *f;
+      if (++same_side > 1) f0 *= 0.5;
+    } else {
+      x0 = x1, f0 = f1, x1 = x, f1 = *f;
+      same_side = 0;
+    }
+  }
+  if (!(least <= root * ends)) return std::nullopt;
+  return Root{std::abs(f1) < std::abs(f0) ? x1 : x0, least};
+}
 
 class Follower {
  public:
@@ -74,6 +149,7 @@ class Follower {
     std::vector<Candidate> now;  // by branch
     std::vector<double> overlaps;
     double growth = 0.0;  // the largest of all motions that were looked at, followed or not [1/s]
+    Standing standing;
     bool is_sure_of(std::size_t branch) const { return ok && overlaps[branch] > 0.7; }
     double least() const {
       return overlaps.empty() ? 1.0 : *std::min_element(overlaps.begin(), overlaps.end());
@@ -128,13 +204,20 @@ class Follower {
                                 bool is_smallest);
   void go_through(std::vector<Candidate> last, double& rate);
   void take(double rate, double next, const std::vector<Candidate>& last, const Found& found);
-  Found follow(const std::vector<Candidate>& last);
+  // `wider`: how often more modes are asked for where one is lost.
+  Found follow(const std::vector<Candidate>& last, int wider = 2);
   CampbellPoint point(double rate, const Candidate& c, double overlap) const;
   using EventFunction = double (*)(Complex eigenvalue, double rate);
   std::optional<double> locate(double a, double b, const std::vector<Candidate>& at_a,
                                const std::vector<Candidate>& at_b, std::size_t branch,
                                EventFunction f_of);
-  void look_at_growth(double rate, double next, const Found& found);
+  void look_for_standing(double next, const std::vector<Candidate>& last, const Found& found);
+  void look_at_growth(double rate, double next, const std::vector<Candidate>& last,
+                      const Found& found);
+  SpecialSpeed limit_of_growth(double rate, double next, const std::vector<Candidate>& last,
+                               bool begins);
+  double zero() const { return nothing * fastest_; }  // eigenvalues below are round-off [1/s]
+  bool has_special(double from, double to, bool critical) const;
   void refine(double a, double b, const std::vector<Candidate>& at_a,
               const std::vector<Candidate>& at_b, std::size_t branch);
 
@@ -146,20 +229,24 @@ class Follower {
   double fastest_ = 0.0;                 // [1/s] at the first rate
   double least_ = 1.0, least_at_ = 0.0;  // overlap, and the rate there
   double growth_ = 0.0;                  // of the last rate, as of Found
+  Standing standing_;                    // of the last rate where it was known, and that rate
+  double standing_at_ = 0.0;
   CampbellStudy study_;
 };
 
 // The modes that go on from those of another rate.
-Follower::Found Follower::follow(const std::vector<Candidate>& last) {
+Follower::Found Follower::follow(const std::vector<Candidate>& last, int wider) {
   Found found;
   double beneath = fastest_;
   for (const Candidate& c : last)
     if (std::abs(c.eigenvalue) > is_slow * fastest_)
       beneath = std::min(beneath, 0.5 * std::abs(c.eigenvalue));
   std::size_t count = last.size() + spare;
-  for (int wider = 0; wider < 3; ++wider, count *= 2) {
+  for (; wider >= 0; --wider, count *= 2) {
     std::vector<Candidate> all;
-    for (const Candidate& c : candidates(count, beneath)) {
+    const std::vector<Candidate> these = candidates(count, beneath);
+    found.standing = standing_of(these, zero());
+    for (const Candidate& c : these) {
       all.push_back(c);
       all.push_back(c.conjugate());
     }
@@ -216,7 +303,6 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
                       const std::vector<Candidate>& at_b, std::size_t branch) {
   const Complex la = at_a[branch].eigenvalue, lb = at_b[branch].eigenvalue;
   const double size = std::max(std::abs(la), std::abs(lb));
-  const auto oscillates = [&](Complex l) { return std::abs(l.imag()) > nothing * size; };
   using F = EventFunction;
   struct Event {
     SpecialSpeed::Kind kind;
@@ -225,18 +311,21 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   std::vector<Event> events;
   const F frequency = [](Complex l, double) { return l.imag(); };
   const F synchronous = [](Complex l, double rate) { return std::abs(l.imag()) - rate; };
-  const F square = [](Complex l, double) { return (l * l).real(); };
+  // From one that swings, through two that are real, to the one of them that is zero: without a leap.
+  const F standing = [](Complex l, double) {
+    if (!oscillates(l)) return l.real();
+    return l.real() > is_growth * std::abs(l) ? std::abs(l) : -std::abs(l);
+  };
   const F growth = [](Complex l, double) { return l.real(); };
-  const double zero = nothing * fastest_;
   if (motions_.axes() == ModeAxes::resting) {
     if (at_a[branch].has_orbit && synchronous(la, a) * synchronous(lb, b) < 0.0)
       events.push_back({SpecialSpeed::Kind::critical, synchronous});
-  } else if (std::abs(lb) <= zero && std::abs(la) > zero) {
+  } else if (std::abs(lb) <= zero() && std::abs(la) > zero()) {
     study_.special.push_back({SpecialSpeed::Kind::critical, b, branch});
   } else if (oscillates(la) && oscillates(lb) && la.imag() * lb.imag() < 0.0) {
     events.push_back({SpecialSpeed::Kind::critical, frequency});
-  } else if (oscillates(la) != oscillates(lb) && square(la, a) * square(lb, b) < 0.0) {
-    events.push_back({SpecialSpeed::Kind::critical, square});
+  } else if (!(oscillates(la) && oscillates(lb)) && standing(la, a) * standing(lb, b) < 0.0) {
+    events.push_back({SpecialSpeed::Kind::critical, standing});
   }
   const double least = std::max(1e-6 * fastest_, nothing * size);
   if (la.real() * lb.real() < 0.0 && std::max(std::abs(la.real()), std::abs(lb.real())) > least &&
@@ -248,6 +337,18 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   for (const Event& event : events) {
     const std::optional<double> at = locate(a, b, at_a, at_b, branch, event.f);
     if (!at) continue;
+    // In between it may stand for a while: where that begins and ends is critical then.
+    if (event.f == frequency && *at > a && *at < b) {
+      turn(*at);
+      const Found found = follow(at_a);
+      const Complex l = found.ok ? found.now[branch].eigenvalue : Complex{};
+      if (found.is_sure_of(branch) && !oscillates(l) && std::abs(l) > zero()) {
+        const std::size_t before = study_.special.size();
+        refine(a, *at, at_a, found.now, branch);
+        refine(*at, b, found.now, at_b, branch);
+        if (study_.special.size() > before) continue;
+      }
+    }
     SpecialSpeed special{event.kind, *at, branch};
     // What is unknown of l^2, or of growth, over how it changes with the rate.
     const double unknown = at_b[branch].round_off;
@@ -264,66 +365,112 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
 std::optional<double> Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
                                        const std::vector<Candidate>& at_b, std::size_t branch,
                                        EventFunction f_of) {
-  constexpr double root = 1e-3;  // f there, of what it is at the ends
   // Of the way to the end: a mode that is at rest has no whirl, and is looked for beside that.
   constexpr double beside = 1e-4;
-  double x0 = a, x1 = b, f0 = f_of(at_a[branch].eigenvalue, a),
-         f1 = f_of(at_b[branch].eigenvalue, b);
-  const double ends = std::max(std::abs(f0), std::abs(f1));
   std::vector<Candidate> from = at_a;
-  constexpr int most = 60;
-  int same_side = 0;
   bool was_aside = false;
-  double least = ends;  // |f| so far, not halved
-  const auto is_root = [&] { return least <= root * ends; };
-  for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
-    double x = x1 - f1 * (x1 - x0) / (f1 - f0);
-    if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
-      x = 0.5 * (x0 + x1);
-      if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) break;
-    }
+  const auto f = [&](double& x, bool is_root) -> std::optional<double> {
     turn(x);
     Found found = follow(from);
     if (!found.is_sure_of(branch)) {
-      if (was_aside && is_root()) return x;
+      if (was_aside && is_root) return std::nullopt;
       was_aside = true;
       x += beside * (b - x);
       turn(x);
       found = follow(from);
-      if (!found.is_sure_of(branch)) break;
+      if (!found.is_sure_of(branch)) return std::nullopt;
     }
     from = found.now;
-    const double f = f_of(found.now[branch].eigenvalue, x);
-    if (f == 0.0) return x;
-    least = std::min(least, std::abs(f));
-    // Illinois: the end that stays is halved, so that both ends move.
-    if (f * f1 > 0.0) {
-      x1 = x, f1 = f;
-      if (++same_side > 1) f0 *= 0.5;
-    } else {
-      x0 = x1, f0 = f1, x1 = x, f1 = f;
-      same_side = 0;
-    }
-  }
-  if (!is_root()) return std::nullopt;
-  return std::abs(f1) < std::abs(f0) ? x1 : x0;
+    return f_of(found.now[branch].eigenvalue, x);
+  };
+  const std::optional<Root> root =
+      root_between(a, b, f_of(at_a[branch].eigenvalue, a), f_of(at_b[branch].eigenvalue, b), f);
+  return root ? std::optional(root->x) : std::nullopt;
 }
 
-// Growth that begins or ends between two rates, and at no limit that was found: the mode that grows is none of those followed.
-void Follower::look_at_growth(double rate, double next, const Found& found) {
-  const double least = 1e-6 * fastest_;
+bool Follower::has_special(double from, double to, bool critical) const {
+  return std::ranges::any_of(study_.special, [&](const SpecialSpeed& one) {
+    return (one.kind == SpecialSpeed::Kind::critical) == critical && one.rate >= from &&
+           one.rate <= to;
+  });
+}
+
+// Real eigenvalues that go through zero and are not those that are followed: of two into which a mode has split. Where two that
+// swing and grow become two that do not, the number changes as well, but nothing is zero.
+void Follower::look_for_standing(double next, const std::vector<Candidate>& last,
+                                 const Found& found) {
+  if (motions_.axes() == ModeAxes::resting || !found.standing.is_known) return;
+  const Standing was = std::exchange(standing_, found.standing);
+  const double from = std::exchange(standing_at_, next);
+  if (!was.is_known || was.growing == standing_.growing || has_special(from, next, true)) return;
+  const auto f = [&](double& x, bool) -> std::optional<double> {
+    turn(x);
+    const Standing here = follow(last, 0).standing;
+    return here.growing == was.growing ? here.product : -here.product;
+  };
+  const std::optional<Root> at = root_between(from, next, was.product, -standing_.product, f);
+  if (!at) return;
+  std::size_t branch = 0;  // that which is nearest to rest
+  const auto size = [&](std::size_t b) { return std::abs(found.now[b].eigenvalue); };
+  for (std::size_t b = 1; b < found.now.size(); ++b)
+    if (size(b) < size(branch)) branch = b;
+  double unknown = std::max(at->least, standing_.round_off * standing_.product) /
+                   (was.product + standing_.product);
+  if ((standing_.growing - was.growing) % 2 == 0) unknown = std::sqrt(unknown);  // two at once
+  study_.special.push_back(
+      {SpecialSpeed::Kind::critical, at->x, branch, unknown * (next - from) / at->x});
+}
+
+// Where growth begins or ends between two rates, one of which it has: at a critical speed between them, or else by halving.
+SpecialSpeed Follower::limit_of_growth(double rate, double next, const std::vector<Candidate>& last,
+                                       bool begins) {
+  const auto is_below = [&](double x) {
+    turn(x);
+    const bool grows = follow(last, 0).growth > least_growth * fastest_;
+    return grows != begins;
+  };
+  double a = rate, b = next;
+  for (const SpecialSpeed& one : study_.special) {
+    const double beside = std::max(1e-6, 3.0 * one.round_off) * one.rate;
+    if (one.kind == SpecialSpeed::Kind::critical && one.rate - beside > a &&
+        one.rate + beside < b && is_below(one.rate - beside) && !is_below(one.rate + beside))
+      return one;
+  }
+  constexpr double narrow = 1e-10;
+  while (b - a > narrow * b) {
+    const double x = 0.5 * (a + b);
+    (is_below(x) ? a : b) = x;
+  }
+  return {.rate = 0.5 * (a + b), .branch = study_.branches.size(), .round_off = narrow};
+}
+
+// Limits of stability other than those of modes that swing on both sides: motions that go away without swinging, two that swing
+// and meet, and motions that are followed by nobody.
+void Follower::look_at_growth(double rate, double next, const std::vector<Candidate>& last,
+                              const Found& found) {
+  const double least = least_growth * fastest_;
   const bool was = growth_ > least, is = found.growth > least;
   const double largest = std::max(growth_, found.growth);
   growth_ = found.growth;
-  if (was == is) return;
-  for (const SpecialSpeed& special : study_.special)
-    if (special.kind != SpecialSpeed::Kind::critical && special.rate >= rate &&
-        special.rate <= next)
-      return;
+  if (was == is || has_special(rate, next, false)) return;
+  SpecialSpeed limit = limit_of_growth(rate, next, last, is);
+  limit.kind = is ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above;
+  if (limit.branch == study_.branches.size()) {
+    // Growth that rises evenly from zero is seen a little later.
+    limit.round_off = std::max(limit.round_off, least / largest * (next - rate) / limit.rate);
+    const std::vector<Candidate>& growing = is ? found.now : last;
+    const auto fastest = std::ranges::max_element(growing, {}, &Candidate::growth);
+    if (fastest->growth() > 0.5 * largest)
+      limit.branch = static_cast<std::size_t>(fastest - growing.begin());
+  }
+  if (limit.branch < study_.branches.size()) {
+    study_.special.push_back(limit);
+    return;
+  }
   study_.notes.push_back(fmt::format(
-      "between {:.6g} and {:.6g} rad/s a motion that is none of those followed {} to grow (by "
-      "{:.4g} 1/s): follow more modes, in smaller steps, to find the limit of stability",
-      rate, next, is ? "begins" : "ceases", largest));
+      "at {:.6g} rad/s a motion that is none of those followed {} to grow (by {:.4g} 1/s at the "
+      "rate beside): follow more modes to see which",
+      limit.rate, is ? "begins" : "ceases", largest));
 }
 
 std::vector<Candidate> Follower::begin(double rate) {
@@ -347,7 +494,13 @@ std::vector<Candidate> Follower::begin(double rate) {
   std::vector<Candidate> first = candidates(count + spare, 0.0);
   if (first.empty())
     throw Error(scene_.source, "nothing but free motions: there are no modes to follow");
-  for (const Candidate& c : first) growth_ = std::max(growth_, c.growth());
+  double fastest = 0.0;
+  for (const Candidate& c : first) {
+    growth_ = std::max(growth_, c.growth());
+    fastest = std::max(fastest, std::abs(c.eigenvalue));
+  }
+  standing_ = standing_of(first, nothing * fastest);
+  standing_at_ = rate;
   if (first.size() > count) first.resize(count);
   for (const Candidate& c : first) {
     fastest_ = std::max(fastest_, std::abs(c.eigenvalue));
@@ -504,15 +657,19 @@ std::optional<Follower::Found> Follower::found_at(double& next, double rate,
 // Whole, or, interrupted, not at all.
 void Follower::take(double rate, double next, const std::vector<Candidate>& last,
                     const Found& found) {
-  for (std::size_t b = 0; b < last.size(); ++b) {
+  const auto look = [&](const auto& at) {
     try {
-      refine(rate, next, last, found.now, b);
+      at();
     } catch (const Stopped&) {
       throw;
     } catch (const Error& error) {
       study_.notes.push_back(error.what());
     }
-  }
+  };
+  for (std::size_t b = 0; b < last.size(); ++b)
+    look([&] { refine(rate, next, last, found.now, b); });
+  look([&] { look_for_standing(next, last, found); });
+  look([&] { look_at_growth(rate, next, last, found); });
   turn(next);
   for (std::size_t b = 0; b < last.size(); ++b)
     study_.branches[b].points.push_back(point(next, found.now[b], found.overlaps[b]));
@@ -540,7 +697,6 @@ void Follower::go_through(std::vector<Candidate> last, double& rate) {
     }
     if (found->least() < least_) least_ = found->least(), least_at_ = next;
     take(rate, next, last, *found);
-    look_at_growth(rate, next, *found);
     step = reaches ? between : 2.0 * step;
     if (reaches) {
       ++k;

@@ -140,9 +140,10 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
             sys.stderr.flush()
     table = _mbd.SweepTable(handle._model, plan, names_of(quantity), None if out is None else os.fspath(out),
                             _fingerprint(handle), "", "" if share is None else str(share))
+    ends = ""
     try:
         if on == "slurm":
-            raised = _run_on_slurm(table, handle, plan, names_of(quantity), jobs, tasks, names_of(sbatch), wait, out, show)
+            raised, ends = _run_on_slurm(table, handle, plan, names_of(quantity), jobs, tasks, names_of(sbatch), wait, out, show)
         elif client is not None:
             raised = _run_on(client, table, handle, plan, show)
         else:
@@ -157,7 +158,7 @@ def sweep(model, vary=None, *, points=None, latin=None, seed=1, quantity=(), set
         raise Interrupted(result) if isinstance(raised, KeyboardInterrupt) else raised
     if on == "slurm" and wait and not result._found["whole"]:
         open = result.status.count("open")
-        raise RunError(f"{handle.name}: {open} points have no row: their tasks of Slurm ended early, "
+        raise RunError(f"{handle.name}: {open} points have no row: their tasks of Slurm ended early{ends and f' ({ends})'}, "
                        f"{os.path.join(out, 'slurm-*.log')} may say why; the same call goes on from here", results=result)
     return result
 
@@ -196,12 +197,12 @@ _MOST_TASKS = 100
 
 
 def _run_on_slurm(table, handle, plan, quantities, jobs, tasks, options, wait, out, show):
-    """Submits what is open, and waits. Returns what was raised meanwhile, or None."""
+    """Submits what is open, and waits. Returns what was raised meanwhile, or None, and how tasks ended that ended early."""
     points = len(plan.points)
     tasks = min(whole(tasks or _MOST_TASKS, "tasks"), points)
     numbers = sorted({point % tasks + 1 for point in table.open()})
     if not numbers:
-        return None
+        return None, ""
     out = os.path.abspath(out)
     task = json.dumps({"model": _model_of(handle), "parameters": plan.parameters, "points": plan.points,
                        "quantities": quantities, "jobs": jobs, "out": out})
@@ -213,7 +214,7 @@ def _run_on_slurm(table, handle, plan, quantities, jobs, tasks, options, wait, o
                package, str(file)]
     job = _mbd.submit_to_slurm(command, numbers, tasks, jobs, out, options)
     if not wait:
-        return None
+        return None, ""
 
     def done():
         table.look_again()
@@ -223,12 +224,12 @@ def _run_on_slurm(table, handle, plan, quantities, jobs, tasks, options, wait, o
         return open == 0
 
     try:
-        _mbd.wait_for_slurm(job, done)
+        ends = _mbd.wait_for_slurm(job, done)
         done()  # what came after the last look
     except BaseException as error:
         _mbd.cancel_in_slurm(job)
-        return error
-    return None
+        return error, ""
+    return None, ends
 
 
 def _task():
