@@ -61,6 +61,11 @@ struct Check {
   std::string where = {};  // "revolute 'C', position 1, at 0.3 s"; empty: of the run as a whole
   std::string why = {};    // what the number is, and where its bounds come from
   Verdict verdict = Verdict::pass;
+
+  // Not of what is not known, and of runs that end early: `why` says it then.
+  bool has_value() const { return verdict == Verdict::pass || fail > 0.0 || value != 0.0; }
+  // "0.031", "2e-5 m", or "not known: " and why.
+  std::string value_in_words() const;
 };
 
 // Of a value beside its bounds; one that is not finite fails.

@@ -57,7 +57,7 @@ Json json(const Certificate& certificate) {
   for (const Check& check : certificate.checks)
     checks.push_back({{"name", check.name},
                       {"verdict", name_of(check.verdict)},
-                      {"value", check.value},
+                      {"value", check.has_value() ? Json(check.value) : Json()},
                       {"warn_above", check.warn},
                       {"fail_above", check.fail},
                       {"unit", check.unit},

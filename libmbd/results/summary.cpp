@@ -213,15 +213,11 @@ void energy(std::string& text, const RunReport& report) {
 // One line, or, of a run that was certified, one for each check and the reasons of those that do not pass.
 void certificate(std::string& text, const Certificate& certificate) {
   if (certificate.checks.empty()) return;
-  const auto number = [](const Check& check) {
-    return check.unit.empty() ? fmt::format("{:.2g}", check.value)
-                              : fmt::format("{:.2g}\t{}", check.value, check.unit);
-  };
   std::string words(name_of(certificate.verdict()));
   std::size_t others = 0;
   for (const Check& check : certificate.checks) others += check.verdict != Verdict::pass ? 1 : 0;
   if (const Check* const culprit = certificate.culprit()) {
-    words += fmt::format(": {} {}", culprit->name, number(*culprit));
+    words += fmt::format(": {} {}", culprit->name, culprit->value_in_words());
     if (!culprit->where.empty()) words += ", " + culprit->where;
     if (others > 1) words += fmt::format("; {}\tmore", others - 1);
   } else {
@@ -239,7 +235,7 @@ void certificate(std::string& text, const Certificate& certificate) {
   };
   if (const auto time = check_named("error in time");
       time != certificate.checks.end() && certificate.culprit() != &*time)
-    words += time->fail > 0.0
+    words += time->has_value()
                  ? fmt::format("; error in time about {:.1g} of the motion", time->value)
                  : std::string("; error in time not known");
   item(text, "certificate", words);
@@ -249,9 +245,9 @@ void certificate(std::string& text, const Certificate& certificate) {
                    listed(certificate.not_covered())));
   if (!certificate.certified) return;
   for (const Check& check : certificate.checks) {
-    std::string about = fmt::format("{}: {}", check.name, number(check));
+    std::string about = fmt::format("{}: {}", check.name, check.value_in_words());
     if (!check.where.empty()) about += ", " + check.where;
-    if (check.verdict != Verdict::pass) about += "; " + check.why;
+    if (check.verdict != Verdict::pass && check.has_value()) about += "; " + check.why;
     line(text, fmt::format("  {}", name_of(check.verdict)), about, 8);
   }
 }

@@ -239,9 +239,11 @@ int judge(const RunReport& report, const std::string& name, bool quiet) {
   const bool fails = report.certificate.verdict() == Verdict::fail;
   if (fails) {
     const Check& culprit = *report.certificate.culprit();
-    complain(fmt::format("mbd: {}: the certificate fails: {} {:.2g} (at most {:.2g}){}{}\n", name,
-                         culprit.name, culprit.value, culprit.fail,
-                         culprit.where.empty() ? "" : ", ", culprit.where));
+    complain(fmt::format(
+        "mbd: {}: the certificate fails: {} {}{}{}{}\n", name, culprit.name,
+        culprit.value_in_words(),
+        culprit.has_value() ? fmt::format(" (at most {:.2g})", culprit.fail) : std::string(),
+        culprit.where.empty() ? "" : ", ", culprit.where));
   }
   const bool inaccurate = report.accuracy && !report.accuracy->met;
   if (inaccurate)

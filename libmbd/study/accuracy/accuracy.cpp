@@ -17,6 +17,7 @@
 #include "libmbd/results/history.hpp"
 #include "libmbd/scene/places.hpp"
 #include "libmbd/scene/reference_line.hpp"
+#include "libmbd/scene/section_table.hpp"
 #include "libmbd/scene/transient.hpp"
 #include "libmbd/study/accuracy/power_law.hpp"
 #include "libmbd/text/files.hpp"
@@ -204,18 +205,20 @@ std::array<Setting, 2> ways_of(const Scene& scene, int level) {
   auto& [a, b] = ways;
   if (!scene.beams.empty()) {
     int order = 3;
-    bool motion = true;
+    bool has_forms = true;  // that of the paper, too
     for (const BeamScene& beam : scene.beams) {
       order = std::max(order, beam.order);
-      motion = motion && beam.kinematics == Kinematics::motion;
+      has_forms = has_forms && beam.kinematics == Kinematics::motion;
     }
+    for (const Section& section : scene.sections)
+      has_forms = has_forms && std::ranges::count(infinite_stiffnesses(section), true) == 0;
     const int elements = *setting_of(scene).elements;
     const int doubled = std::max(0, order + 1 + level - 8);  // where the order ends, meshes go on
     a.order = std::min(8, order + 1 + level);
     a.elements = elements << std::min(doubled, 8);
     b.order = std::max(2, *a.order - 1);
     b.elements = 2 * *a.elements;
-    if (motion) b.form = scene.beams.front().form == Form::energy ? Form::paper : Form::energy;
+    if (has_forms) b.form = scene.beams.front().form == Form::energy ? Form::paper : Form::energy;
   }
   if (scene.transient) {
     a.method = b.method = TimeMethod::radau;
