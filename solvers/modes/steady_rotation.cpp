@@ -196,6 +196,11 @@ std::string held_fast(const SmallMotions& motions, const SteadyRotation& rotatio
     if (std::abs(open(row)) > same * std::max(1.0, system.length_scale()) && !driven(row))
       return fmt::format("{} does not let it turn about the axis",
                          system.name_of(row + motions.motions() + 6));
+  // It follows no angle beyond half a turn, and at rest would seem to turn along by half.
+  constexpr double beyond = 3.0;  // [rad], of its range
+  const std::string name = system.out_of_range(turned_by(beyond, rotation, state));
+  if (name.starts_with("bushing "))
+    return name + " does not let it turn about the axis, its range is 0.9 of half a turn";
   return {};
 }
 
