@@ -27,6 +27,8 @@ namespace {
 
 constexpr double unit_round_off = std::numeric_limits<double>::epsilon();
 constexpr double small_method_error = 0.01, much_method_error = 0.1;  // errors of a method
+constexpr double by_chance =
+    10.0;  // where an error in time is as large as chance has it (time_error.hpp)
 constexpr double unbent = 1e-10;  // strains that are round-off, of scenes near the origin
 constexpr int mesh_samples_at_a_stride = 64;
 constexpr double half_damped = 0.5;  // energy that damps away: it may be meant to, up to there
@@ -152,7 +154,7 @@ Check check_of(const TimeError& error) {
     return check;
   }
   check.value = error.relative;
-  check.warn = small_method_error;
+  check.warn = error.kinks > 0 ? small_method_error / by_chance : small_method_error;
   check.fail = much_method_error;
   check.where = fmt::format("{}, at {:.9g} s", error.node, error.time);
   check.why = fmt::format(
@@ -160,6 +162,12 @@ Check check_of(const TimeError& error) {
       "rad), "
       "over the largest motion, from a second run in {}; compared up to {:.9g} s",
       error.displacement, error.rotation, error.how, error.until);
+  if (error.kinks > 0)
+    check.why += fmt::format(
+        "; fixed steps pass {} kinks of laws of the motion, where errors go with no power of "
+        "the step and may be ten times as large: a tolerance in place of a step "
+        "ends steps there",
+        error.kinks);
   check = bounded_check(check);
   if (check.verdict != Verdict::pass || error.recorded <= much_method_error) return check;
   check.value = error.recorded;

@@ -46,6 +46,34 @@ TransientScene in_steps(TransientScene t, double times, double tolerance_times) 
   return t;
 }
 
+// On which side of the kinks of laws of the motion a run is: at how many of them it comes to the other.
+class Sides {
+ public:
+  explicit Sides(const System& system) : system_(system) {}
+  int passed(const State& state) {
+    if (!any_) return 0;
+    const std::vector<NearKink> now = system_.near_kinks(state);
+    any_ = !now.empty();
+    int passed = 0;
+    for (std::size_t k = 0; k < now.size() && now.size() == last_.size(); ++k)
+      for (const double kink : {last_[k].kink.at, now[k].kink.at})
+        if ((last_[k].x < kink) != (now[k].x < kink)) {
+          ++passed;
+          break;
+        }
+    last_ = now;
+    return passed;
+  }
+
+ private:
+  const System& system_;
+  bool any_ = true;
+  std::vector<NearKink> last_;
+};
+
+// In place of (1).
+double of_kinks(bool longer) { return longer ? 1.0 : 1.5; }
+
 // The distance of two lists of numbers.
 double distance(std::span<const double> a, std::span<const double> b) {
   double sum = 0.0;
@@ -54,6 +82,11 @@ double distance(std::span<const double> a, std::span<const double> b) {
 }
 
 }  // namespace
+
+void TimeError::scale(double by) {
+  for (double* one : {&relative, &displacement, &rotation}) *one *= by;
+  if (recorded > 0.0) recorded *= by;
+}
 
 TimeErrorMeter::TimeErrorMeter(const System& system, const TransientScene& transient,
                                std::vector<Watched> watched)
@@ -155,9 +188,11 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
         compare(at, samples_[next], factor, error);
       }
     });
+    Sides sides(system_);
     double spin = 0.0;  // [rad/s]
     std::size_t spinning = 1;
     StepReport report = stepper->start(state);
+    if (other.step) sides.passed(state);
     while (report.converged && next < samples_.size()) {
       if (interrupted != nullptr && *interrupted) {
         error.why_not = "it was interrupted";
@@ -172,6 +207,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
         return false;
       }
       if (report.converged && !(state.t > before)) break;
+      if (other.step) error.kinks += sides.passed(state);
       for (std::size_t n = 1; n < state.V.size(); ++n)
         if (const double w = state.V[n].tail<3>().norm(); w > spin) {
           spin = w;
@@ -180,6 +216,7 @@ bool TimeErrorMeter::follow(const TransientScene& other, bool longer, double fac
     }
     if (next == samples_.size()) {
       error.why_not = turns_too_far(spin, spinning);
+      if (error.kinks > 0) error.scale(of_kinks(longer) / factor);
       return true;
     }
     error.why_not = report.failure;

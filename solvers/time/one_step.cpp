@@ -123,10 +123,25 @@ StepReport OneStep::start(State& state) {
   return first_restart(system_, state, slack_);
 }
 
+namespace {
+
+// Instants nearer than `slack` [s] are one, but those that a law states so near to each other: a pulse of that width has its
+// impulse.
+double slack_between(std::span<const Breakpoint> breakpoints, double slack) {
+  constexpr double same = 1e-13, part = 0.25;
+  for (std::size_t i = 1; i < breakpoints.size(); ++i) {
+    const double apart = breakpoints[i].t - breakpoints[i - 1].t;
+    if (apart > same * std::abs(breakpoints[i].t)) slack = std::min(slack, part * apart);
+  }
+  return slack;
+}
+
+}  // namespace
+
 // What follows from settings and the time of start().
 void OneStep::prepare() {
   if (!settings_.adaptive()) {
-    slack_ = time_rounding * settings_.step;
+    slack_ = slack_between(system_.breakpoints(), time_rounding * settings_.step);
     return;
   }
   const double span = time_between(origin_, settings_.end);
