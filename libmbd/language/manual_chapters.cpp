@@ -700,9 +700,11 @@ Besides constant coefficients there are laws: expressions of the displacement `x
 (`force="1e4*x + 1e7*x^3"`, `damping_force="50*v*abs(v)"`), or tables, linear between their points or
 smooth, and linear beyond the first and the last. A law is continuous; its conditions and kinks
 compare terms `a*x + b`, as those of time do. Adaptive steps of radau and generalized_alpha end where x passes a kink and turns
-back (a stop that is just touched), and before a peak of a law that they would go over, however narrow it is, in x, in v or in a
-sensor of a load; fixed steps, and ida, count what they passed over, and the certificate warns. Of a law with several sensors each
-is looked at with the others as they are at the start: a peak that moves with them may be missed, and `max_step` bounds steps there.
+back (a stop that is just touched), and before a peak of a law that they would go over, in x, in v or in a sensor of a load; fixed
+steps, and ida, count what they passed over, and the certificate warns. Of a law with several sensors each is looked at with the
+others as they are at the start. Peaks may be missed that move with other sensors, that are narrower than some 1e-4 of the range of
+their argument, and, in v and with generalized_alpha above all, those beyond which a whole step has a solution too: `max_step` bounds
+steps there.
 
 The motion of a bushing is six numbers: for small motions the displacement and the rotation of b from
 a along and about its axes; for large ones those of the screw motion that takes a to b, so that

@@ -579,7 +579,21 @@ class Run {
     note_neutral(result.neutral, "of the equilibrium");
     report_.notes.insert(report_.notes.end(), result.passed.begin(), result.passed.end());
     if (result.converged) judge_stability(result);
+    if (scene_.transient) note_jumps();
     in_statics_ = false;
+  }
+
+  // A law has the value of later times where it jumps, so that what is meant to be let go at t = 0 was let go before.
+  void note_jumps() {
+    const System& system = *model_.system;
+    for (std::size_t i = 0; i < system.signals().size(); ++i)
+      for (const Jump& jump : system.signals()[i].jumps())
+        if (jump.t == 0.0 && jump.derivative == 0)
+          report_.notes.push_back(fmt::format(
+              "{} jumps at t = 0, and the equilibrium is that after it, in which nothing moves; "
+              "if the motion is meant to begin with the jump, let it be a little later "
+              "(t > 1e-9)",
+              system.signal_name(i)));
   }
 
   void note_neutral(const std::vector<std::string>& motions, const std::string& of) {

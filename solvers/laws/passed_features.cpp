@@ -18,6 +18,10 @@ constexpr double aside =
     1e-3;  // of a law's range, out of its values at both places: what it does between them
 constexpr double scatter = 0.02;  // the same of tables, which are measured
 
+bool switches_twice(const Expression& f, double a, double b) {
+  return std::ranges::count_if(f.breakpoints(), [&](double x) { return a < x && x < b; }) >= 2;
+}
+
 }  // namespace
 
 // A polynomial of fewer degrees than cells are made of has one cell, wherever it is. Over all that a scene can hold: where it is
@@ -113,8 +117,13 @@ std::optional<double> PassedFeatures::over(Known& law, double from, double to) {
   const auto [a, b] = std::minmax(from, to);
   const auto first = std::ranges::upper_bound(law.places, a),
              last = std::ranges::lower_bound(law.places, b);
-  // With the middles. Pieces of a table are not made to be short where it does something: two of its knots are a peak.
-  const auto allowed = static_cast<std::ptrdiff_t>(law.is_table() ? 3 : 2 * LawSteps::reach);
+  // With the middles. Pieces between knots of a table, or between what conditions compare with, are not made to be short where the
+  // law does something: two of them are a peak.
+  constexpr std::ptrdiff_t two = 3;
+  if (last - first <= two) return std::nullopt;
+  const auto allowed = law.is_table() || switches_twice(*law.expression(), a, b)
+                           ? two
+                           : static_cast<std::ptrdiff_t>(2 * LawSteps::reach);
   if (last - first <= allowed) return std::nullopt;
   const double f = law.at(from), g = law.at(to);
   const double margin = (law.is_table() ? scatter : aside) * (law.most - law.least);
