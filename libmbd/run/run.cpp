@@ -448,6 +448,19 @@ class Run {
     monitor(state);
   }
 
+  // Stops and ropes that hold nothing where the scene begins, in words.
+  static std::string untouched(const System& system, const State& state) {
+    std::string words;
+    for (const NearKink& one : system.near_kinks(state)) {
+      const bool is_below = one.x < one.kink.at;
+      if ((is_below ? one.kink.below : one.kink.above) == 0.0 &&
+          (is_below ? one.kink.above : one.kink.below) != 0.0)
+        words +=
+            fmt::format(", begin beyond {:g}, where {} begins to act", one.kink.at, one.element);
+    }
+    return words;
+  }
+
   // What goes wrong before the first accepted state: nothing has been written, nothing will be.
   // Looks for the reason in the scene: constraints that repeat each other, a structure that nothing holds,
   // a part without inertia; else the failure is told as it is.
@@ -467,7 +480,8 @@ class Run {
               "<transient>",
               scene_.statics ? "static" : "path", mechanism.freedoms(),
               mechanism.freedoms() == 1 ? "" : "s", failure,
-              driven ? "" : "; hold them by joints or springs, start nearer to an equilibrium"));
+              driven ? untouched(system, model_.initial)
+                     : "; hold them by joints or springs, start nearer to an equilibrium"));
     const auto has_both = [](const MassProperties& is) {
       return is.mass > 0.0 && is.inertia.determinant() > 0.0;
     };

@@ -14,6 +14,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import tempfile
 import threading
 import time
 
@@ -202,7 +203,9 @@ def test_what_launchers_say(rod, tmp_path):
 # ---- MPI ----------------------------------------------------------------------------------------------------
 
 def mpirun(rod, out):
-    return ["mpirun", "-n", "2", "--oversubscribe", *command(rod, out)]
+    # A directory of its own: one that has just been killed may still be clearing the one that all share.
+    session = tempfile.mkdtemp(prefix="mpi-", dir=out.parent)
+    return ["mpirun", "-n", "2", "--oversubscribe", "--mca", "orte_tmpdir_base", session, *command(rod, out)]
 
 
 MPI = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "tests/support/read_text.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace mbd::test::test_statics_found {
@@ -51,6 +52,26 @@ TEST(StaticsFound, LoadsThatJumpAtTheStartAreSaid) {
     EXPECT_NEAR(h.table["r.displacement"].back(), later ? 0.1 - 0.05 * std::cos(10.0) : 0.1, 1e-6)
         << law;
   }
+}
+
+// And a stop that is not yet touched, which holds nothing; where it is touched the equilibrium is found.
+TEST(StaticsFound, StopsThatAreNotTouchedAreNamed) {
+  const auto text = [](double at) {
+    return fmt::format(R"x(<mbd name="s"><body name="b" at="{0} 0 0" mass="1" inertia="1 1 1"/>
+      <prismatic name="r" between="ground b" axis="1 0 0"/>
+      <spring name="k" between="ground b" at_a="-1 0 0" force="x > 1.1 ? 100*(x-1.1) : 0"/>
+      <load at="b" force="10 0 0"/><static/><record name="b" at="b" quantities="position"/></mbd>)x",
+                       at);
+  };
+  try {
+    run_text(text(0.0));
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_SAYS(std::string(error.what()), "begin beyond 1.1, where spring 'k' begins to act");
+  }
+  const History h = run_text(text(0.15));
+  ASSERT_EQ(h.report.failure, "");
+  EXPECT_NEAR(h.table["b.position.1"].back(), 0.2, 1e-12);
 }
 
 // Mutation: the first step judged at the whole load, where what is prescribed has turned: 5 - 2 pi in place of 5.
