@@ -59,7 +59,7 @@ TEST(StaticsFound, StopsThatAreNotTouchedAreNamed) {
   const auto text = [](double at) {
     return fmt::format(R"x(<mbd name="s"><body name="b" at="{0} 0 0" mass="1" inertia="1 1 1"/>
       <prismatic name="r" between="ground b" axis="1 0 0"/>
-      <spring name="k" between="ground b" at_a="-1 0 0" force="x > 1.1 ? 100*(x-1.1) : 0"/>
+      <spring name="k" between="ground b" at_a="-1 0 0" length="1" force="x > 0.1 ? 100*(x-0.1) : 0"/>
       <load at="b" force="10 0 0"/><static/><record name="b" at="b" quantities="position"/></mbd>)x",
                        at);
   };
@@ -67,7 +67,7 @@ TEST(StaticsFound, StopsThatAreNotTouchedAreNamed) {
     run_text(text(0.0));
     ADD_FAILURE();
   } catch (const Error& error) {
-    EXPECT_SAYS(std::string(error.what()), "begin beyond 1.1, where spring 'k' begins to act");
+    EXPECT_SAYS(std::string(error.what()), "begin beyond 0.1, where spring 'k' begins to act");
   }
   const History h = run_text(text(0.15));
   ASSERT_EQ(h.report.failure, "");
