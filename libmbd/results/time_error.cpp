@@ -7,6 +7,7 @@
 
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/core/error.hpp"
+#include "solvers/laws/crossed_kink.hpp"
 
 namespace mbd {
 namespace {
@@ -19,8 +20,8 @@ constexpr double largest_tolerance = 0.01;  // that makes sense
 constexpr double most_turn_alpha = 0.4, most_turn_radau = 1.0;
 constexpr double same_steps = 0.9;  // of the run's own: the other one says nothing
 constexpr double as_many = 0.75;    // of fixed ones, where 1/r are meant
-// Newton iterations of the run's own, after which longer steps are given up: in steps that are hard to take they may cost ten
-// times what the shorter ones do.
+// Newton iterations of the run's own, after which longer steps are given up: where they are hard to take they may cost many times
+// the run.
 constexpr double most_iterations = 1.0;
 // Of what is recorded, of the largest motion: smaller ones are not judged by themselves.
 constexpr double tiny_change = 1e-7;
@@ -56,11 +57,7 @@ class Sides {
     any_ = !now.empty();
     int passed = 0;
     for (std::size_t k = 0; k < now.size() && now.size() == last_.size(); ++k)
-      for (const double kink : {last_[k].kink.at, now[k].kink.at})
-        if ((last_[k].x < kink) != (now[k].x < kink)) {
-          ++passed;
-          break;
-        }
+      if (crossed_kink(last_[k], now[k])) ++passed;
     last_ = now;
     return passed;
   }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "solvers/laws/crossed_kink.hpp"
+
 namespace mbd {
 namespace {
 
@@ -103,11 +105,9 @@ bool PassedKinks::passes(const State& begin, std::span<const State> inside_state
   for (std::size_t k = 0; k < std::min(from.size(), to.size()); ++k) {
     if (!is_place(from[k])) continue;
     if (last_[k].steps < few) ++last_[k].steps;
-    for (const double kink : {from[k].kink.at, to[k].kink.at}) {
-      if ((from[k].x < kink) == (to[k].x < kink)) continue;
-      passed = passed || (last_[k].steps < few && last_[k].kink == kink);
-      last_[k] = {kink, 0};
-      break;
+    if (const std::optional<double> kink = crossed_kink(from[k], to[k])) {
+      passed = passed || (last_[k].steps < few && last_[k].kink == *kink);
+      last_[k] = {*kink, 0};
     }
   }
   return passed;

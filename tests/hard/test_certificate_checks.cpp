@@ -671,7 +671,7 @@ TEST(ErrorInTime, IsSeenWhereInstantsAreAsManyAsSteps) {
 }
 
 // Longer steps that are hard to take cost more than the shorter ones that are taken then (a chain of 1000 rods that whips, steps of
-// 1 ms: ten times the run, which costs three now). Here the run's own work is understated in place of that. Both errors are right.
+// 1 ms: ten times the run; now 2.3 times). Here the run's own work is understated in place of that. Both errors are right.
 // Killed: iterations of longer steps that are not bounded; the substeps'.
 TEST(ErrorInTime, GivesUpLongerStepsThatCostMoreThanTheRun) {
   const Scene scene = scene_of(R"(
@@ -703,7 +703,7 @@ TEST(ErrorInTime, GivesUpLongerStepsThatCostMoreThanTheRun) {
   }
 }
 
-// Found by a reviewer: where fixed steps pass kinks of a law, errors go with no power of the step, and estimates by one were 4 to 19
+// Found by a reviewer: where fixed steps pass kinks of a law, errors go with no power of the step, and estimates by one were 3.5 to 19
 // times too small, and passed. A mass between two elastic stops, in closed form: no run passes whose error is above the bound.
 // Killed: powers of the step; the bound of smooth motions.
 TEST(ErrorInTime, DoesNotPassByChanceWhereFixedStepsPassStops) {

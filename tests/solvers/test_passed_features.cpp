@@ -124,6 +124,7 @@ TEST(PassedFeatures, TentsOfConditionsAreMet) {
     }
 }
 
+// Steps that are what they are say so.
 TEST(PassedFeatures, FixedStepsSaySo) {
   const std::string hill =
       R"xml(<joint_spring name="s" joint="rail" force="80*exp(-((x-5.234)/0.001)^2)"/>)xml";

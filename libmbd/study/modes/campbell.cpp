@@ -327,7 +327,7 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   } else if (!(oscillates(la) && oscillates(lb)) && standing(la, a) * standing(lb, b) < 0.0) {
     events.push_back({SpecialSpeed::Kind::critical, standing});
   }
-  const double least = std::max(1e-6 * fastest_, nothing * size);
+  const double least = std::max(least_growth * fastest_, nothing * size);
   if (la.real() * lb.real() < 0.0 && std::max(std::abs(la.real()), std::abs(lb.real())) > least &&
       std::min(std::abs(la.real()), std::abs(lb.real())) > nothing * size && oscillates(la) &&
       oscillates(lb))
