@@ -337,18 +337,6 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   for (const Event& event : events) {
     const std::optional<double> at = locate(a, b, at_a, at_b, branch, event.f);
     if (!at) continue;
-    // In between it may stand for a while: where that begins and ends is critical then.
-    if (event.f == frequency && *at > a && *at < b) {
-      turn(*at);
-      const Found found = follow(at_a);
-      const Complex l = found.ok ? found.now[branch].eigenvalue : Complex{};
-      if (found.is_sure_of(branch) && !oscillates(l) && std::abs(l) > zero()) {
-        const std::size_t before = study_.special.size();
-        refine(a, *at, at_a, found.now, branch);
-        refine(*at, b, found.now, at_b, branch);
-        if (study_.special.size() > before) continue;
-      }
-    }
     SpecialSpeed special{event.kind, *at, branch};
     // What is unknown of l^2, or of growth, over how it changes with the rate.
     const double unknown = at_b[branch].round_off;
