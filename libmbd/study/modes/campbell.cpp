@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
@@ -100,8 +101,7 @@ Standing standing_of(const std::vector<Candidate>& all, double zero) {
 // The root of f between two rates, to round-off, by false position with halved ends (Illinois); none where f leaps over zero.
 // f(x, is_root) may look beside x, which it then moves; `is_root`: it has come near to zero. None from it: it is not known there.
 struct Root {
-  double x;
-  double least;  // |f| that was seen
+  double x, unknown;  // by how much it may be off, after the least |f| that was seen
 };
 template <class F>
 std::optional<Root> root_between(double a, double b, double fa, double fb, const F& f_of) {
@@ -111,6 +111,9 @@ std::optional<Root> root_between(double a, double b, double fa, double fb, const
   const double ends = std::max(std::abs(f0), std::abs(f1));
   double least = ends;  // |f| so far, not halved
   int same_side = 0;
+  const auto root_at = [&](double x) {
+    return std::optional(Root{x, std::abs(b - a) * least / std::abs(fa - fb)});
+  };
   for (int k = 0; k < most && std::abs(x1 - x0) > 4e-16 * std::abs(x1); ++k) {
     double x = x1 - f1 * (x1 - x0) / (f1 - f0);
     if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) {
@@ -119,7 +122,7 @@ std::optional<Root> root_between(double a, double b, double fa, double fb, const
     }
     const double asked = x;
     const std::optional<double> f = f_of(x, least <= root * ends);
-    if (!f) return least <= root * ends ? std::optional(Root{asked, least}) : std::nullopt;
+    if (!f) return least <= root * ends ? root_at(asked) : std::nullopt;
     if (*f == 0.0) return Root{x, 0.0};
     least = std::min(least, std::abs(*f));
     if (*f * f1 > 0.0) {
@@ -131,7 +134,7 @@ std::optional<Root> root_between(double a, double b, double fa, double fb, const
     }
   }
   if (!(least <= root * ends)) return std::nullopt;
-  return Root{std::abs(f1) < std::abs(f0) ? x1 : x0, least};
+  return root_at(std::abs(f1) < std::abs(f0) ? x1 : x0);
 }
 
 class Follower {
@@ -147,6 +150,7 @@ class Follower {
   struct Found {
     bool ok = false;
     std::vector<Candidate> now;  // by branch
+    std::vector<Candidate> all;  // of conjugates one
     std::vector<double> overlaps;
     double growth = 0.0;  // the largest of all motions that were looked at, followed or not [1/s]
     Standing standing;
@@ -208,18 +212,27 @@ class Follower {
   Found follow(const std::vector<Candidate>& last, int wider = 2);
   CampbellPoint point(double rate, const Candidate& c, double overlap) const;
   using EventFunction = double (*)(Complex eigenvalue, double rate);
-  std::optional<double> locate(double a, double b, const std::vector<Candidate>& at_a,
-                               const std::vector<Candidate>& at_b, std::size_t branch,
-                               EventFunction f_of);
+  std::optional<Root> locate(double a, double b, const std::vector<Candidate>& at_a,
+                             const std::vector<Candidate>& at_b, std::size_t branch,
+                             EventFunction f_of);
+  Standing standing_at(double rate, const std::vector<Candidate>& last) {
+    turn(rate);
+    return follow(last, 0).standing;
+  }
+  void standings_between(double a, const Standing& at_a, double b, const Standing& at_b,
+                         const std::vector<Candidate>& last, std::vector<Root>& found);
   void look_for_standing(double next, const std::vector<Candidate>& last, const Found& found);
+  bool look_between(double a, double b, const std::vector<Candidate>& at_a, const Found& at_b,
+                    std::size_t branch);
+  std::optional<Complex> slow_one(double rate, const Candidate& last, double fastest);
   void look_at_growth(double rate, double next, const std::vector<Candidate>& last,
                       const Found& found);
   SpecialSpeed limit_of_growth(double rate, double next, const std::vector<Candidate>& last,
                                bool begins);
   double zero() const { return nothing * fastest_; }  // eigenvalues below are round-off [1/s]
   bool has_special(double from, double to, bool critical) const;
-  void refine(double a, double b, const std::vector<Candidate>& at_a,
-              const std::vector<Candidate>& at_b, std::size_t branch);
+  void refine(double a, double b, const std::vector<Candidate>& at_a, const Found& at_b,
+              std::size_t branch);
 
   const CampbellOptions& options_;
   const Scene& scene_;
@@ -241,10 +254,12 @@ Follower::Found Follower::follow(const std::vector<Candidate>& last, int wider) 
   for (const Candidate& c : last)
     if (std::abs(c.eigenvalue) > is_slow * fastest_)
       beneath = std::min(beneath, 0.5 * std::abs(c.eigenvalue));
+  const double scale =
+      motions_.axes() == ModeAxes::turning ? std::abs(rotation_.rate) + 1e-300 : 1e-300;
   std::size_t count = last.size() + spare;
   for (; wider >= 0; --wider, count *= 2) {
     std::vector<Candidate> all;
-    const std::vector<Candidate> these = candidates(count, beneath);
+    std::vector<Candidate> these = candidates(count, beneath);
     found.standing = standing_of(these, zero());
     for (const Candidate& c : these) {
       all.push_back(c);
@@ -258,8 +273,9 @@ Follower::Found Follower::follow(const std::vector<Candidate>& last, int wider) 
     for (std::size_t b = 0; b < last.size(); ++b)
       for (std::size_t c = 0; c < all.size(); ++c) {
         const double overlap = last[b].overlap(all[c]);
+        // In turning axes frequencies change as the rate does. (Of a shape that circles there are two, w - W and -w - W.)
         const double apart = std::abs(last[b].eigenvalue - all[c].eigenvalue) /
-                             (std::abs(last[b].eigenvalue) + std::abs(all[c].eigenvalue) + 1e-300);
+                             (std::abs(last[b].eigenvalue) + std::abs(all[c].eigenvalue) + scale);
         matches.push_back({overlap - 0.1 * apart, overlap, b, c});
       }
     std::stable_sort(matches.begin(), matches.end(),
@@ -275,6 +291,7 @@ Follower::Found Follower::follow(const std::vector<Candidate>& last, int wider) 
     }
     found.growth = 0.0;
     for (const Candidate& c : all) found.growth = std::max(found.growth, c.growth());
+    found.all = std::move(these);
     found.ok = std::all_of(has.begin(), has.end(), [](char one) { return one != 0; });
     if (found.ok && found.least() > lost) break;
   }
@@ -298,9 +315,18 @@ CampbellPoint Follower::point(double rate, const Candidate& c, double overlap) c
   return p;
 }
 
+// From one that swings, through two that are real, to the one of them that is zero: without a leap.
+double standing_of(Complex l) {
+  if (!oscillates(l)) return l.real();
+  return l.real() > is_growth * std::abs(l) ? std::abs(l) : -std::abs(l);
+}
+
+double frequency_of(Complex l, double) { return l.imag(); }
+
 // Whether a critical speed, or one where stability changes, lies between, and where.
-void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
-                      const std::vector<Candidate>& at_b, std::size_t branch) {
+void Follower::refine(double a, double b, const std::vector<Candidate>& at_a, const Found& found,
+                      std::size_t branch) {
+  const std::vector<Candidate>& at_b = found.now;
   const Complex la = at_a[branch].eigenvalue, lb = at_b[branch].eigenvalue;
   const double size = std::max(std::abs(la), std::abs(lb));
   using F = EventFunction;
@@ -309,13 +335,10 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
     F f;
   };
   std::vector<Event> events;
-  const F frequency = [](Complex l, double) { return l.imag(); };
   const F synchronous = [](Complex l, double rate) { return std::abs(l.imag()) - rate; };
-  // From one that swings, through two that are real, to the one of them that is zero: without a leap.
-  const F standing = [](Complex l, double) {
-    if (!oscillates(l)) return l.real();
-    return l.real() > is_growth * std::abs(l) ? std::abs(l) : -std::abs(l);
-  };
+  const F standing = [](Complex l, double) { return standing_of(l); };
+  const bool is_counted =
+      standing_.is_known && found.standing.is_known && standing_.growing != found.standing.growing;
   const F growth = [](Complex l, double) { return l.real(); };
   if (motions_.axes() == ModeAxes::resting) {
     if (at_a[branch].has_orbit && synchronous(la, a) * synchronous(lb, b) < 0.0)
@@ -323,8 +346,9 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
   } else if (std::abs(lb) <= zero() && std::abs(la) > zero()) {
     study_.special.push_back({SpecialSpeed::Kind::critical, b, branch});
   } else if (oscillates(la) && oscillates(lb) && la.imag() * lb.imag() < 0.0) {
-    events.push_back({SpecialSpeed::Kind::critical, frequency});
-  } else if (!(oscillates(la) && oscillates(lb)) && standing(la, a) * standing(lb, b) < 0.0) {
+    events.push_back({SpecialSpeed::Kind::critical, frequency_of});
+  } else if (!is_counted && !(oscillates(la) && oscillates(lb)) &&
+             standing_of(la) * standing_of(lb) < 0.0) {
     events.push_back({SpecialSpeed::Kind::critical, standing});
   }
   const double least = std::max(least_growth * fastest_, nothing * size);
@@ -335,28 +359,35 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a,
         {la.real() < 0.0 ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
          growth});
   for (const Event& event : events) {
-    const std::optional<double> at = locate(a, b, at_a, at_b, branch, event.f);
+    const std::optional<Root> at = locate(a, b, at_a, at_b, branch, event.f);
+    constexpr double narrow = 1e-9;
+    const bool is_known = at && at->unknown <= narrow * at->x;
+    if (event.f == frequency_of && !is_known && look_between(a, b, at_a, found, branch)) continue;
     if (!at) continue;
-    SpecialSpeed special{event.kind, *at, branch};
+    SpecialSpeed special{event.kind, at->x, branch};
     // What is unknown of l^2, or of growth, over how it changes with the rate.
     const double unknown = at_b[branch].round_off;
     special.round_off =
         event.kind == SpecialSpeed::Kind::critical
             ? unknown * std::norm(lb / special.rate)
             : unknown * std::abs(lb) * std::abs((b - a) / (lb.real() - la.real()) / special.rate);
+    special.round_off = std::max(special.round_off, at->unknown / special.rate);
     study_.special.push_back(special);
   }
 }
 
 // The root of f of a branch's eigenvalue between two rates, to round-off; none where f leaps over zero, because the branch goes
 // over to another mode.
-std::optional<double> Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
-                                       const std::vector<Candidate>& at_b, std::size_t branch,
-                                       EventFunction f_of) {
+std::optional<Root> Follower::locate(double a, double b, const std::vector<Candidate>& at_a,
+                                     const std::vector<Candidate>& at_b, std::size_t branch,
+                                     EventFunction f_of) {
   // Of the way to the end: a mode that is at rest has no whirl, and is looked for beside that.
   constexpr double beside = 1e-4;
   std::vector<Candidate> from = at_a;
   bool was_aside = false;
+  const double f_a = f_of(at_a[branch].eigenvalue, a), f_b = f_of(at_b[branch].eigenvalue, b);
+  const double ends = std::max(std::abs(f_a), std::abs(f_b));
+  const bool is_frequency = f_of == frequency_of;
   const auto f = [&](double& x, bool is_root) -> std::optional<double> {
     turn(x);
     Found found = follow(from);
@@ -368,12 +399,14 @@ std::optional<double> Follower::locate(double a, double b, const std::vector<Can
       found = follow(from);
       if (!found.is_sure_of(branch)) return std::nullopt;
     }
+    // Zero over an interval, or another mode: look_between().
+    const Complex l = found.now[branch].eigenvalue;
+    const double f_now = f_of(l, x);
+    if (is_frequency && (!oscillates(l) || std::abs(f_now) > ends)) return std::nullopt;
     from = found.now;
-    return f_of(found.now[branch].eigenvalue, x);
+    return f_now;
   };
-  const std::optional<Root> root =
-      root_between(a, b, f_of(at_a[branch].eigenvalue, a), f_of(at_b[branch].eigenvalue, b), f);
-  return root ? std::optional(root->x) : std::nullopt;
+  return root_between(a, b, f_a, f_b, f);
 }
 
 bool Follower::has_special(double from, double to, bool critical) const {
@@ -383,30 +416,131 @@ bool Follower::has_special(double from, double to, bool critical) const {
   });
 }
 
-// Real eigenvalues that go through zero and are not those that are followed: of two into which a mode has split. Where two that
-// swing and grow become two that do not, the number changes as well, but nothing is zero.
+// Rates between `a` and `b` where real eigenvalues go through zero, each as often as there are of them. Where two that swing and
+// grow become two that do not, their number changes as well, but nothing is zero.
+void Follower::standings_between(double a, const Standing& at_a, double b, const Standing& at_b,
+                                 const std::vector<Candidate>& last, std::vector<Root>& found) {
+  constexpr double apart = 1e-9;    // of the rate: beneath it they are one
+  constexpr double is_zero = 1e-6;  // a product of two, of the largest frequency's square
+  const int passed = std::abs(at_b.growing - at_a.growing);
+  if (passed == 0) return;
+  if (passed == 1) {
+    const auto f = [&](double& x, bool) -> std::optional<double> {
+      const Standing here = standing_at(x, last);
+      return here.growing == at_a.growing ? here.product : -here.product;
+    };
+    const std::optional<Root> at = root_between(a, b, at_a.product, -at_b.product, f);
+    const double round_off = std::max(at_a.round_off, at_b.round_off);
+    if (at) found.push_back({at->x, std::max(at->unknown, round_off * (b - a))});
+    return;
+  }
+  const double middle = 0.5 * (a + b);
+  if (b - a <= apart * b) {
+    if (std::min(at_a.product, at_b.product) <= is_zero * fastest_ * fastest_)
+      found.insert(found.end(), static_cast<std::size_t>(passed), Root{middle, b - a});
+    return;
+  }
+  const Standing between = standing_at(middle, last);
+  standings_between(a, at_a, middle, between, last, found);
+  standings_between(middle, between, b, at_b, last, found);
+}
+
+// By the number of real eigenvalues, so that none is missed where modes that are alike change places.
 void Follower::look_for_standing(double next, const std::vector<Candidate>& last,
                                  const Found& found) {
   if (motions_.axes() == ModeAxes::resting || !found.standing.is_known) return;
   const Standing was = std::exchange(standing_, found.standing);
   const double from = std::exchange(standing_at_, next);
-  if (!was.is_known || was.growing == standing_.growing || has_special(from, next, true)) return;
-  const auto f = [&](double& x, bool) -> std::optional<double> {
-    turn(x);
-    const Standing here = follow(last, 0).standing;
-    return here.growing == was.growing ? here.product : -here.product;
+  if (!was.is_known || was.growing == standing_.growing) return;
+  std::vector<Root> roots;
+  standings_between(from, was, next, standing_, last, roots);
+  // Of those that go through zero, and of the others, the slowest first.
+  std::vector<std::size_t> order(found.now.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto rank = [&](std::size_t b) {
+    const Complex before = last[b].eigenvalue, now = found.now[b].eigenvalue;
+    return std::pair(standing_of(before) * standing_of(now) > 0.0, std::abs(now));
   };
-  const std::optional<Root> at = root_between(from, next, was.product, -standing_.product, f);
-  if (!at) return;
-  std::size_t branch = 0;  // that which is nearest to rest
-  const auto size = [&](std::size_t b) { return std::abs(found.now[b].eigenvalue); };
-  for (std::size_t b = 1; b < found.now.size(); ++b)
-    if (size(b) < size(branch)) branch = b;
-  double unknown = std::max(at->least, standing_.round_off * standing_.product) /
-                   (was.product + standing_.product);
-  if ((standing_.growing - was.growing) % 2 == 0) unknown = std::sqrt(unknown);  // two at once
-  study_.special.push_back(
-      {SpecialSpeed::Kind::critical, at->x, branch, unknown * (next - from) / at->x});
+  std::ranges::sort(order, {}, rank);
+  for (std::size_t k = 0; k < roots.size(); ++k)
+    study_.special.push_back({SpecialSpeed::Kind::critical, roots[k].x,
+                              order[std::min(k, order.size() - 1)], roots[k].unknown / roots[k].x});
+}
+
+// The eigenvalue of a branch that goes through zero, by its shape, among those that are not faster than it was.
+std::optional<Complex> Follower::slow_one(double rate, const Candidate& last, double fastest) {
+  turn(rate);
+  const Found found = follow({last}, 0);
+  std::optional<Complex> result;
+  double most = lost;
+  for (const Candidate& c : found.all) {
+    if (std::abs(c.eigenvalue) > fastest) continue;
+    const double with = last.overlap(c), against = last.overlap(c.conjugate());
+    if (std::max(with, against) <= most) continue;
+    most = std::max(with, against);
+    result = with >= against ? c.eigenvalue : std::conj(c.eigenvalue);
+  }
+  return result;
+}
+
+// A frequency goes through zero, and the motion is lost on the way: that of a shaft that is nearly alike in both planes is zero
+// over an interval, with two eigenvalues that are real, one of which is positive there.
+bool Follower::look_between(double a, double b, const std::vector<Candidate>& at_a,
+                            const Found& at_b, std::size_t branch) {
+  constexpr double narrow = 1e-9;  // of the rate
+  constexpr double one = 1e-7;     // of the rate: an interval that round-off has made
+  constexpr double small = 1e-2;   // of the frequency at the ends
+  constexpr int most = 80;
+  const double f_a = at_a[branch].eigenvalue.imag(), f_b = at_b.now[branch].eigenvalue.imag();
+  const double ends = std::max(std::abs(f_a), std::abs(f_b));
+  const auto eigenvalue = [&](double x) { return slow_one(x, at_a[branch], 1.1 * ends); };
+  double below = a, above = b, f_below = f_a, f_above = f_b;
+  std::optional<double> inside;
+  for (int k = 0; k < most && !inside && above - below > narrow * above; ++k) {
+    const double share = k % 2 == 0 ? f_below / (f_below - f_above) : 0.5;
+    const double x = below + std::clamp(share, 0.01, 0.99) * (above - below);
+    const std::optional<Complex> l = eigenvalue(x);
+    if (!l) return false;
+    if (!oscillates(*l))
+      inside = x;
+    else if ((l->imag() > 0.0) == (f_below > 0.0))
+      below = x, f_below = l->imag();
+    else
+      above = x, f_above = l->imag();
+    if (above - below < small * (b - a) &&
+        std::max(std::abs(f_below), std::abs(f_above)) > 0.5 * ends)
+      return false;  // a leap
+  }
+  const auto come_near = [&](double& edge, double& f) {
+    for (double in = *inside; std::abs(in - edge) > 1e-3 * one * in;) {
+      const double x = 0.5 * (in + edge);
+      const std::optional<Complex> l = eigenvalue(x);
+      if (l && oscillates(*l))
+        edge = x, f = l->imag();
+      else
+        in = x;
+    }
+  };
+  if (inside) come_near(below, f_below), come_near(above, f_above);
+  if (std::max(std::abs(f_below), std::abs(f_above)) > small * ends) return false;
+  const double middle = 0.5 * (below + above);
+  const Standing at_start = standing_at(a, at_a), between = standing_at(middle, at_a);
+  std::vector<Root> roots;
+  if (above - below > one * middle && at_start.growing == at_b.standing.growing) {
+    standings_between(a, at_start, middle, between, at_a, roots);
+    standings_between(middle, between, b, at_b.standing, at_a, roots);
+  }
+  const bool grows_between = !roots.empty();
+  if (!grows_between) roots.push_back({middle, std::max(0.5 * (above - below), narrow * middle)});
+  const double least = least_growth * fastest_;
+  for (const Root& root : roots) {
+    study_.special.push_back({SpecialSpeed::Kind::critical, root.x, branch, root.unknown / root.x});
+    if (!grows_between || growth_ > least || at_b.growth > least) continue;  // look_at_growth()
+    study_.special.push_back(
+        {root.x < middle ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
+         root.x, branch, root.unknown / root.x});
+  }
+  return true;
 }
 
 // Where growth begins or ends between two rates, one of which it has: at a critical speed between them, or else by halving.
@@ -654,8 +788,7 @@ void Follower::take(double rate, double next, const std::vector<Candidate>& last
       study_.notes.push_back(error.what());
     }
   };
-  for (std::size_t b = 0; b < last.size(); ++b)
-    look([&] { refine(rate, next, last, found.now, b); });
+  for (std::size_t b = 0; b < last.size(); ++b) look([&] { refine(rate, next, last, found, b); });
   look([&] { look_for_standing(next, last, found); });
   look([&] { look_at_growth(rate, next, last, found); });
   turn(next);
