@@ -450,6 +450,15 @@ namespace {
 
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_rows, most_rows>;
 
+// Where nearly all of a pivot has cancelled, round-off of either side is another, and signs of its eigenvalues are none of the factors.
+void symmetrize(double* D, int stride, int n) {
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < j; ++i) {
+      double &a = D[j * stride + i], &b = D[i * stride + j];
+      a = b = 0.5 * (a + b);
+    }
+}
+
 // Of D by its eigenvalues, with rows and columns in units in which they are of one size.
 void add_eigenvalues(const double* D, int stride, int n, PivotInertia& inertia) {
   Small A(n, n);
@@ -475,6 +484,8 @@ template <class T>
 bool BlockLu<T>::factor_pivot(std::size_t j, PivotInertia* inertia) {
   const auto& pivot = plan_.pivots[j];
   double* const D = diagonal_.data() + scalars(pivot.diagonal);
+  if constexpr (parts_of<T> == 1)
+    if (inertia != nullptr) symmetrize(D, pivot.stride, pivot.size);
   double* const inverse = inverse_.data() + scalars(pivot.first_row);
   exchanged_[j] = 0;
   if (!pivot.merged && factor_definite<T>(D, pivot.stride, pivot.size, inverse)) {

@@ -22,7 +22,7 @@ class InertiaSolver : public LinearSolver {
 std::unique_ptr<InertiaSolver> make_inertia_solver();
 
 // The same by the pivots of block LU (block_lu.hpp) of the symmetric part, an eighth of MUMPS' time and less. Where these are
-// within 1e-11 of singular, or do not solve the equations to 1e-10, it asks MUMPS.
+// within 1e-11 of singular, or refinement of solutions by them hardly converges, it asks MUMPS.
 std::unique_ptr<InertiaSolver> make_block_inertia_solver();
 // The same in the room of `solver`, which has been analysed: slots are its own, and it has to be filled and factored again
 // after this one was. Valid until it is analysed again. nullptr where that is not one of block LU with merged multipliers.

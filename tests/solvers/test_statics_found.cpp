@@ -52,6 +52,39 @@ TEST(StaticsFound, LoadsThatJumpAtTheStartAreSaid) {
   }
 }
 
+// Found by a reviewer: a hub that has nothing of its own and carries all of a beam, so that its pivots are round-off, held by a revolute
+// joint with a spring: branches where there are none (1 -> 0, 3 -> 0, 2 -> 0), with "pass". In tension it is stable, in compression up
+// to pi^2 EI / (4 L^2) about the axis that is clamped.
+// Killed: pivots not made symmetric before their signs are counted.
+TEST(HubsThatCarryBeams, AreAsStableAsTheyAre) {
+  const double buckles = pi * pi * 10.0 / 4.0;
+  for (const int elements : {1, 6})
+    for (const double spring : {10.0, 100.0, 1e4})
+      for (const double turn : {0.0, 0.7})
+        for (const double load : {10.0, -0.9 * buckles, -1.02 * buckles}) {
+          const double x = load * std::cos(turn), y = load * std::sin(turn);
+          const double c = std::cos(turn), s = std::sin(turn);
+          const History h = run_text(fmt::format(
+              R"(<mbd name="s"><body name="hub" mass="1" inertia="0.1 0.1 0.1"/>
+              <revolute name="spin" between="ground hub" axis="0 0 1"/>
+              <joint_spring name="q" joint="spin" angular_stiffness="{}"/>
+              <section name="s"><stiffness EA="2e7" GA2="1e7" GA3="1e7" GJ="80" EI2="10" EI3="1e4"/></section>
+              <beam name="a" section="s" from="{} {} 0" to="{} {} 0" normal="0 0 1" elements="{}" order="5"/>
+              <rigid_link name="k" between="hub a.start"/>
+              <load at="a.end" force="{} {} 0"/><static/>
+              <record name="tip" at="a.end" quantities="displacement"/></mbd>)",
+              spring * 1e3, 0.3 * c, 0.3 * s, 1.3 * c, 1.3 * s, elements, x, y));
+          ASSERT_EQ(h.report.failure, "");
+          std::string notes;
+          for (const std::string& note : h.report.notes) notes += note + "\n";
+          EXPECT_EQ(notes.find("negative eigenvalues") != std::string::npos, load < -buckles)
+              << elements << ", " << spring << ", " << load << ": " << notes;
+          if (load < -buckles) {
+            EXPECT_SAYS(notes, "(negative eigenvalues 0 -> 1)");
+          }
+        }
+}
+
 // And a stop that is not yet touched, which holds nothing; where it is touched the equilibrium is found.
 TEST(StaticsFound, StopsThatAreNotTouchedAreNamed) {
   const auto text = [](double at) {
