@@ -94,15 +94,16 @@ constexpr double reach = 1e-9;  // a kink is at x within this of it, or of its s
 std::optional<Kink> hidden_kink(const std::function<double(double)>& slope_at, double x) {
   const double seen = 1e-6, off_middle = 0.45, kept = 0.5, off = reach * std::max(1.0, std::abs(x));
   double low = x - off, high = x + off, below = slope_at(low), above = slope_at(high);
-  const double jump = std::abs(above - below);
-  if (!(jump > seen * std::max(std::abs(below), std::abs(above)))) return std::nullopt;
+  double most = std::abs(above - below);
+  if (!(most > seen * std::max(std::abs(below), std::abs(above)))) return std::nullopt;
   for (int i = 0; i < 14; ++i) {  // to 1e-12
     const double between = low + off_middle * (high - low), slope = slope_at(between);
     const bool first = std::abs(slope - below) > std::abs(above - slope);
     (first ? high : low) = between;
     (first ? above : below) = slope;
+    most = std::max(most, std::abs(above - below));  // x^2 is as large on both sides of 0
   }
-  if (!(std::abs(above - below) > kept * jump)) return {};
+  if (!(std::abs(above - below) > kept * most)) return {};
   return Kink{0.5 * (low + high), below, above};
 }
 

@@ -590,6 +590,25 @@ ModesFound find_modes(SmallMotions& motions, const ModeOptions& options) {
   return found;
 }
 
-VecXc eigenvalues_of(const Eigen::MatrixXd& matrix) { return matrix.eigenvalues(); }
+VecXc eigenvalues_of(Eigen::MatrixXd matrix) {
+  constexpr int most_sweeps = 100;
+  constexpr double worth_it = 0.95;
+  bool is_balanced = false;
+  for (int sweep = 0; sweep < most_sweeps && !is_balanced; ++sweep) {
+    is_balanced = true;
+    for (Index i = 0; i < matrix.rows(); ++i) {
+      const double own = std::abs(matrix(i, i)),
+                   column = std::sqrt(std::max(0.0, matrix.col(i).squaredNorm() - own * own)),
+                   row = std::sqrt(std::max(0.0, matrix.row(i).squaredNorm() - own * own));
+      if (!(column > 0.0) || !(row > 0.0)) continue;
+      const double f = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (!(std::hypot(column * f, row / f) < worth_it * std::hypot(column, row))) continue;
+      is_balanced = false;
+      matrix.col(i) *= f;
+      matrix.row(i) /= f;
+    }
+  }
+  return matrix.eigenvalues();
+}
 
 }  // namespace mbd

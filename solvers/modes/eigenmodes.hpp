@@ -68,7 +68,8 @@ ModesFound find_modes_near(MotionPencil& motions, std::complex<double> shift, do
 // Modes of what `motions` has been assembled about; its factors are used.
 ModesFound find_modes(SmallMotions& motions, const ModeOptions& options);
 
-// Of a dense matrix, all of them. (Eigen's solver takes long to compile: once.)
-VecXc eigenvalues_of(const Eigen::MatrixXd& matrix);
+// Of a dense matrix, all of them. Balanced first (Parlett and Reinsch 1969; James, Langou and Lowery 2014): [0, 1; -M^-1 K, …] has
+// numbers of 1 beside some of 1e18. (Eigen's solver takes long to compile: once.)
+VecXc eigenvalues_of(Eigen::MatrixXd matrix);
 
 }  // namespace mbd

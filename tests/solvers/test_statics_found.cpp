@@ -55,7 +55,7 @@ TEST(StaticsFound, LoadsThatJumpAtTheStartAreSaid) {
 // Found by a reviewer: a hub that has nothing of its own and carries all of a beam, so that its pivots are round-off, held by a revolute
 // joint with a spring: branches where there are none (1 -> 0, 3 -> 0, 2 -> 0), with "pass". In tension it is stable, in compression up
 // to pi^2 EI / (4 L^2) about the axis that is clamped.
-// Killed: pivots not made symmetric before their signs are counted.
+// Killed: pivots not made symmetric before their signs are counted, and factors not judged; either is enough.
 TEST(HubsThatCarryBeams, AreAsStableAsTheyAre) {
   const double buckles = pi * pi * 10.0 / 4.0;
   for (const int elements : {1, 6})

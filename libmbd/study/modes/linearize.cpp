@@ -35,6 +35,20 @@ struct Change {
   VecX rate, doubt;
 };
 
+// Of each output the first and the number of those that are one quantity with it: what is zero of a vector is so beside the rest.
+std::vector<std::pair<Index, Index>> quantities_of(const Model& model, Index outputs) {
+  std::vector<std::pair<Index, Index>> all;
+  for (const Channel& channel : model.channels)
+    for (std::size_t k = 0; k < channel.columns.size();) {
+      const schema::Quantity* const q = channel.columns[k].quantity;
+      const auto n = static_cast<std::size_t>(q == nullptr ? 1 : q->components);
+      all.insert(all.end(), n, {std::ssize(all), static_cast<Index>(n)});
+      k += n;
+    }
+  if (std::ssize(all) != outputs) throw Error("linearize: outputs without quantities");
+  return all;
+}
+
 class Outputs {
  public:
   Outputs(const Model& model, const Linearization& linear)
@@ -42,6 +56,7 @@ class Outputs {
         linear_(linear),
         here_(linear.outputs),
         size_(linear.outputs.size()),
+        quantities_(quantities_of(model, size_)),
         turns_(rotation_vectors(model)) {}
 
   // dy along a small motion: of each output its central difference over the step that suits it best. A mechanism may be much
@@ -57,6 +72,7 @@ class Outputs {
     double step = size > 0.0 ? largest_part / size : 1.0;
     Change best{VecX::Zero(size_), VecX::Constant(size_, std::numeric_limits<double>::infinity())};
     VecX most = VecX::Zero(size_);
+    std::vector<char> is_known(static_cast<std::size_t>(size_), 0);
     std::vector<VecX> above, row;
     for (int k = 0; k < most_steps; ++k, step /= ratio) {
       row.assign(1, (at(along, step) - at(along, -step)) / (2.0 * step));
@@ -67,28 +83,38 @@ class Outputs {
       for (std::size_t j = 0; j < above.size() && j < most_orders; ++j) {
         power *= ratio * ratio;
         row.push_back((power * row[j] - above[j]) / (power - 1.0));
-        take_better(row[j + 1], row[j], above[j], most, best);
+        take_better(row[j + 1], row[j], above[j], most, round_off / step, is_known, best);
       }
       above = std::move(row);
-      if (k > 0 &&
-          (best.doubt.array() <= agreed * best.rate.array().abs() + tiny * most.array()).all())
-        break;
+      // Each by itself: where others go on, to steps that are nearly nothing, differences of round-off agree by chance.
+      for (Index i = 0; i < size_ && k > 0; ++i) {
+        const auto [first, count] = quantities_[static_cast<std::size_t>(i)];
+        const double whole = best.rate.segment(first, count).cwiseAbs().maxCoeff();
+        if (best.doubt(i) <=
+            std::max(agreed * std::abs(best.rate(i)) + tiny * most(i), is_none * whole))
+          is_known[static_cast<std::size_t>(i)] = 1;
+      }
+      if (std::ranges::count(is_known, 0) == 0) break;
     }
     return best;
   }
 
  private:
-  static constexpr double largest_part = 1e-4, ratio = 4.0, agreed = 1e-10, tiny = 1e-16;
+  static constexpr double largest_part = 1e-4, ratio = 4.0, agreed = 1e-10, tiny = 1e-16,
+                          round_off = 1.1e-16, is_none = 1e-11;
   static constexpr int most_steps = 16;
   static constexpr std::size_t most_orders = 3;
 
   // Where differences fall more slowly than they are themselves: over steps that are far too long they are as small as they are
   // wrong, so what counts is how they agree beside their own size.
-  static void take_better(const VecX& rate, const VecX& of_this, const VecX& of_last,
-                          const VecX& most, Change& best) {
+  // `of_output`: doubt of a difference, of its output, by round-off of that.
+  void take_better(const VecX& rate, const VecX& of_this, const VecX& of_last, const VecX& most,
+                   double of_output, const std::vector<char>& is_known, Change& best) const {
     constexpr double is_zero = 1e-6;  // of the largest difference
     for (Index i = 0; i < rate.size(); ++i) {
-      const double doubt = std::max(std::abs(rate(i) - of_this(i)), std::abs(rate(i) - of_last(i)));
+      if (is_known[static_cast<std::size_t>(i)] != 0) continue;
+      const double doubt = std::max({std::abs(rate(i) - of_this(i)), std::abs(rate(i) - of_last(i)),
+                                     of_output * std::abs(here_(i))});
       const auto share = [&](double x, double of) {
         return x / (std::abs(of) + is_zero * most(i) + std::numeric_limits<double>::min());
       };
@@ -145,6 +171,7 @@ class Outputs {
   const Linearization& linear_;
   const VecX& here_;
   Index size_;
+  std::vector<std::pair<Index, Index>> quantities_;
   std::vector<Index> turns_;
 };
 
@@ -166,8 +193,9 @@ void note_doubt(Linearization& linear, const VecX& doubt) {
       "C and D of {}{} are {}: differences over smaller motions do not approach each other "
       "(round-off, or a kink)",
       fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "",
-      std::isfinite(worst) ? fmt::format("known to {:.0e} of the largest of a row only", worst)
-                           : "not known"));
+      std::isfinite(worst)
+          ? fmt::format("known to {:.0e} of the largest of their quantities only", worst)
+          : "not known"));
 }
 
 // C and D of a linearization whose motion on the constraints is there.
@@ -207,6 +235,7 @@ void add_outputs(const Model& model, Linearization& linear) {
     }
     return of.change(a);
   };
+  const std::vector<std::pair<Index, Index>> quantities = quantities_of(model, outputs);
   const VecX none = VecX::Zero(m), no_input = VecX::Zero(inputs);
   std::vector<Change> of_states, of_inputs;
   for (Index j = 0; j < m; ++j) of_states.push_back(along(VecX::Unit(m, j), none, no_input));
@@ -218,7 +247,8 @@ void add_outputs(const Model& model, Linearization& linear) {
     for (std::size_t j = 0; j < columns.size(); ++j)
       matrix.col(static_cast<Index>(j)) = columns[j].rate;
     for (Index i = 0; i < outputs && !columns.empty(); ++i) {
-      const double largest = matrix.row(i).cwiseAbs().maxCoeff();
+      const auto [first, count] = quantities[static_cast<std::size_t>(i)];
+      const double largest = matrix.middleRows(first, count).cwiseAbs().maxCoeff();
       for (const Change& column : columns)
         if (largest > 0.0 || !std::isfinite(column.doubt(i)))
           doubt(i) = std::max(doubt(i), column.doubt(i) / largest);
@@ -351,8 +381,32 @@ class InTurningAxes {
   const State& state_;
 };
 
+// Linearization::growth. Of slow motions, beside the fastest of which they are round-off in a dense matrix, by modes, which know
+// free ones from others; of faster ones by all poles.
+double growth_of(SmallMotions& motions, const ReducedMotion& reduced) {
+  constexpr int slow = 20;
+  constexpr double round_off = 1e-9;    // of a pole
+  constexpr double of_fastest = 1e-11;  // of a dense matrix
+  constexpr double beyond = 1.001;
+  double growth = 0.0, slowest = 0.0;
+  const auto count = static_cast<int>(std::min<Index>(slow, reduced.E.rows() / 2));
+  for (const Mode& mode : find_modes(motions, {.count = std::max(count, 1)}).modes) {
+    const double size = std::abs(mode.eigenvalue);
+    slowest = std::max(slowest, size);
+    if (!mode.rigid && mode.eigenvalue.real() > std::max(10.0 * mode.round_off, round_off) * size)
+      growth = std::max(growth, mode.eigenvalue.real());
+  }
+  const VecXc poles = eigenvalues_of(Eigen::PartialPivLU<MatX>(reduced.E).solve(reduced.A));
+  const double fastest = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0.0;
+  for (const std::complex<double>& pole : poles)
+    if (std::abs(pole) > beyond * slowest &&
+        pole.real() > std::max(round_off * std::abs(pole), of_fastest * fastest))
+      growth = std::max(growth, pole.real());
+  return growth;
+}
+
 // `rotation`: in whose axes; null: at rest, or about a state that moves.
-Linearization of_motions(const Model& model, const SmallMotions& motions, bool constant,
+Linearization of_motions(const Model& model, SmallMotions& motions, bool constant,
                          const SteadyRotation* rotation = nullptr) {
   Linearization linear;
   const System& system = *model.system;
@@ -370,6 +424,7 @@ Linearization of_motions(const Model& model, const SmallMotions& motions, bool c
     return linear;
   }
   linear.reduced = reduced_motion(system, linear.motion);
+  linear.growth = growth_of(motions, *linear.reduced);
   for (const bool rate : {false, true})
     for (const Index motion : linear.reduced->coordinates)
       linear.states.push_back({(rate ? "rate of " : "") + name_of_coordinate(system, motion),
@@ -510,15 +565,11 @@ std::string to_text(const Linearization& linear) {
                       linear.motion.M.rows(), linear.motion.B.rows(), linear.ports.inputs.size(),
                       linear.ports.outputs.size());
   if (linear.reduced) {
-    const ReducedMotion& r = *linear.reduced;
-    const VecXc poles = eigenvalues_of(Eigen::PartialPivLU<MatX>(r.E).solve(r.A));
-    constexpr double round_off = 1e-9;  // of the fastest pole
-    const double growth = poles.size() > 0 ? poles.real().maxCoeff() : 0.0,
-                 fastest = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0.0;
-    text += fmt::format("{} states; {}\n", linear.states.size(),
-                        growth > round_off * fastest
-                            ? fmt::format("unstable: something grows as exp({:.6g} t)", growth)
-                            : std::string("nothing grows (mbd modes has the poles)"));
+    text +=
+        fmt::format("{} states; {}\n", linear.states.size(),
+                    linear.growth > 0.0
+                        ? fmt::format("unstable: something grows as exp({:.6g} t)", linear.growth)
+                        : std::string("nothing grows (mbd modes has the poles)"));
     std::vector<std::vector<std::string>> table{{"state", "unit"}};
     constexpr std::size_t most = 12;
     for (std::size_t i = 0; i < linear.states.size() / 2 && i < most; ++i)

@@ -22,12 +22,14 @@ struct Linearization {
   // On the constraints: [q; q'], each q a displacement [m] or rotation [rad] of a node in its body axes. Nothing about a
   // state that moves otherwise than in a steady rotation.
   std::optional<ReducedMotion> reduced;
+  double growth =
+      0.0;  // [1/s] of what grows fastest in `reduced`; 0: nothing does, beyond round-off
   std::vector<Port> states;
   Ports ports;
   VecX outputs;  // at the state
   // dy = C x + D du, du in the units of the inputs, of ports.outputs: without those that the states do not tell, and, about a steady
   // rotation, that are not constant in axes that turn (`notes`). By central differences of the outputs along exact small motions, over
-  // steps that go down until they agree; of which they do not to 1e-6 of the largest entry of a row, `notes` say.
+  // steps that go down until they agree; of which they do not to 1e-6 of the largest entry of a quantity, `notes` say.
   MatX C, D;
   std::vector<std::string> notes;
 };
