@@ -247,6 +247,20 @@ std::array<double, 2> ComponentBatch::geometric_shares(const State& state, Index
   return {std::min(0.0, all(0)), std::max(0.0, all(all.size() - 1))};
 }
 
+// What linear modes leave out of a bend is of the square of its angle. What forces change of the stiffness they have to about a
+// third of it (component.hpp), over what is left of it then; without any left they have buckled, or would.
+ComponentBatch::Wrong ComponentBatch::wrong_by(const State& state, Index k) const {
+  constexpr double wrong = 1.0 / 3.0;
+  Wrong result;
+  result.turn = largest_turn(state, k);
+  const auto [least, most] = geometric_shares(state, k);
+  const double softer = least > -1.0 ? std::min(1.0, -wrong * least / (1.0 + least)) : 1.0;
+  const double stiffer = wrong * most / (1.0 + most);
+  result.error = std::max({0.5 * result.turn * result.turn, softer, stiffer});
+  result.share = softer > stiffer ? least : most;
+  return result;
+}
+
 std::vector<NodeState<double>> ComponentBatch::within(const State& state, Index k,
                                                       std::span<const Pose<double>> in,
                                                       const MatX& shapes, bool rates) const {

@@ -31,6 +31,12 @@ class ComponentBatch final : public Batch {
   // Its geometric stiffness over its elastic one, at a motion: the least and the largest ratio of all deformations, its frame
   // held. Below -1 it is unstable; 0, 0 of one without forces, or of one node.
   std::array<double, 2> geometric_shares(const State& state, Index component) const;
+  // About how wrong it is at a motion.
+  struct Wrong {
+    double error = 0.0;              // relative to deflections; 1: not known
+    double turn = 0.0, share = 0.0;  // largest_turn(); of geometric_shares() the one that counts
+  };
+  Wrong wrong_by(const State& state, Index component) const;
 
   // Motions of frames within: the k-th has the reference pose in[k] in node 0, and there the deformation T_k u, T_k the
   // k-th six rows of `shapes`. Poses, and with `rates` velocities and accelerations, body axes: exact derivatives of the poses.

@@ -543,21 +543,14 @@ void Audit::add_loads(Certificate& all) const {
                   "higher elements lessen it, and ends of elements where the load jumps"});
 }
 
-// What linear modes leave out of a bend is of the square of its angle. What forces change of the stiffness they have to about a
-// third of it (component.hpp), over what is left of it then; without any left they have buckled, or would.
 void Audit::sample_components(const State& state) {
-  constexpr double wrong = 1.0 / 3.0;
   for (Index k = 0; k < components_->size(); ++k) {
-    const double turn = components_->largest_turn(state, k);
-    const auto [least, most] = components_->geometric_shares(state, k);
-    const double softer = least > -1.0 ? std::min(1.0, -wrong * least / (1.0 + least)) : 1.0;
-    const double stiffer = wrong * most / (1.0 + most);
-    const double error = std::max({0.5 * turn * turn, softer, stiffer});
-    if (!(error > linear_.value)) continue;
-    linear_.look(error, state.t);
+    const ComponentBatch::Wrong wrong = components_->wrong_by(state, k);
+    if (!(wrong.error > linear_.value)) continue;
+    linear_.look(wrong.error, state.t);
     linear_in_ = components_->name_of(k);
-    turned_ = turn;
-    stiffened_ = softer > stiffer ? least : most;
+    turned_ = wrong.turn;
+    stiffened_ = wrong.share;
   }
 }
 

@@ -242,15 +242,19 @@ std::string to_text(const StressReport& report) {
     if (x.load.at) text += fmt::format(", {} {}", report.at_name, number(*x.load.at));
     // What is nothing beside the other stresses is round-off of them.
     if (x.unit.empty() || x.value > 1e-6 * x.stress.cwiseAbs().maxCoeff()) {
+      constexpr double much = 0.05;
       const double change = x.value > 0.0 ? (x.value - x.before) / x.value : 0.0;
-      text += fmt::format(" ({:+.1e} of it since the mesh before)", change);
-      singular = singular || std::abs(change) > 0.05;
+      // What is singular grows with each mesh; errors of a mesh where there is no stress become less.
+      text += change > -much ? fmt::format(" ({:+.1e} of it since the mesh before)", change)
+                             : fmt::format(" (with the mesh before {}: of the mesh, not resolved)",
+                                           number(x.before));
+      singular = singular || change > much;
     }
     text += "\n";
   }
   if (singular)
     text +=
-        "Where 5 % and more is new since the mesh before, stresses are singular, as they are at "
+        "Where 5 % and more has come since the mesh before, stresses are singular, as they are at "
         "sharp corners and\n"
         "where plies end at a free edge: such a value says nothing by itself; take stresses at a "
         "distance (--point).\n";

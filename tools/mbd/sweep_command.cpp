@@ -1,6 +1,7 @@
 #include "tools/mbd/sweep_command.hpp"
 
 #include <fmt/format.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -116,12 +117,17 @@ std::optional<Rank> rank_here(const SweepArguments& arguments) {
   return rank_of([](const char* name) { return std::getenv(name); });
 }
 
+// That this process may run on, as taskset, a container or Slurm has it: not all that there are.
+int processors() {
+  cpu_set_t set;
+  if (::sched_getaffinity(0, sizeof set, &set) == 0) return std::max(1, CPU_COUNT(&set));
+  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
 SweepOptions options_of(const SweepArguments& arguments, const std::optional<Rank>& rank) {
   SweepOptions options;
   options.quantities = arguments.quantities;
-  options.jobs = arguments.jobs > 0 ? arguments.jobs
-                 : rank             ? 1
-                        : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  options.jobs = arguments.jobs > 0 ? arguments.jobs : rank ? 1 : processors();
   if (rank) options.share = {rank->index + 1, rank->count};
   if (!arguments.share.empty()) options.share = share_of(arguments.share);
   options.command = "mbd sweep " + arguments.model + given("--vary", arguments.vary) +

@@ -244,6 +244,8 @@ class Follower {
   double growth_ = 0.0;                  // of the last rate, as of Found
   Standing standing_;                    // of the last rate where it was known, and that rate
   double standing_at_ = 0.0;
+  double components_ = small_component_error;  // the largest error of reductions
+  std::string components_note_;
   CampbellStudy study_;
 };
 
@@ -636,6 +638,11 @@ std::vector<Candidate> Follower::begin(double rate) {
 void Follower::keep(double rate) {
   study_.rates.push_back(rate);
   study_.displacements.push_back(motions_.largest_displacement().first);
+  std::string why;
+  if (const double error = motions_.error_of_components(&why); error > components_) {
+    components_ = error;
+    components_note_ = fmt::format("at {:.6g} rad/s {}", rate, why);
+  }
   respond();
 }
 
@@ -860,6 +867,7 @@ CampbellStudy Follower::go() {
         "which is not sure there",
         least_, least_at_));
   note_round_off();
+  if (!components_note_.empty()) study_.notes.push_back(components_note_);
   std::stable_sort(study_.special.begin(), study_.special.end(),
                    [](const SpecialSpeed& a, const SpecialSpeed& b) { return a.rate < b.rate; });
   return std::move(study_);

@@ -49,7 +49,8 @@ void append_table(const MacTable& table, std::string& text) {
 
 void append_pairs(const MacTable& table, std::string& text) {
   std::vector<char> has(table.modes.groups.size(), 0);
-  std::vector<std::vector<std::string>> rows{{"", "there", "alike", "Hz", "Hz there", "change"}};
+  std::vector<std::vector<std::string>> rows{
+      {"", "there", "alike", "undamped Hz", "undamped Hz there", "change"}};
   for (const MacTable::Pair& pair : table.pairs) {
     const auto &group = table.modes.groups[pair.group], &other = table.others.groups[pair.other];
     has[pair.group] = 1;

@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 
+#include "elements/component/component_batch.hpp"
 #include "libmbd/compile/time_stepping.hpp"
 #include "libmbd/scene/label.hpp"
 #include "libmbd/study/modes/states_of_run.hpp"
@@ -279,8 +280,34 @@ void MotionsOfScene::require_linear() {
   if (!why.empty()) throw Error(scene_.source, "small motions: " + why);
 }
 
+double MotionsOfScene::error_of_components(std::string* why) const {
+  double most = 0.0;
+  for (const std::unique_ptr<Batch>& batch : model_.system->batches()) {
+    const auto* const components = dynamic_cast<const ComponentBatch*>(batch.get());
+    for (Index k = 0; components != nullptr && k < components->size(); ++k) {
+      const ComponentBatch::Wrong wrong = components->wrong_by(state_, k);
+      // Of modes with fixed places, tension changes nothing: where it is most of the stiffness, all frequencies are wrong.
+      const double error = std::max(wrong.error, std::min(1.0, wrong.share / 3.0));
+      if (!(error > most)) continue;
+      most = error;
+      if (why != nullptr)
+        *why = fmt::format(
+            "component modes of {} are {}: within it turns by {:.2g} rad, and forces change its "
+            "stiffness by {:+.2g} of it, which they know about two thirds of at best; leave the "
+            "reduction out, or divide it",
+            components->name_of(k),
+            most < 1.0 ? fmt::format("known to {:.0e} of its stiffness only", most)
+                       : std::string("wrong by any amount"),
+            wrong.turn, wrong.share);
+    }
+  }
+  return most;
+}
+
 std::vector<std::string> MotionsOfScene::notes_on_state() const {
   std::vector<std::string> all = notes_;
+  std::string components;
+  if (error_of_components(&components) > small_component_error) all.push_back(components);
   if (std::string range = range_of_linearity(*model_.system, state_); !range.empty())
     all.push_back(std::move(range));
   return all;

@@ -22,6 +22,8 @@ namespace mbd {
 inline constexpr std::string_view controllers_are_held =
     "outputs of controllers are held at what they are: small motions do not change them";
 
+inline constexpr double small_component_error = 0.01;  // of a stiffness: nothing is said of less
+
 // A mode, and what it is.
 struct NamedMode : Mode {
   // Shares of kinetic energy, of beams and of nodes that are in none, the largest first.
@@ -128,8 +130,10 @@ class MotionsOfScene {
   const State& state() const { return state_; }
   SmallMotions& motions() { return *motions_; }
   const std::vector<std::string>& notes() const { return notes_; }
-  // And in which range small motions about the state are linear.
+  // And in which range small motions about the state are linear, and what component modes are not right about.
   std::vector<std::string> notes_on_state() const;
+  // The largest part of its stiffness that a <reduction> is wrong by (ComponentBatch::wrong_by; 1: not known), and why.
+  double error_of_components(std::string* why = nullptr) const;
   std::pair<double, Index> largest_displacement() const;  // [m], node
 
   // A period of a mode as the motion of a run (libmbd/view/motion.hpp), frame by frame: `amplitude` times the size of the scene,

@@ -27,8 +27,11 @@ double rate_of(const ModesStudy& study) { return study.rotation ? study.rotation
 std::string whirl_words(const ModesStudy& study, const NamedMode& mode) {
   const std::optional<double> whirl = mode.whirl(rate_of(study), study.axes);
   if (!whirl) return mode.orbit ? "not round" : "";
-  return fmt::format("{:.7g} {}", std::abs(*whirl) / (2.0 * std::numbers::pi),
-                     *whirl < 0.0 ? "back" : "forw");
+  // What is unknown of the eigenvalue, beside the sum of it and the rate, in which nearly all may cancel.
+  const double unknown = mode.round_off * std::abs(mode.eigenvalue) / std::abs(*whirl);
+  if (!(unknown < 1.0)) return "0";
+  return fmt::format("{:.{}g} {}", std::abs(*whirl) / (2.0 * std::numbers::pi),
+                     digits_left(unknown, 7), *whirl < 0.0 ? "back" : "forw");
 }
 
 std::string damping(const NamedMode& mode) {
