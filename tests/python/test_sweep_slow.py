@@ -48,3 +48,18 @@ def test_two_hundred_speeds(tmp_path):
     for k in (0, 37, 119, 199):  # of each part
         run = mbd.Model(SHAFT, set={"omega": rows[k]["omega"]}).run(estimate_error=False)
         assert float(rows[k]["M.displacement.3@largest"]) == abs(run["M.displacement.3"]).max()
+
+
+def test_processors_that_it_may_not_use(tmp_path):
+    """As taskset, a container or Slurm has it. Tried in it, and killed: all that there are."""
+    one = min(os.sched_getaffinity(0))
+    command = [os.environ["MBD_PROGRAM"], "sweep", str(SHAFT), "--vary", "omega=30:69:3", "-Q", "M.displacement@largest",
+               "--out", str(tmp_path / "o")]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=lambda: os.sched_setaffinity(0, {one}))
+    most = 0
+    while running.poll() is None:
+        most = max(most, len(children(running.pid)))
+        time.sleep(0.01)
+    running.communicate()
+    assert running.returncode == 0
+    assert most == 1

@@ -7373,7 +7373,8 @@ def modes(model: Any, *, set: Any = None, count: Any = None, near: Any = None, r
     mac: how alike they are among themselves; compare: or to other modes, of a Model, a model file, or a modes.json
 
     Returns a dict. With n modes and k nodes (the ground left out):
-      eigenvalues (n,) complex [1/s]; frequencies (n,) [Hz]; damping_ratios (n,); names, list of n
+      eigenvalues l (n,) complex [1/s]; frequencies (n,) [Hz], |l|/2 pi, undamped (with damping it swings at Im l/2 pi);
+      damping_ratios (n,); names, list of n
       shapes (n, k, 6) complex: displacements [m] and rotations [rad], inertial axes; positions (k, 3) [m]; nodes, names
       parts: list of n dicts, shares of kinetic energy; orbits, inertial_frequencies (n,) [Hz]: nan without whirl
       residuals (n,); conditions (n,), of the eigenvalues: |dl|/|l| is at most half of it times a change of the forces
