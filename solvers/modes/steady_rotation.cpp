@@ -46,6 +46,22 @@ Index most_turned(const VecX& z) {
   return best;
 }
 
+// Where nothing holds the angle, and something acts about the axis: no rotation is steady.
+std::string unheld_moment(SmallMotions& motions, const SteadyRotation& rotation) {
+  constexpr double none = 1e-7;  // of what acts on parts of it
+  const VecX z = turning(motions, rotation, motions.state());
+  if (!is_free_to_turn(motions, z)) return {};
+  const VecX r = motions.residual().tail(motions.unknowns()).head(motions.motions());
+  const double moment = z.head(motions.motions()).dot(r),
+               all = z.head(motions.motions()).cwiseAbs().dot(r.cwiseAbs());
+  if (!(std::abs(moment) > none * all)) return {};
+  return fmt::format(
+      ": a moment of {:.4g} N.m about the axis acts on what turns, of a damper or a load, and "
+      "nothing "
+      "holds its rate; give a joint that turns with it a <drive>, or leave out what brakes it",
+      std::abs(moment));
+}
+
 bool newton_at(SmallMotions& motions, const SteadyRotation& rotation, const NewtonOptions& options,
                State& state, Counters& counters, std::string& failure) {
   const System& system = motions.system();
@@ -90,7 +106,7 @@ bool newton_at(SmallMotions& motions, const SteadyRotation& rotation, const Newt
     }
     previous = e;
   }
-  failure = "Newton's iterations do not converge";
+  failure = "Newton's iterations do not converge" + unheld_moment(motions, rotation);
   return false;
 }
 

@@ -155,15 +155,16 @@ bool is_near(const System& system, const State& last, const std::optional<State>
 
 // Of a step too small to be cut, in which stability changes.
 std::string words_of_passing(const System& system, LinearSolver& solver, const State& at,
-                             const Resultants& resultants, double load_factor,
+                             const Resultants& resultants, double from, double to,
                              const std::optional<Index>& before,
                              const std::optional<Index>& after) {
   const std::optional<CriticalMode> mode = critical_mode(system, solver, at, {}, resultants);
+  const int digits = std::clamp(static_cast<int>(-std::log10((to - from) / to)), 1, 5);
   return fmt::format(
-      "at load factor {:.5g} a branch leaves the equilibria followed, and their stability "
+      "at load factor {:.{}g} a branch leaves the equilibria followed, and their stability "
       "changes{}{}: "
       "they are followed straight on; <path> in place of <static> finds the branch",
-      load_factor,
+      0.5 * (from + to), digits,
       before && after ? fmt::format(" (negative eigenvalues {} -> {})", *before, *after)
                       : std::string(),
       mode ? fmt::format(", in a mode in which {} most", name_of_motion(system, mode->shape))
@@ -320,8 +321,8 @@ struct LoadSteps {
     return options.conservative && sign != 0 && step.mixed.sign != 0;
   }
   bool changes_stability(const Step& step) const {
-    return (has_signs(step) && step.mixed.sign != sign) ||
-           (negative && step.negative && *negative != *step.negative);
+    if (negative && step.negative) return *negative != *step.negative;
+    return has_signs(step) && step.mixed.sign != sign;
   }
 
   // Goes on where a step too small to be cut leaves the path, unless it jumps.
@@ -331,7 +332,8 @@ struct LoadSteps {
       increment = 0.0;
     } else if (changes_stability(step)) {
       report.passed.push_back(words_of_passing(system, solver, step.state, step.mixed.resultants,
-                                               report.load_factor, negative, step.negative));
+                                               report.load_factor, step.load_factor, negative,
+                                               step.negative));
       increment = std::max(increment, whole);
       whole = 0.0;
     } else {

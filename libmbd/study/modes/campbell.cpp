@@ -29,8 +29,7 @@ constexpr double first_rate =
 constexpr double is_slow =
     1e-3;  // of the largest frequency: that of a mode near its critical speed
 constexpr double nothing = 1e-8;    // growth beside the frequencies that is round-off
-constexpr double is_growth = 1e-6;  // of a motion that is followed by nobody, beside its frequency
-constexpr double least_growth = 1e-6;  // of a limit of stability, of the largest frequency
+constexpr double is_growth = 1e-7;  // beside the frequency of the motion itself
 constexpr double aside = 1e-2;    // of a step, where modes at its end are not told from each other
 constexpr std::size_t spare = 6;  // modes more than are followed
 
@@ -55,7 +54,8 @@ struct Candidate {
   bool is_round_off() const { return round_off > 0.1; }  // a free motion, or one that stands
   // Of the motion [1/s]; 0 where it is round-off of so fast a one.
   double growth() const {
-    return !is_round_off() && eigenvalue.real() > is_growth * std::abs(eigenvalue)
+    return !is_round_off() &&
+                   eigenvalue.real() > std::max(is_growth, 10.0 * round_off) * std::abs(eigenvalue)
                ? eigenvalue.real()
                : 0.0;
   }
@@ -228,7 +228,7 @@ class Follower {
   void look_at_growth(double rate, double next, const std::vector<Candidate>& last,
                       const Found& found);
   SpecialSpeed limit_of_growth(double rate, double next, const std::vector<Candidate>& last,
-                               bool begins);
+                               bool begins, double growth);
   double zero() const { return nothing * fastest_; }  // eigenvalues below are round-off [1/s]
   bool has_special(double from, double to, bool critical) const;
   void refine(double a, double b, const std::vector<Candidate>& at_a, const Found& at_b,
@@ -244,6 +244,8 @@ class Follower {
   double growth_ = 0.0;                  // of the last rate, as of Found
   Standing standing_;                    // of the last rate where it was known, and that rate
   double standing_at_ = 0.0;
+  int lost_crossings_ = 0;                     // of zero, by frequencies that were lost on the way
+  std::array<double, 2> lost_at_{};            // the first, between these rates
   double components_ = small_component_error;  // the largest error of reductions
   std::string components_note_;
   CampbellStudy study_;
@@ -353,8 +355,8 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a, co
              standing_of(la) * standing_of(lb) < 0.0) {
     events.push_back({SpecialSpeed::Kind::critical, standing});
   }
-  const double least = std::max(least_growth * fastest_, nothing * size);
-  if (la.real() * lb.real() < 0.0 && std::max(std::abs(la.real()), std::abs(lb.real())) > least &&
+  if (la.real() * lb.real() < 0.0 &&
+      std::max(std::abs(la.real()), std::abs(lb.real())) > is_growth * size &&
       std::min(std::abs(la.real()), std::abs(lb.real())) > nothing * size && oscillates(la) &&
       oscillates(lb))
     events.push_back(
@@ -362,10 +364,13 @@ void Follower::refine(double a, double b, const std::vector<Candidate>& at_a, co
          growth});
   for (const Event& event : events) {
     const std::optional<Root> at = locate(a, b, at_a, at_b, branch, event.f);
-    constexpr double narrow = 1e-9;
+    constexpr double narrow = 1e-9, believed = 1e-5;
     const bool is_known = at && at->unknown <= narrow * at->x;
     if (event.f == frequency_of && !is_known && look_between(a, b, at_a, found, branch)) continue;
-    if (!at) continue;
+    if (!at || (event.f == frequency_of && !(at->unknown <= believed * at->x))) {
+      if (event.f == frequency_of && lost_crossings_++ == 0) lost_at_ = {a, b};
+      continue;
+    }
     SpecialSpeed special{event.kind, at->x, branch};
     // What is unknown of l^2, or of growth, over how it changes with the rate.
     const double unknown = at_b[branch].round_off;
@@ -489,9 +494,9 @@ std::optional<Complex> Follower::slow_one(double rate, const Candidate& last, do
 // over an interval, with two eigenvalues that are real, one of which is positive there.
 bool Follower::look_between(double a, double b, const std::vector<Candidate>& at_a,
                             const Found& at_b, std::size_t branch) {
-  constexpr double narrow = 1e-9;  // of the rate
-  constexpr double one = 1e-7;     // of the rate: an interval that round-off has made
-  constexpr double small = 1e-2;   // of the frequency at the ends
+  constexpr double narrow = 1e-9;                // of the rate
+  constexpr double one = 1e-7;                   // of the rate: an interval that round-off has made
+  constexpr double small = 1e-2, nearly = 1e-5;  // of the frequency at the ends
   constexpr int most = 80;
   const double f_a = at_a[branch].eigenvalue.imag(), f_b = at_b.now[branch].eigenvalue.imag();
   const double ends = std::max(std::abs(f_a), std::abs(f_b));
@@ -524,7 +529,8 @@ bool Follower::look_between(double a, double b, const std::vector<Candidate>& at
     }
   };
   if (inside) come_near(below, f_below), come_near(above, f_above);
-  if (std::max(std::abs(f_below), std::abs(f_above)) > small * ends) return false;
+  if (std::max(std::abs(f_below), std::abs(f_above)) > (inside ? small : nearly) * ends)
+    return false;
   const double middle = 0.5 * (below + above);
   const Standing at_start = standing_at(a, at_a), between = standing_at(middle, at_a);
   std::vector<Root> roots;
@@ -534,10 +540,14 @@ bool Follower::look_between(double a, double b, const std::vector<Candidate>& at
   }
   const bool grows_between = !roots.empty();
   if (!grows_between) roots.push_back({middle, std::max(0.5 * (above - below), narrow * middle)});
-  const double least = least_growth * fastest_;
+  // Another branch that is alike has found them.
+  std::erase_if(roots, [&](const Root& root) {
+    const double same = std::max(one * root.x, 3.0 * root.unknown);
+    return has_special(root.x - same, root.x + same, true);
+  });
   for (const Root& root : roots) {
     study_.special.push_back({SpecialSpeed::Kind::critical, root.x, branch, root.unknown / root.x});
-    if (!grows_between || growth_ > least || at_b.growth > least) continue;  // look_at_growth()
+    if (!grows_between || growth_ > 0.0 || at_b.growth > 0.0) continue;  // look_at_growth()
     study_.special.push_back(
         {root.x < middle ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
          root.x, branch, root.unknown / root.x});
@@ -545,12 +555,12 @@ bool Follower::look_between(double a, double b, const std::vector<Candidate>& at
   return true;
 }
 
-// Where growth begins or ends between two rates, one of which it has: at a critical speed between them, or else by halving.
+// Where growth begins or ends between two rates, one of which has `growth` [1/s]: at a critical speed between them, or else by halving.
 SpecialSpeed Follower::limit_of_growth(double rate, double next, const std::vector<Candidate>& last,
-                                       bool begins) {
+                                       bool begins, double growth) {
   const auto is_below = [&](double x) {
     turn(x);
-    const bool grows = follow(last, 0).growth > least_growth * fastest_;
+    const bool grows = follow(last, 0).growth > 0.0;
     return grows != begins;
   };
   double a = rate, b = next;
@@ -565,23 +575,28 @@ SpecialSpeed Follower::limit_of_growth(double rate, double next, const std::vect
     const double x = 0.5 * (a + b);
     (is_below(x) ? a : b) = x;
   }
-  return {.rate = 0.5 * (a + b), .branch = study_.branches.size(), .round_off = narrow};
+  // Growth that rises evenly from zero is seen a little later.
+  turn(begins ? b : a);
+  const double seen = follow(last, 0).growth,
+               rises = begins ? (growth - seen) / (next - b) : (growth - seen) / (a - rate);
+  const double late = rises > 0.0 ? seen / rises : 0.0;
+  const double at = 0.5 * (a + b);
+  return {.rate = at,
+          .branch = study_.branches.size(),
+          .round_off = std::max(narrow, std::min(late, next - rate) / at)};
 }
 
 // Limits of stability other than those of modes that swing on both sides: motions that go away without swinging, two that swing
 // and meet, and motions that are followed by nobody.
 void Follower::look_at_growth(double rate, double next, const std::vector<Candidate>& last,
                               const Found& found) {
-  const double least = least_growth * fastest_;
-  const bool was = growth_ > least, is = found.growth > least;
+  const bool was = growth_ > 0.0, is = found.growth > 0.0;
   const double largest = std::max(growth_, found.growth);
   growth_ = found.growth;
   if (was == is || has_special(rate, next, false)) return;
-  SpecialSpeed limit = limit_of_growth(rate, next, last, is);
+  SpecialSpeed limit = limit_of_growth(rate, next, last, is, largest);
   limit.kind = is ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above;
   if (limit.branch == study_.branches.size()) {
-    // Growth that rises evenly from zero is seen a little later.
-    limit.round_off = std::max(limit.round_off, least / largest * (next - rate) / limit.rate);
     const std::vector<Candidate>& growing = is ? found.now : last;
     const auto fastest = std::ranges::max_element(growing, {}, &Candidate::growth);
     if (fastest->growth() > 0.5 * largest)
@@ -866,6 +881,14 @@ CampbellStudy Follower::go() {
         "the overlap of a mode with itself a step before falls to {:.2f} at {:.6g} rad/s: which is "
         "which is not sure there",
         least_, least_at_));
+  if (lost_crossings_ > 0)
+    study_.notes.push_back(
+        fmt::format("between {:.6g} and {:.6g} rad/s a frequency changes its sign where modes that "
+                    "are alike are "
+                    "not told from each other{}: a critical speed may be missed there",
+                    lost_at_[0], lost_at_[1],
+                    lost_crossings_ > 1 ? fmt::format(", and {} times more", lost_crossings_ - 1)
+                                        : std::string()));
   note_round_off();
   if (!components_note_.empty()) study_.notes.push_back(components_note_);
   std::stable_sort(study_.special.begin(), study_.special.end(),

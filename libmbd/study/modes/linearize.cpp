@@ -10,6 +10,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "libmbd/study/modes/states_of_run.hpp"
 #include "libmbd/text/files.hpp"
@@ -220,7 +221,9 @@ void add_outputs(const Model& model, Linearization& linear) {
   const MatX B = all.B;
   for (std::size_t i = 0; i < rows.size(); ++i)
     Bt.col(static_cast<Index>(i)) = B.row(rows[i]).transpose();
-  const Eigen::CompleteOrthogonalDecomposition<MatX> gradient(Bt);
+  // Eigen's is undefined of no columns.
+  std::optional<Eigen::CompleteOrthogonalDecomposition<MatX>> gradient;
+  if (!rows.empty()) gradient.emplace(Bt);
 
   const Outputs of(model, linear);
   const auto along = [&](const VecX& q, const VecX& qdot, const VecX& w) {
@@ -229,7 +232,7 @@ void add_outputs(const Model& model, Linearization& linear) {
     Along a{r.N * q, r.N * qdot, r.N * VecX(mass.solve(forces)), VecX::Zero(all.B.rows()), w};
     if (!rows.empty()) {
       const VecX left = all.F * w - all.M * a.acceleration - all.C * a.rate - all.K * a.u;
-      const VecX found = gradient.solve(left);
+      const VecX found = gradient->solve(left);
       for (std::size_t i = 0; i < rows.size(); ++i)
         a.multipliers(rows[i]) = found(static_cast<Index>(i));
     }

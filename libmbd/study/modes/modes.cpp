@@ -230,13 +230,24 @@ void MotionsOfScene::check_axes() {
   about_rotation(*motions_, *rotation_, *axes_, state_);
 }
 
+// What moves aside from the axis in equilibrium, under its weight, does not turn about it.
+std::string MotionsOfScene::aside() const {
+  constexpr double seen = 1e-9;  // of the size of the scene
+  const auto [moved, node] = largest_displacement();
+  if (!(moved > seen * model_.system->length_scale())) return {};
+  return fmt::format(
+      " (in equilibrium {} has moved by {:.3g} m, and may be beside it: leave the weight out, "
+      "--without gravity, or take the axis through where it is, --through)",
+      model_.system->node_name(node), moved);
+}
+
 void MotionsOfScene::turn(const SteadyRotation& rotation) {
   const double from = rotation_ ? rotation_->rate : 0.0;
   rotation_ = rotation;
   rotation_->rate = from;
   if (!axes_)
     if (const std::string held = held_fast(*motions_, rotation, state_, driven()); !held.empty())
-      throw Error(scene_.source, "steady rotation: " + held +
+      throw Error(scene_.source, "steady rotation: " + held + aside() +
                                      "; name what does not turn (--at-rest), or hold it otherwise");
   if (!axes_)
     if (const std::string drive = unsteady_drive(*motions_, rotation, state_, duration_);

@@ -146,6 +146,7 @@ class MotionsOfScene {
   void run_to(double time);
   IsDriven driven() const;
   void check_axes();
+  std::string aside() const;
   void name(NamedMode& mode) const;
   // How nodes go round the axis of rotation (Mode::orbit); none where too little of the energy, of which there is `whole`,
   // goes across it. p: M times the shape.
