@@ -182,9 +182,17 @@ struct LoadSteps {
   const VecX weights = motion_weights(system);
   StabilityCount* count = nullptr;  // null where there is no potential
   int sign = 0;                     // of the determinant at the last equilibrium; 0: not known
-  std::optional<Index> negative{};  // eigenvalues there
-  NeutralMotions free{};            // motions there
-  bool cut = false;                 // the last step was
+  // Negative eigenvalues of an equilibrium, besides its neutral motions.
+  struct Counted {
+    Index neutral, negative;
+    double load_factor;
+  };
+  std::optional<Counted> counted{};  // of the last one
+  // Of the last one with as many neutral motions as without load: near a branch its own is one for all that can be told, where other
+  // stiffnesses are much larger.
+  std::optional<Counted> as_at_start{};
+  NeutralMotions free{};  // motions there
+  bool cut = false;       // the last step was
   bool judges_rates = true;
   double whole = 0.0;  // the increment before it was cut where the path was left; 0: it was not
   StaticReport report{};
@@ -262,7 +270,9 @@ struct LoadSteps {
     free = neutral;
     if (rate.size() == 0 || largest_rotation_in(system, rate) / std::max(1, options.steps) < most)
       path = path.next(unloaded, std::move(rate), mixed, 1.0);
-    if (sign != 0 || neutral.count() > 0) negative = negative_at(start, path.resultants(), neutral);
+    if (sign != 0 || neutral.count() > 0)
+      if (const auto negative = negative_at(start, path.resultants(), neutral))
+        counted = as_at_start = Counted{neutral.count(), *negative, 0.0};
   }
 
   Step attempt(const State& state) {
@@ -310,7 +320,6 @@ struct LoadSteps {
     if (step.neutral.count() > 0 && rate.size() > 0) step.neutral.take_out(weights, rate);
     step.path = path.next(step.state, std::move(rate), step.mixed, step.ahead);
     step.negative = negative_at(step.state, step.mixed.resultants, step.neutral);
-    if (step.neutral.count() != free.count()) negative.reset();  // of other motions
     return changes_stability(step) || (has_signs(step) && step.mixed.sign_varied) ||
            (judges_rates &&
             !(path.leads_to(*step.path, step.ahead) &&
@@ -320,8 +329,16 @@ struct LoadSteps {
   bool has_signs(const Step& step) const {
     return options.conservative && sign != 0 && step.mixed.sign != 0;
   }
+  // With which the count of a step is to be compared.
+  const std::optional<Counted>& before_of(const Step& step) const {
+    static const std::optional<Counted> none;
+    for (const auto* one : {&counted, &as_at_start})
+      if (*one && (*one)->neutral == step.neutral.count()) return *one;
+    return none;
+  }
   bool changes_stability(const Step& step) const {
-    if (negative && step.negative) return *negative != *step.negative;
+    const std::optional<Counted>& before = before_of(step);
+    if (step.negative && before) return before->negative != *step.negative;
     return has_signs(step) && step.mixed.sign != sign;
   }
 
@@ -331,9 +348,11 @@ struct LoadSteps {
       step.found = false;
       increment = 0.0;
     } else if (changes_stability(step)) {
-      report.passed.push_back(words_of_passing(system, solver, step.state, step.mixed.resultants,
-                                               report.load_factor, step.load_factor, negative,
-                                               step.negative));
+      const std::optional<Counted>& before = before_of(step);
+      report.passed.push_back(
+          words_of_passing(system, solver, step.state, step.mixed.resultants,
+                           before ? before->load_factor : report.load_factor, step.load_factor,
+                           before ? std::optional(before->negative) : std::nullopt, step.negative));
       increment = std::max(increment, whole);
       whole = 0.0;
     } else {
@@ -366,7 +385,10 @@ struct LoadSteps {
     state = std::move(step.state);
     path = std::move(*step.path);
     sign = step.mixed.sign;
-    negative = report.negative = step.negative;
+    report.negative = step.negative;
+    counted.reset();
+    if (step.negative) counted = Counted{step.neutral.count(), *step.negative, step.load_factor};
+    if (counted && as_at_start && counted->neutral == as_at_start->neutral) as_at_start = counted;
     report.searched += step.searched ? 1 : 0;
     report.neutral.clear();
     for (Index i = 0; i < step.neutral.count(); ++i)

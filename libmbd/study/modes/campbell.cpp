@@ -105,10 +105,12 @@ struct Root {
 };
 template <class F>
 std::optional<Root> root_between(double a, double b, double fa, double fb, const F& f_of) {
-  constexpr double root = 1e-3;  // f there, of what it is at the ends
+  constexpr double root =
+      1e-3;  // f there, of what it is at the nearer end: where it leaps, it is as large
   constexpr int most = 60;
   double x0 = a, x1 = b, f0 = fa, f1 = fb;
-  const double ends = std::max(std::abs(f0), std::abs(f1));
+  const auto [near, ends] = std::minmax({std::abs(fa), std::abs(fb)});
+  const double small = root * std::max(near, root * ends);
   double least = ends;  // |f| so far, not halved
   int same_side = 0;
   const auto root_at = [&](double x) {
@@ -121,8 +123,8 @@ std::optional<Root> root_between(double a, double b, double fa, double fb, const
       if (!(x > std::min(x0, x1)) || !(x < std::max(x0, x1))) break;
     }
     const double asked = x;
-    const std::optional<double> f = f_of(x, least <= root * ends);
-    if (!f) return least <= root * ends ? root_at(asked) : std::nullopt;
+    const std::optional<double> f = f_of(x, least <= small);
+    if (!f) return least <= small ? root_at(asked) : std::nullopt;
     if (*f == 0.0) return Root{x, 0.0};
     least = std::min(least, std::abs(*f));
     if (*f * f1 > 0.0) {
@@ -133,7 +135,7 @@ std::optional<Root> root_between(double a, double b, double fa, double fb, const
       same_side = 0;
     }
   }
-  if (!(least <= root * ends)) return std::nullopt;
+  if (!(least <= small)) return std::nullopt;
   return root_at(std::abs(f1) < std::abs(f0) ? x1 : x0);
 }
 
@@ -547,7 +549,10 @@ bool Follower::look_between(double a, double b, const std::vector<Candidate>& at
   });
   for (const Root& root : roots) {
     study_.special.push_back({SpecialSpeed::Kind::critical, root.x, branch, root.unknown / root.x});
-    if (!grows_between || growth_ > 0.0 || at_b.growth > 0.0) continue;  // look_at_growth()
+    const double same = one * root.x;
+    if (!grows_between || growth_ > 0.0 || at_b.growth > 0.0 ||  // look_at_growth()
+        has_special(root.x - same, root.x + same, false))
+      continue;
     study_.special.push_back(
         {root.x < middle ? SpecialSpeed::Kind::unstable_above : SpecialSpeed::Kind::stable_above,
          root.x, branch, root.unknown / root.x});

@@ -100,8 +100,8 @@ std::string to_text(const CampbellStudy& study) {
                         special.rate * 30.0 / std::numbers::pi,
                         digits_left(special.round_off, 8, 3), special.branch + 1);
   if (study.special.empty())
-    text += fmt::format("no critical speed from {:.6g} to {:.6g} rad/s\n", study.rates.front(),
-                        study.rates.back());
+    text += fmt::format("no critical speed was found from {:.6g} to {:.6g} rad/s\n",
+                        study.rates.front(), study.rates.back());
   for (const CampbellStudy::Response& response : study.responses)
     text += words_of_response(study, response, "unbalance") + '\n';
   for (const CampbellStudy::Response& response : study.force_responses)
