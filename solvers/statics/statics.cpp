@@ -348,11 +348,18 @@ struct LoadSteps {
       step.found = false;
       increment = 0.0;
     } else if (changes_stability(step)) {
-      const std::optional<Counted>& before = before_of(step);
-      report.passed.push_back(
-          words_of_passing(system, solver, step.state, step.mixed.resultants,
-                           before ? before->load_factor : report.load_factor, step.load_factor,
-                           before ? std::optional(before->negative) : std::nullopt, step.negative));
+      const std::optional<Counted> before = before_of(step);
+      std::optional<Index> from, to = step.negative;
+      if (before && step.negative) {
+        // A spin that is not told to be neutral just there is counted by its round-off, before and after.
+        Counted& at_start = as_at_start ? *as_at_start : *counted;
+        from = at_start.negative;
+        to = at_start.negative + *step.negative - before->negative;
+        at_start = {at_start.neutral, *to, step.load_factor};
+      }
+      report.passed.push_back(words_of_passing(system, solver, step.state, step.mixed.resultants,
+                                               before ? before->load_factor : report.load_factor,
+                                               step.load_factor, from, to));
       increment = std::max(increment, whole);
       whole = 0.0;
     } else {

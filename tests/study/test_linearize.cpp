@@ -288,6 +288,17 @@ TEST(Linearize, RedundantConstraints) {
             1e-7 * std::norm(each));
 }
 
+// Found by a reviewer: of a model without joints, and with records, it broke down. Displacements are the states.
+TEST(Linearize, WithoutJoints) {
+  const Linearization linear = linearize(read(R"(<body name="b" mass="2" inertia="1 2 3"/>
+      <bushing name="k" between="ground b" stiffness="18 50 98" angular_stiffness="1 2 3"/>
+      <record name="b" at="b" quantities="displacement"/><static/>)"));
+  ASSERT_TRUE(linear.reduced);
+  EXPECT_EQ(linear.states.size(), 12U);
+  EXPECT_LT((linear.C.leftCols(3) - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+  EXPECT_EQ(linear.growth, 0.0);
+}
+
 // Found by a reviewer: where one output is nothing but round-off (the moment about the axis of a hinge) the others were taken from
 // differences that agree by chance over steps that are nearly nothing, 2e-4 off. A velocity is the rate of its position.
 // Mutation: steps go on for all while one output is not known.
