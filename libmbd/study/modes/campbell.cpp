@@ -30,8 +30,11 @@ constexpr double is_slow =
     1e-3;  // of the largest frequency: that of a mode near its critical speed
 constexpr double nothing = 1e-8;    // growth beside the frequencies that is round-off
 constexpr double is_growth = 1e-7;  // beside the frequency of the motion itself
-constexpr double aside = 1e-2;    // of a step, where modes at its end are not told from each other
-constexpr std::size_t spare = 6;  // modes more than are followed
+constexpr double aside = 1e-2;  // of a step, where modes at its end are not told from each other
+constexpr double narrow_rate =
+    1e-9;                          // of a rate: where a frequency of zero is looked for no nearer
+constexpr double one_rate = 1e-7;  // of a rate: an interval of zero that round-off has made
+constexpr std::size_t spare = 6;   // modes more than are followed
 
 // A mode of one rate, or its conjugate.
 struct Candidate {
@@ -224,6 +227,11 @@ class Follower {
   void standings_between(double a, const Standing& at_a, double b, const Standing& at_b,
                          const std::vector<Candidate>& last, std::vector<Root>& found);
   void look_for_standing(double next, const std::vector<Candidate>& last, const Found& found);
+  struct Standstill {
+    double below, above;  // rates beside it
+  };
+  std::optional<Standstill> standstill(double a, double b, double f_a, double f_b,
+                                       const Candidate& at_a);
   bool look_between(double a, double b, const std::vector<Candidate>& at_a, const Found& at_b,
                     std::size_t branch);
   std::optional<Complex> slow_one(double rate, const Candidate& last, double fastest);
@@ -492,36 +500,33 @@ std::optional<Complex> Follower::slow_one(double rate, const Candidate& last, do
   return result;
 }
 
-// A frequency goes through zero, and the motion is lost on the way: that of a shaft that is nearly alike in both planes is zero
-// over an interval, with two eigenvalues that are real, one of which is positive there.
-bool Follower::look_between(double a, double b, const std::vector<Candidate>& at_a,
-                            const Found& at_b, std::size_t branch) {
-  constexpr double narrow = 1e-9;                // of the rate
-  constexpr double one = 1e-7;                   // of the rate: an interval that round-off has made
+// Where the frequency of a branch is zero between two rates, at which it is f_a and f_b; none where it leaps over zero.
+std::optional<Follower::Standstill> Follower::standstill(double a, double b, double f_a, double f_b,
+                                                         const Candidate& at_a) {
   constexpr double small = 1e-2, nearly = 1e-5;  // of the frequency at the ends
   constexpr int most = 80;
-  const double f_a = at_a[branch].eigenvalue.imag(), f_b = at_b.now[branch].eigenvalue.imag();
   const double ends = std::max(std::abs(f_a), std::abs(f_b));
-  const auto eigenvalue = [&](double x) { return slow_one(x, at_a[branch], 1.1 * ends); };
+  const auto eigenvalue = [&](double x) { return slow_one(x, at_a, 1.1 * ends); };
   double below = a, above = b, f_below = f_a, f_above = f_b;
+  const auto is_above = [&](double part) {
+    return std::max(std::abs(f_below), std::abs(f_above)) > part * ends;
+  };
   std::optional<double> inside;
-  for (int k = 0; k < most && !inside && above - below > narrow * above; ++k) {
+  for (int k = 0; k < most && !inside && above - below > narrow_rate * above; ++k) {
     const double share = k % 2 == 0 ? f_below / (f_below - f_above) : 0.5;
     const double x = below + std::clamp(share, 0.01, 0.99) * (above - below);
     const std::optional<Complex> l = eigenvalue(x);
-    if (!l) return false;
+    if (!l) return std::nullopt;
     if (!oscillates(*l))
       inside = x;
     else if ((l->imag() > 0.0) == (f_below > 0.0))
       below = x, f_below = l->imag();
     else
       above = x, f_above = l->imag();
-    if (above - below < small * (b - a) &&
-        std::max(std::abs(f_below), std::abs(f_above)) > 0.5 * ends)
-      return false;  // a leap
+    if (above - below < small * (b - a) && is_above(0.5)) return std::nullopt;
   }
   const auto come_near = [&](double& edge, double& f) {
-    for (double in = *inside; std::abs(in - edge) > 1e-3 * one * in;) {
+    for (double in = *inside; std::abs(in - edge) > 1e-3 * one_rate * in;) {
       const double x = 0.5 * (in + edge);
       const std::optional<Complex> l = eigenvalue(x);
       if (l && oscillates(*l))
@@ -531,25 +536,34 @@ bool Follower::look_between(double a, double b, const std::vector<Candidate>& at
     }
   };
   if (inside) come_near(below, f_below), come_near(above, f_above);
-  if (std::max(std::abs(f_below), std::abs(f_above)) > (inside ? small : nearly) * ends)
-    return false;
-  const double middle = 0.5 * (below + above);
+  if (is_above(inside ? small : nearly)) return std::nullopt;
+  return Standstill{below, above};
+}
+
+// A frequency goes through zero, and the motion is lost on the way: that of a shaft that is nearly alike in both planes is zero
+// over an interval, with two eigenvalues that are real, one of which is positive there.
+bool Follower::look_between(double a, double b, const std::vector<Candidate>& at_a,
+                            const Found& at_b, std::size_t branch) {
+  const std::optional<Standstill> zero = standstill(
+      a, b, at_a[branch].eigenvalue.imag(), at_b.now[branch].eigenvalue.imag(), at_a[branch]);
+  if (!zero) return false;
+  const double middle = 0.5 * (zero->below + zero->above), width = zero->above - zero->below;
   const Standing at_start = standing_at(a, at_a), between = standing_at(middle, at_a);
   std::vector<Root> roots;
-  if (above - below > one * middle && at_start.growing == at_b.standing.growing) {
+  if (width > one_rate * middle && at_start.growing == at_b.standing.growing) {
     standings_between(a, at_start, middle, between, at_a, roots);
     standings_between(middle, between, b, at_b.standing, at_a, roots);
   }
   const bool grows_between = !roots.empty();
-  if (!grows_between) roots.push_back({middle, std::max(0.5 * (above - below), narrow * middle)});
+  if (!grows_between) roots.push_back({middle, std::max(0.5 * width, narrow_rate * middle)});
   // Another branch that is alike has found them.
   std::erase_if(roots, [&](const Root& root) {
-    const double same = std::max(one * root.x, 3.0 * root.unknown);
+    const double same = std::max(one_rate * root.x, 3.0 * root.unknown);
     return has_special(root.x - same, root.x + same, true);
   });
   for (const Root& root : roots) {
     study_.special.push_back({SpecialSpeed::Kind::critical, root.x, branch, root.unknown / root.x});
-    const double same = one * root.x;
+    const double same = one_rate * root.x;
     if (!grows_between || growth_ > 0.0 || at_b.growth > 0.0 ||  // look_at_growth()
         has_special(root.x - same, root.x + same, false))
       continue;

@@ -199,6 +199,15 @@ void note_doubt(Linearization& linear, const VecX& doubt) {
           : "not known"));
 }
 
+// Of constraints, those that are not idle.
+std::vector<Index> rows_that_act(const Linearization& linear) {
+  std::vector<Index> rows;
+  const std::vector<Index>& idle = linear.state.idle;
+  for (Index i = 0; i < linear.motion.B.rows(); ++i)
+    if (!std::binary_search(idle.begin(), idle.end(), i)) rows.push_back(i);
+  return rows;
+}
+
 // C and D of a linearization whose motion on the constraints is there.
 void add_outputs(const Model& model, Linearization& linear) {
   const ReducedMotion& r = *linear.reduced;
@@ -212,11 +221,8 @@ void add_outputs(const Model& model, Linearization& linear) {
   }
   const Eigen::PartialPivLU<MatX> mass(r.E.bottomRightCorner(m, m));
 
-  // Multipliers from what is left of (1), of the rows that are not idle.
-  std::vector<Index> rows;
-  const std::vector<Index>& idle = linear.state.idle;
-  for (Index i = 0; i < all.B.rows(); ++i)
-    if (!std::binary_search(idle.begin(), idle.end(), i)) rows.push_back(i);
+  // Multipliers from what is left of (1).
+  const std::vector<Index> rows = rows_that_act(linear);
   MatX Bt(n, static_cast<Index>(rows.size()));
   const MatX B = all.B;
   for (std::size_t i = 0; i < rows.size(); ++i)
