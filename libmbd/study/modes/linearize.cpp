@@ -90,9 +90,11 @@ class Outputs {
       // Each by itself: where others go on, to steps that are nearly nothing, differences of round-off agree by chance.
       for (Index i = 0; i < size_ && k > 0; ++i) {
         const auto [first, count] = quantities_[static_cast<std::size_t>(i)];
-        const double whole = best.rate.segment(first, count).cwiseAbs().maxCoeff();
-        if (best.doubt(i) <=
-            std::max(agreed * std::abs(best.rate(i)) + tiny * most(i), is_none * whole))
+        const double whole = best.rate.segment(first, count).cwiseAbs().maxCoeff(),
+                     value = here_.segment(first, count).cwiseAbs().maxCoeff();
+        // What is round-off of its quantity only grows with shorter steps.
+        if (best.doubt(i) <= std::max({agreed * std::abs(best.rate(i)) + tiny * most(i),
+                                       is_none * whole, several * round_off * value / step}))
           is_known[static_cast<std::size_t>(i)] = 1;
       }
       if (std::ranges::count(is_known, 0) == 0) break;
@@ -102,7 +104,7 @@ class Outputs {
 
  private:
   static constexpr double largest_part = 1e-4, ratio = 4.0, agreed = 1e-10, tiny = 1e-16,
-                          round_off = 1.1e-16, is_none = 1e-11;
+                          round_off = 1.1e-16, is_none = 1e-11, several = 16.0;
   static constexpr int most_steps = 16;
   static constexpr std::size_t most_orders = 3;
 
