@@ -459,11 +459,11 @@ void symmetrize(double* D, int stride, int n) {
     }
 }
 
-// Of D by its eigenvalues, with rows and columns in units in which they are of one size.
+// Of a symmetric D by its eigenvalues, with rows and columns in units in which they are of one size.
 void add_eigenvalues(const double* D, int stride, int n, PivotInertia& inertia) {
   Small A(n, n);
   for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) A(i, j) = 0.5 * (D[j * stride + i] + D[i * stride + j]);
+    for (int i = 0; i < n; ++i) A(i, j) = D[j * stride + i];
   for (int pass = 0; pass < 3; ++pass)
     for (int i = 0; i < n; ++i) {
       const double size = std::sqrt(A.row(i).cwiseAbs().maxCoeff());

@@ -47,18 +47,17 @@ Index most_turned(const VecX& z) {
 }
 
 // Where nothing holds the angle, and something acts about the axis: no rotation is steady.
-std::string unheld_moment(SmallMotions& motions, const SteadyRotation& rotation) {
+std::string unheld_moment(const SmallMotions& motions, const SteadyRotation& rotation) {
   constexpr double none = 1e-7;  // of what acts on parts of it
   const VecX z = turning(motions, rotation, motions.state());
   if (!is_free_to_turn(motions, z)) return {};
   const VecX r = motions.residual().tail(motions.unknowns()).head(motions.motions());
-  const double moment = z.head(motions.motions()).dot(r),
-               all = z.head(motions.motions()).cwiseAbs().dot(r.cwiseAbs());
+  const double moment = z.dot(r), all = z.cwiseAbs().dot(r.cwiseAbs());
   if (!(std::abs(moment) > none * all)) return {};
   return fmt::format(
       ": a moment of {:.4g} N.m about the axis acts on what turns, of a damper or a load, and "
-      "nothing "
-      "holds its rate; give a joint that turns with it a <drive>, or leave out what brakes it",
+      "nothing holds its rate; give a joint that turns with it a <drive>, or leave out what brakes "
+      "it",
       std::abs(moment));
 }
 

@@ -425,16 +425,22 @@ TEST(Campbell, IsWritten) {
 
 // ---- found by a reviewer: disks on bushings that turn with the shaft ----
 
-Scene disks(double k, double c, const std::string& more) {
-  return read_model_text(fmt::format(R"(<mbd name="disks">
+// Of 1 kg, on a bushing as stated.
+Scene disk_on(const std::string& bushing, const std::string& more = "") {
+  return read_model_text(R"(<mbd name="disks">
       <body name="shaft" mass="1" inertia="1 1 1"/>
       <revolute name="R" between="ground shaft" axis="0 0 1"/><drive joint="R" rate="0"/>
       <body name="d1" mass="1" inertia="0.01 0.01 0.02"/>
-      <bushing name="b1" between="shaft d1" axis="0 0 1" stiffness="{0} {0} 1e6" damping="{1} {1} 0"
-        angular_stiffness="1e4 1e4 1e4"/>{2}
-      <transient duration="1" step="1e-2"/></mbd>)",
-                                     k, c, more),
+      <bushing name="b1" between="shaft d1" axis="0 0 1" )" +
+                             bushing + "/>" + more +
+                             R"(<transient duration="1" step="1e-2"/></mbd>)",
                          "disks.xml");
+}
+Scene disks(double k, double c, const std::string& more) {
+  return disk_on(
+      fmt::format(R"(stiffness="{0} {0} 1e6" damping="{1} {1} 0" angular_stiffness="1e4 1e4 1e4")",
+                  k, c),
+      more);
 }
 CampbellStudy of_disks(const Scene& scene, double from, double to, int points, int count) {
   return study(scene, to, points, count, {}, from, {.axis = Vec3(0.0, 0.0, 1.0)});
@@ -462,15 +468,9 @@ TEST(Campbell, CriticalSpeedOfADiskWithoutDamping) {
 // Killed: frequencies that pass zero without a root left out.
 TEST(Campbell, NearlyRoundRotors) {
   const auto study_of = [](double other, double damping, int points) {
-    const Scene scene = read_model_text(fmt::format(R"(<mbd name="disk">
-      <body name="shaft" mass="1" inertia="1 1 1"/>
-      <revolute name="R" between="ground shaft" axis="0 0 1"/><drive joint="R" rate="0"/>
-      <body name="d1" mass="1" inertia="0.01 0.01 0.02"/>
-      <bushing name="b1" between="shaft d1" axis="0 0 1" stiffness="2345.6 {} 1e6" damping="{} {} 0"
-        angular_stiffness="1e4 1e4 1e4"/>
-      <transient duration="1" step="1e-2"/></mbd>)",
-                                                    other, damping, damping),
-                                        "disk.xml");
+    const Scene scene = disk_on(fmt::format(
+        R"(stiffness="2345.6 {} 1e6" damping="{} {} 0" angular_stiffness="1e4 1e4 1e4")", other,
+        damping, damping));
     return of_disks(scene, 40.0, 60.0, points, 2);
   };
   const double first = std::sqrt(2345.6);
@@ -500,14 +500,8 @@ TEST(Campbell, NearlyRoundRotors) {
 // 110 with four, 163 with a fast one among six. c/2 (W/w - 1) of a round disk on a bushing that turns and damps.
 // Killed: least growth of 1e-6 of the largest frequency.
 TEST(Campbell, LimitsDoNotDependOnWhatElseIsFollowed) {
-  const Scene scene = read_model_text(R"(<mbd name="disk">
-      <body name="shaft" mass="1" inertia="1 1 1"/>
-      <revolute name="R" between="ground shaft" axis="0 0 1"/><drive joint="R" rate="0"/>
-      <body name="disk" mass="1" inertia="0.01 0.01 0.02"/>
-      <bushing name="k" between="shaft disk" axis="0 0 1" stiffness="1e4 1e4 1e8" damping="0.2 0.2 0"
-        angular_stiffness="1e6 1e6 1e6"/>
-      <transient duration="1" step="1e-2"/></mbd>)",
-                                      "disk.xml");
+  const Scene scene =
+      disk_on(R"(stiffness="1e4 1e4 1e8" damping="0.2 0.2 0" angular_stiffness="1e6 1e6 1e6")");
   for (const int modes : {2, 3, 4, 6}) {
     const CampbellStudy result = of_disks(scene, 10.0, 200.0, 20, modes);
     int limits = 0;
@@ -523,11 +517,10 @@ TEST(Campbell, LimitsDoNotDependOnWhatElseIsFollowed) {
 // And of two equal rotors, 1e-4 from round, each critical speed was named four times. What is not found because modes that are alike are
 // not told from each other is said. Killed: speeds that another branch has found named again.
 TEST(Campbell, TwoEqualRotors) {
-  const char* const second = R"(<body name="d2" mass="1" inertia="0.01 0.01 0.02"/>
-      <bushing name="b2" between="shaft d2" axis="0 0 1" stiffness="1e4 1.0001e4 1e6"
-        angular_stiffness="1e4 1e4 1e4"/>)";
-  Scene scene = disks(1e4, 0.0, second);
-  scene.bushings[0].stiffness(1, 1) = 1.0001e4;
+  const std::string bushing = R"(stiffness="1e4 1.0001e4 1e6" angular_stiffness="1e4 1e4 1e4")";
+  const Scene scene = disk_on(bushing, R"(<body name="d2" mass="1" inertia="0.01 0.01 0.02"/>
+      <bushing name="b2" between="shaft d2" axis="0 0 1" )" +
+                                           bushing + "/>");
   for (const int points : {5, 11}) {
     const CampbellStudy result = of_disks(scene, 80.0, 130.0, points, 4);
     int first = 0, other = 0;

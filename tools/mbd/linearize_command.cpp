@@ -33,7 +33,7 @@ int linearize_model(const LinearizeArguments& arguments) {
   if (arguments.hdf5) require_hdf5("linear.h5");
   const std::filesystem::path output =
       results_directory(arguments.output, arguments.model, "linear");
-  const Linearization linear = linearize(scene, options);
+  const Linearization linear = linearize(scene, options, true);
   make_directory(output);
   write_linearization(linear, output);
   std::error_code code;

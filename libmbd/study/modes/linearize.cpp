@@ -36,17 +36,26 @@ struct Change {
   VecX rate, doubt;
 };
 
-// Of each output the first and the number of those that are one quantity with it: what is zero of a vector is so beside the rest.
-std::vector<std::pair<Index, Index>> quantities_of(const Model& model, Index outputs) {
-  std::vector<std::pair<Index, Index>> all;
+// Calls take(q, first, n) for each quantity: outputs first to first + n - 1; q: null of what is none.
+template <class Take>
+void each_quantity(const Model& model, const Take& take) {
+  Index first = 0;
   for (const Channel& channel : model.channels)
     for (std::size_t k = 0; k < channel.columns.size();) {
       const schema::Quantity* const q = channel.columns[k].quantity;
-      const auto n = static_cast<std::size_t>(q == nullptr ? 1 : q->components);
-      all.insert(all.end(), n, {std::ssize(all), static_cast<Index>(n)});
-      k += n;
+      const Index n = q == nullptr ? 1 : q->components;
+      take(q, first, n);
+      first += n;
+      k += static_cast<std::size_t>(n);
     }
-  if (std::ssize(all) != outputs) throw Error("linearize: outputs without quantities");
+}
+
+// Of each output the first and the number of those that are one quantity with it: what is zero of a vector is so beside the rest.
+std::vector<std::pair<Index, Index>> quantities_of(const Model& model) {
+  std::vector<std::pair<Index, Index>> all;
+  each_quantity(model, [&](const schema::Quantity*, Index first, Index n) {
+    all.insert(all.end(), static_cast<std::size_t>(n), {first, n});
+  });
   return all;
 }
 
@@ -57,8 +66,10 @@ class Outputs {
         linear_(linear),
         here_(linear.outputs),
         size_(linear.outputs.size()),
-        quantities_(quantities_of(model, size_)),
+        quantities_(quantities_of(model)),
         turns_(rotation_vectors(model)) {}
+
+  const std::vector<std::pair<Index, Index>>& quantities() const { return quantities_; }
 
   // dy along a small motion: of each output its central difference over the step that suits it best. A mechanism may be much
   // smaller than the scene, and a stress of von Mises near zero bends within what moves it from there; so steps go down until
@@ -129,15 +140,9 @@ class Outputs {
   // First components of rotation vectors.
   static std::vector<Index> rotation_vectors(const Model& model) {
     std::vector<Index> all;
-    Index at = 0;
-    for (const Channel& channel : model.channels)
-      for (std::size_t k = 0; k < channel.columns.size();) {
-        const schema::Quantity* const q = channel.columns[k].quantity;
-        const int n = q == nullptr ? 1 : q->components;
-        if (n == 3 && q->unit == "rad") all.push_back(at);
-        at += n;
-        k += static_cast<std::size_t>(n);
-      }
+    each_quantity(model, [&](const schema::Quantity* q, Index first, Index n) {
+      if (n == 3 && q->unit == "rad") all.push_back(first);
+    });
     return all;
   }
 
@@ -246,7 +251,6 @@ void add_outputs(const Model& model, Linearization& linear) {
     }
     return of.change(a);
   };
-  const std::vector<std::pair<Index, Index>> quantities = quantities_of(model, outputs);
   const VecX none = VecX::Zero(m), no_input = VecX::Zero(inputs);
   std::vector<Change> of_states, of_inputs;
   for (Index j = 0; j < m; ++j) of_states.push_back(along(VecX::Unit(m, j), none, no_input));
@@ -258,7 +262,7 @@ void add_outputs(const Model& model, Linearization& linear) {
     for (std::size_t j = 0; j < columns.size(); ++j)
       matrix.col(static_cast<Index>(j)) = columns[j].rate;
     for (Index i = 0; i < outputs && !columns.empty(); ++i) {
-      const auto [first, count] = quantities[static_cast<std::size_t>(i)];
+      const auto [first, count] = of.quantities()[static_cast<std::size_t>(i)];
       const double largest = matrix.middleRows(first, count).cwiseAbs().maxCoeff();
       for (const Change& column : columns)
         if (largest > 0.0 || !std::isfinite(column.doubt(i)))
@@ -340,17 +344,11 @@ class InTurningAxes {
       VecX turned(y.size());
       outputs(model_, turned_by(angle, rotation_, state_),
               {turned.data(), static_cast<std::size_t>(turned.size())});
-      Index i = 0;
-      for (const Channel& channel : model_.channels)
-        for (std::size_t k = 0; k < channel.columns.size();) {
-          const schema::Quantity* const q = channel.columns[k].quantity;
-          const Index n = q == nullptr ? 1 : q->components;
-          if (q != nullptr && !follows(*q, angle, y.segment(i, n), turned.segment(i, n),
-                                       natural.segment(i, n).maxCoeff()))
-            std::fill_n(out.which.begin() + i, n, true);
-          i += n;
-          k += static_cast<std::size_t>(n);
-        }
+      each_quantity(model_, [&](const schema::Quantity* q, Index i, Index n) {
+        if (q != nullptr && !follows(*q, angle, y.segment(i, n), turned.segment(i, n),
+                                     natural.segment(i, n).maxCoeff()))
+          std::fill_n(out.which.begin() + i, n, true);
+      });
     }
     return out;
   }
@@ -399,25 +397,25 @@ double growth_of(SmallMotions& motions, const ReducedMotion& reduced) {
   constexpr double round_off = 1e-9;    // of a pole
   constexpr double of_fastest = 1e-11;  // of a dense matrix
   constexpr double beyond = 1.001;
-  double growth = 0.0, slowest = 0.0;
+  double growth = 0.0, reach = 0.0;  // up to which modes have been found
   const auto count = static_cast<int>(std::min<Index>(slow, reduced.E.rows() / 2));
   for (const Mode& mode : find_modes(motions, {.count = std::max(count, 1)}).modes) {
     const double size = std::abs(mode.eigenvalue);
-    slowest = std::max(slowest, size);
+    reach = std::max(reach, size);
     if (!mode.rigid && mode.eigenvalue.real() > std::max(10.0 * mode.round_off, round_off) * size)
       growth = std::max(growth, mode.eigenvalue.real());
   }
   const VecXc poles = eigenvalues_of(Eigen::PartialPivLU<MatX>(reduced.E).solve(reduced.A));
   const double fastest = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0.0;
   for (const std::complex<double>& pole : poles)
-    if (std::abs(pole) > beyond * slowest &&
+    if (std::abs(pole) > beyond * reach &&
         pole.real() > std::max(round_off * std::abs(pole), of_fastest * fastest))
       growth = std::max(growth, pole.real());
   return growth;
 }
 
 // `rotation`: in whose axes; null: at rest, or about a state that moves.
-Linearization of_motions(const Model& model, SmallMotions& motions, bool constant,
+Linearization of_motions(const Model& model, const SmallMotions& motions, bool constant,
                          const SteadyRotation* rotation = nullptr) {
   Linearization linear;
   const System& system = *model.system;
@@ -435,7 +433,6 @@ Linearization of_motions(const Model& model, SmallMotions& motions, bool constan
     return linear;
   }
   linear.reduced = reduced_motion(system, linear.motion);
-  linear.growth = growth_of(motions, *linear.reduced);
   for (const bool rate : {false, true})
     for (const Index motion : linear.reduced->coordinates)
       linear.states.push_back({(rate ? "rate of " : "") + name_of_coordinate(system, motion),
@@ -485,7 +482,7 @@ std::string matrix_market(const Eigen::SparseMatrix<double>& matrix) {
 
 }  // namespace
 
-Linearization linearize(const Scene& scene, const ModesOptions& options) {
+Linearization linearize(const Scene& scene, const ModesOptions& options, bool growth) {
   if (options.rotation && options.time)
     throw Error(scene.source,
                 "linearize: about a steady rotation, or about a state of a run, not both");
@@ -503,6 +500,7 @@ Linearization linearize(const Scene& scene, const ModesOptions& options) {
   try {
     Linearization linear =
         of_motions(of_scene.model(), of_scene.motions(), !options.time, of_scene.rotation());
+    if (growth && linear.reduced) linear.growth = growth_of(of_scene.motions(), *linear.reduced);
     linear.model = scene.name;
     linear.file = scene.file;
     linear.rotation = options.rotation;
@@ -576,11 +574,12 @@ std::string to_text(const Linearization& linear) {
                       linear.motion.M.rows(), linear.motion.B.rows(), linear.ports.inputs.size(),
                       linear.ports.outputs.size());
   if (linear.reduced) {
-    text +=
-        fmt::format("{} states; {}\n", linear.states.size(),
-                    linear.growth > 0.0
-                        ? fmt::format("unstable: something grows as exp({:.6g} t)", linear.growth)
-                        : std::string("nothing grows (mbd modes has the poles)"));
+    text += fmt::format("{} states", linear.states.size());
+    if (linear.growth)
+      text += *linear.growth > 0.0
+                  ? fmt::format("; unstable: something grows as exp({:.6g} t)", *linear.growth)
+                  : std::string("; nothing grows (mbd modes has the poles)");
+    text += "\n";
     std::vector<std::vector<std::string>> table{{"state", "unit"}};
     constexpr std::size_t most = 12;
     for (std::size_t i = 0; i < linear.states.size() / 2 && i < most; ++i)

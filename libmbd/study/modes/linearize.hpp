@@ -22,8 +22,8 @@ struct Linearization {
   // On the constraints: [q; q'], each q a displacement [m] or rotation [rad] of a node in its body axes. Nothing about a
   // state that moves otherwise than in a steady rotation.
   std::optional<ReducedMotion> reduced;
-  double growth =
-      0.0;  // [1/s] of what grows fastest in `reduced`; 0: nothing does, beyond round-off
+  // [1/s] Of what grows fastest in `reduced`, 0: nothing does, beyond round-off; empty where it was not asked for.
+  std::optional<double> growth;
   std::vector<Port> states;
   Ports ports;
   VecX outputs;  // at the state
@@ -35,8 +35,8 @@ struct Linearization {
 };
 
 // About the equilibrium of a scene, a steady rotation, or the state of a run at a time (ModesOptions says how; `count` and
-// `near` are not used). Throws Error as study_modes() does.
-Linearization linearize(const Scene& scene, const ModesOptions& options = {});
+// `near` are not used). `growth`: whether anything grows is looked for, which takes all poles. Throws Error as study_modes() does.
+Linearization linearize(const Scene& scene, const ModesOptions& options = {}, bool growth = false);
 
 // About a state that the program has, of the model with the inputs that it has: in full where it is an equilibrium at rest
 // (velocities, and accelerations that the equations of motion give it, to 1e-6 of the largest over a second). Throws Error
